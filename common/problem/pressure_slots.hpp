@@ -11,17 +11,16 @@
 
 namespace palpate {
 
-/// Nodes that a pressure space has on a mesh, from number 0 on: none, the vertices, or all.
+/// How many nodes of the mesh, from node 0 on, have a pressure: none, the vertices, or all.
 std::size_t pressureNodes(PressureSpace space, const Mesh& mesh);
 
-/// The numbers that a body's pressure field consists of.
+/// Numbers the nodal pressures of a body.
 ///
-/// The pressure is continuous within a material. Between two materials it jumps, since the traction
-/// is continuous and the stresses at equal strain differ, so that a node between them has one
-/// pressure of each. Slots 0 to nodes() - 1 are those of the nodes of the pressure space, of the
-/// material named first in the scene where there are several; the others follow, by node, then by
-/// material. Regions of equal materials share their slots; materials without a pressure
-/// (isMixed) have none.
+/// The pressure is continuous within a material and jumps between two: the traction is continuous,
+/// and the stresses at equal strain differ. A node between two materials therefore has a pressure
+/// for each. Slot n < nodes() is the pressure at node n for the material that the scene names first
+/// there. The pressures of further materials follow, by node, then by material. Regions of equal
+/// materials share slots. Materials that are not mixed (isMixed) have no pressure.
 class PressureSlots {
  public:
   /// The pressure of a further material at a node.
@@ -38,9 +37,9 @@ class PressureSlots {
 
   std::size_t count() const { return nodes() + further_.size(); }
   std::size_t nodes() const { return first_.size(); }  ///< of the pressure space
-  /// The slot of a node for an element of this region, which has a pressure there.
+  /// The slot at a node for elements of this region. They have a pressure there.
   std::int32_t slotOf(std::int32_t node, std::uint16_t region) const;
-  /// The further slots of a node, ascending; its first one is its own number.
+  /// The further materials at a node, ascending. Its first slot is its own number.
   std::span<const Further> furtherAt(std::int32_t node) const;
   /// The number of a slot from furtherAt().
   std::int32_t numberOf(const Further& slot) const {

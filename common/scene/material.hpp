@@ -51,19 +51,20 @@ bool isIncompressible(const Material& material);
 bool isMixed(const Material& material);
 /// Shear modulus at rest, Pa: what pressures and residuals are scaled by.
 double shearModulus(const Material& material);
-/// Resistance to volume at rest, Pa; infinite of what is exactly incompressible.
+/// Bulk modulus at rest, Pa; infinite for exactly incompressible materials.
 double bulkModulus(const Material& material);
 /// Young's modulus (Pa) and Poisson's ratio at rest. Fibres are not counted.
 double youngModulus(const Material& material);
 double poissonRatio(const Material& material);
-/// The strain at which a law stops to stiffen and has no stable equilibrium any more: a shear, of
-/// Yeoh's law with a negative c20; a compression, of St. Venant-Kirchhoff's. Nothing of others.
+/// The strain beyond which a law is unstable: a shear for Yeoh's with a negative c20, a compression
+/// for St. Venant-Kirchhoff's. Empty for the other laws.
 struct Softening {
   double strain;
   const char* kind;  ///< "shear" or "compression"
 };
 std::optional<Softening> softeningOf(const Material& material);
-/// Largest Young's modulus at rest of some materials, by the smallest shear modulus. At least one.
+/// The largest Young's modulus at rest divided by the smallest shear modulus. `materials` is not
+/// empty.
 double contrastOf(const std::vector<Material>& materials);
 /// Whether the volume resists so much more than the shape (Poisson's ratio > 0.49) that linear
 /// tetrahedra without a pressure lock. Exactly incompressible materials, which have a pressure, do

@@ -56,6 +56,8 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
   scene.regions[0].material.c10 = 1300;
   scene.regions[0].material.c01 = 1280;
   scene.fixed.nodes = problem.fixed;
+  problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
+  problem.pressures = pressureSlots(problem);
   scene.workspace = {
       .radius = radius, .spacing = spacing, .max_force = 8.5, .reject_inverted = true};
   for (const Active& one : active) {

@@ -67,8 +67,11 @@ std::string librariesHere() {
 }
 
 TEST_F(SystemTest, TheShippedLiverHasTheContentThatItHadBefore) {
-  // A change that moves forces moves these; write the new content here when it was meant.
-  constexpr auto* content = "2a5640050b464716acb532d4f7928856c1e1368f9630301d561ca6267f58e52c";
+  // A change that moves forces moves these; write the new content here when it was meant. The
+  // libraries choose code by the processor even so: two kinds of machines are known.
+  const std::vector<std::string> contents = {
+      "2a5640050b464716acb532d4f7928856c1e1368f9630301d561ca6267f58e52c",
+      "8022324e467c648c20adfa631f3a875f514afe6a3a84a48f48e83edae7d9e376"};
   constexpr auto* libraries = "GCC 12.2.0, glibc 2.36, MUMPS 5.5.1, Eigen 3.4.0";
   if (librariesHere() != libraries)
     GTEST_SKIP() << "the content is known with " << libraries << " and was NOT compared with "
@@ -80,7 +83,7 @@ TEST_F(SystemTest, TheShippedLiverHasTheContentThatItHadBefore) {
       "/deploy/scenes/liver/liver.toml -q -j 2 -o " +
       file);
   EXPECT_TRUE(built.exit_code == 0 || built.exit_code == 3) << built.output;
-  EXPECT_EQ(Dataset(file).contentId().hex(), content);
+  EXPECT_THAT(contents, ::testing::Contains(Dataset(file).contentId().hex()));
 }
 
 TEST_F(SystemTest, KillsOfSchedulersAndWorkersLeaveNoTrace) {

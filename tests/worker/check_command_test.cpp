@@ -115,10 +115,17 @@ TEST_F(CheckCommand, PrintsRegionsAndGravity) {
   EXPECT_EQ(found.at("regions").size(), 1u);
   EXPECT_EQ(found.at("regions").at(0).at("group"), "body");
   EXPECT_EQ(found.at("regions").at(0).at("law"), "mooney-rivlin");
-  EXPECT_EQ(found.at("regions").at(0).at("tetrahedra"), 384);
+  const json& body = found.at("regions").at(0);
+  EXPECT_EQ(body.at("tetrahedra"), 384);
+  EXPECT_NEAR(body.at("young"), 15480, 1e-6);
+  EXPECT_EQ(body.at("poisson"), 0.5);
+  EXPECT_TRUE(body.at("bulk").is_null()) << "infinite";
+  EXPECT_NEAR(body.at("mass"), 1060 * body.at("volume").get<double>(), 1e-9);
   const CommandResult result = check();
-  for (const char* part : {"material   \"body\" (384 tetrahedra): mooney-rivlin, c10 = 1300 Pa",
-                           "density = 1060 kg/m^3", "gravity    (0, 0, -9.81) m/s^2"})
+  for (const char* part :
+       {"material   \"body\" (384 tetrahedra): mooney-rivlin, c10 = 1300 Pa",
+        "density = 1060 kg/m^3", "at rest    Young's modulus 1.548e+04 Pa",
+        "shear modulus 5160 Pa, bulk modulus infinite, mass", "gravity    (0, 0, -9.81) m/s^2"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }
 
@@ -163,6 +170,14 @@ TEST_F(CheckCommand, SaysThatABodyFindsNoRestUnderItsWeight) {
   const CommandResult result = check();
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, HasSubstr("the body finds no rest state"));
+}
+
+TEST_F(CheckCommand, PromisesNothingWhereNothingCanBeSolved) {
+  scene.regions[0].material = {.law = LawName::yeoh, .c10 = 1500, .c20 = -50000};
+  scene.workspace.radius = 0.08;
+  scene.workspace.spacing = 0.08;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("hardly anything can be solved")));
+  EXPECT_LT(report().at("measured").at("reached"), 0.1);
 }
 
 TEST_F(CheckCommand, WarnsOfTwoActiveNodesInOnePlace) {

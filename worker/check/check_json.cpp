@@ -65,10 +65,19 @@ std::string sceneReportJson(const SceneReport& report) {
                       {"unknowns", space.unknowns}});
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   nlohmann::ordered_json regions = nlohmann::ordered_json::array();
-  for (std::size_t r = 0; r < scene.regions.size(); ++r)
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    const Material& material = scene.regions[r].material;
+    // JSON has no infinity: the bulk modulus of an incompressible material is null.
     regions.push_back({{"group", scene.regions[r].group},
-                       {"law", word(scene.regions[r].material.law)},
-                       {"tetrahedra", report.tetrahedra_in[r]}});
+                       {"law", word(material.law)},
+                       {"tetrahedra", report.tetrahedra_in[r]},
+                       {"young", youngModulus(material)},
+                       {"poisson", poissonRatio(material)},
+                       {"shear", shearModulus(material)},
+                       {"bulk", bulkModulus(material)},
+                       {"volume", report.volume_of[r]}});
+    if (material.density) regions.back()["mass"] = *material.density * report.volume_of[r];
+  }
   const Estimate &least = report.cost.least, &most = report.cost.most;
   return nlohmann::ordered_json{{"scene", scene.name},
                                 {"problem", problemId(*report.problem).hex()},

@@ -37,12 +37,9 @@ void printConversion(const Scene& scene) {
   }
 }
 
-/// What each material is at rest, whatever its law calls it.
+/// Elastic constants at rest and mass of each region.
 void printModuli(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
-  std::vector<double> volumes(scene.regions.size());
-  for (std::size_t e = 0; e < report.problem->mesh.tetrahedra.size(); ++e)
-    volumes[report.problem->region_of[e]] += sixVolume(report.problem->mesh, e) / 6;
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Material& m = scene.regions[r].material;
     const double bulk = bulkModulus(m);
@@ -51,7 +48,7 @@ void printModuli(const SceneReport& report) {
         "Pa, bulk modulus {}{}\n",
         youngModulus(m), poissonRatio(m), shearModulus(m),
         std::isinf(bulk) ? "infinite" : fmt::format("{:.4g} Pa", bulk),
-        m.density ? fmt::format(", mass {:.3g} kg", *m.density * volumes[r]) : "");
+        m.density ? fmt::format(", mass {:.3g} kg", *m.density * report.volume_of[r]) : "");
   }
 }
 

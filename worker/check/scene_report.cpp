@@ -76,7 +76,11 @@ SceneReport reportOf(const Problem& problem) {
   PALPATE_ASSERT(problem.region_of.size() == problem.mesh.tetrahedra.size(),
                  "resolve() puts every tetrahedron in a region of the scene");
   report.tetrahedra_in.resize(problem.scene.regions.size());
-  for (const std::uint16_t region : problem.region_of) ++report.tetrahedra_in[region];
+  report.volume_of.resize(problem.scene.regions.size());
+  for (std::size_t e = 0; e < problem.region_of.size(); ++e) {
+    ++report.tetrahedra_in[problem.region_of[e]];
+    report.volume_of[problem.region_of[e]] += sixVolume(problem.mesh, e) / 6;
+  }
   report.measured = measureWays(problem);
   report.cost = buildCost(problem, report.measured);
   report.cores = std::max(1u, std::thread::hardware_concurrency());

@@ -20,6 +20,7 @@ struct SceneReport {
   Lattice lattice;
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
+  std::vector<double> volume_of;            ///< per region, m^3
   MeasuredWays measured;
   BuildCost cost;
   unsigned cores = 1;      ///< of this machine, which is how many workers a build starts

@@ -40,8 +40,8 @@ PressureSpace pressureSpaceOf(const BodyModel& model, std::size_t region);
 /// The pressures that a System of this body has.
 PressureSlots pressureSlots(const BodyModel& model);
 
-/// Whether a material is more than 1e4 times stiffer than the softest: it moves almost as a rigid
-/// body, and residuals take a turn of it for a strain.
+/// Whether a material is more than 1e4 times stiffer than the softest one, so that its region moves
+/// almost as a rigid body.
 bool hasNearlyRigidPart(const BodyModel& model);
 
 /// The body of a problem: materials by region, fixed nodes, gravity as nodal loads, one tool per

@@ -7,15 +7,14 @@
 
 namespace palpate {
 
-/// The displacement in which a body leaves an unstable equilibrium by itself: the eigenvector of
-/// the tangent's most negative eigenvalue, of the four nearest to zero, among displacements that
-/// keep the volume where a pressure does and the tool where it is. A vector over the unknowns, with
-/// the pressures that go along; the largest displacement is +1 m, the first in the order of the
-/// nodes where several are as large.
+/// The direction in which a body leaves an unstable equilibrium: the eigenvector of the tangent's
+/// most negative eigenvalue among the four nearest to zero. It keeps the tool where it is, and the
+/// volume where the body has a pressure.
 ///
-/// By subspace iteration with the inverse (Bathe, Finite Element Procedures, 1996, Sec. 11.6), one
-/// factorisation; `solver` then has that of the tangent at `state`. Nothing when the tangent has no
-/// negative eigenvalue near zero, or MUMPS reports an error.
+/// Returns a vector over the unknowns, pressures included, whose largest displacement is +1 m (the
+/// first in node order if several are equal). Empty if no eigenvalue near zero is negative, or if
+/// MUMPS reports an error. Inverse subspace iteration (Bathe, Finite Element Procedures, 1996, Sec.
+/// 11.6): one factorisation, of the tangent at `state`, which stays in `solver`.
 std::optional<Eigen::VectorXd> criticalMode(const System& system, TangentSolver& solver,
                                             const State& state);
 

@@ -116,7 +116,7 @@ class Newton {
     return true;
   }
 
-  /// Whether what the same tangent would still correct in the trial is less than the step was.
+  /// Whether the same tangent's correction at the trial state is smaller than the step.
   bool isNearer(const Eigen::VectorXd& step, double factor) {
     if (!std::isfinite(trial_.norm)) return false;
     Eigen::VectorXd left = -trial_.free;

@@ -13,9 +13,9 @@ struct NewtonOptions {
   /// A tangent serves one iteration: for bodies whose stiffness jumps, where an updated one leads
   /// nowhere.
   bool renew_always = false;
-  /// A step is good also where the same tangent would correct less after it than it did (Deuflhard,
-  /// Newton Methods for Nonlinear Problems, 2004, natural monotonicity test): for bodies with a
-  /// part that is nearly rigid, whose turning the residual takes for a strain.
+  /// Also accepts a step if the next correction with the same tangent is smaller (natural
+  /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004): for bodies with a
+  /// nearly rigid part, where a rotation increases the residual.
   bool affine_descent = false;
   /// A tangent is kept while the residual falls to less than this in each iteration ...
   double slow_contraction = 0.5;

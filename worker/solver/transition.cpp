@@ -26,10 +26,10 @@ constexpr double relaxation_tolerance = 1e-3;
 /// Parts that the way of a step is relaxed in at most, and that gravity is applied in.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
-/// How far a body is pushed along its critical mode at most, of the first try.
+/// Largest displacement along a critical mode, relative to the first one tried.
 constexpr double widest_step_aside = 4;
 constexpr int aside_factorizations = 12;
-/// Relative difference below which energies are those of twins.
+/// Relative difference of energies below which two equilibria count as symmetric twins.
 constexpr double twin_energy = 1e-6;
 
 /// A twentieth of the body, as far as dense matrices are cheap.
@@ -47,7 +47,7 @@ Failure failureOf(Cause cause, const NewtonResult& newton) {
           .mumps_infog2 = newton.factorization.infog2};
 }
 
-/// Whether Newton converged to an equilibrium that the body leaves by itself.
+/// Whether Newton converged to an unstable equilibrium: more negative pivots than at a stable one.
 bool isUnstable(const Failure& failure) {
   return failure.cause == Cause::wrong_inertia &&
          failure.negative_pivots > failure.expected_negative_pivots;
@@ -338,10 +338,11 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
   return step;
 }
 
-/// The stable equilibrium that the body falls to from an unstable one, beyond a bifurcation: it is
-/// pushed along its critical mode, to both sides, farther and farther. Of two the one of lower
-/// energy; of twins by symmetry that where the mode's largest component is positive. `way`: metres
-/// that the tool went since the branch was stable. Cause::bifurcation when none is found.
+/// The stable equilibrium beside the unstable one that `before` ends with, beyond a bifurcation.
+/// Newton starts from displacements along the critical mode, to both sides, farther each time. The
+/// solution with the lower energy is taken; for symmetric twins the one on the side where the
+/// mode's largest component is positive. `way`: metres the tool has moved since the branch was
+/// stable. Cause::bifurcation if no stable equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
   const State& unstable = before.end.state;
   std::optional<Step> found;
@@ -376,7 +377,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
   return std::move(*found);
 }
 
-/// What a transition that reached its end has to give.
+/// Stores the nodal fields of the configuration that a transition reached.
 void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& target,
                                  Outcome& outcome) const {
   const Equilibrium& end = outcome.equilibrium;
@@ -398,7 +399,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
   double at = 0, length = 1;     // fractions of the whole
-  std::optional<Step> unstable;  // the last equilibrium that was, which ends at unstable_at
+  std::optional<Step> unstable;  // the last step that ended unstable, at unstable_at
   double unstable_at = 1;
   int budget = options_.max_factorizations;
   bool stepped_aside = false;

@@ -22,19 +22,20 @@ std::vector<std::uint8_t> fixedNodes(const BodyModel& model) {
 }
 
 /// Finds the pressures that an equation determines while some nodes are held.
-class SpeakingSlots {
+class DeterminedPressures {
  public:
-  SpeakingSlots(const BodyModel& model, const PressureSlots& slots,
-                const std::vector<std::uint8_t>& held)
+  DeterminedPressures(const BodyModel& model, const PressureSlots& slots,
+                      const std::vector<std::uint8_t>& held)
       : model_(model),
         slots_(slots),
         held_(held),
-        speaks_(slots.count(), 0),
+        determined_(slots.count(), 0),
         piece_(slots.count()) {
     std::iota(piece_.begin(), piece_.end(), 0);
   }
 
-  /// `of_held`: whether a compressible element of which all nodes are held counts, too.
+  /// 1 for each slot that is one. `of_held`: compressible elements of which all nodes are held
+  /// count too.
   std::vector<std::uint8_t> find(bool of_held) {
     std::vector<std::int32_t> moving;  // slots of stabilised elements with a node that moves
     for (std::size_t element = 0; element < model_.mesh.tetrahedra.size(); ++element) {
@@ -49,20 +50,20 @@ class SpeakingSlots {
         if (space == PressureSpace::p1_stabilized) {
           join(slot, slots_.slotOf(nodes.front(), region));
           if (moves) moving.push_back(slot);
-        } else if (incompressible ? isFelt(nodes, space, b) : moves || of_held) {
-          speaks_[at(slot)] = 1;
+        } else if (incompressible ? changesVolume(nodes, space, b) : moves || of_held) {
+          determined_[at(slot)] = 1;
         }
       }
     }
     spread(moving);
-    return std::move(speaks_);
+    return std::move(determined_);
   }
 
  private:
-  /// Whether the volume of an element, weighted by the shape function of its node b, changes when
-  /// the nodes that are not held move. Of Taylor-Hood, a vertex changes the volume around all
-  /// vertices, the middle of an edge that around its ends.
-  bool isFelt(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
+  /// Whether nodes that are not held change the volume of an element, weighted by the pressure's
+  /// shape function b. With Taylor-Hood a vertex changes it for all b, the middle of an edge for
+  /// its ends alone.
+  bool changesVolume(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (held_[at(nodes[n])]) continue;
       if (n < 4 || space == PressureSpace::p2) return true;
@@ -83,13 +84,13 @@ class SpeakingSlots {
     std::vector<std::uint8_t> moves(piece_.size(), 0);
     for (const std::int32_t slot : moving) moves[at(pieceOf(slot))] = 1;
     for (std::int32_t slot = 0; at(slot) < piece_.size(); ++slot)
-      if (moves[at(pieceOf(slot))]) speaks_[at(slot)] = 1;
+      if (moves[at(pieceOf(slot))]) determined_[at(slot)] = 1;
   }
 
   const BodyModel& model_;
   const PressureSlots& slots_;
   const std::vector<std::uint8_t>& held_;
-  std::vector<std::uint8_t> speaks_;
+  std::vector<std::uint8_t> determined_;
   std::vector<std::int32_t> piece_;
 };
 
@@ -108,11 +109,11 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
                                         const std::vector<std::int32_t>& tool_nodes) {
   std::vector<std::uint8_t> held = fixedNodes(model);
   for (const std::int32_t node : tool_nodes) held[at(node)] = 1;
-  const std::vector<std::uint8_t> speaks = SpeakingSlots(model, slots, held).find(true);
+  const std::vector<std::uint8_t> determined = DeterminedPressures(model, slots, held).find(true);
   std::vector<std::int32_t> idle;
   for (const std::int32_t node : tool_nodes)
     for (const std::int32_t slot : slotsAt(slots, node))
-      if (!speaks[at(slot)]) idle.push_back(slot);
+      if (!determined[at(slot)]) idle.push_back(slot);
   std::ranges::sort(idle);
   return idle;
 }
@@ -121,12 +122,12 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
 Unknowns::Unknowns(const BodyModel& model, const PressureSlots& slots)
     : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
   const std::vector<std::uint8_t> fixed = fixedNodes(model),
-                                  speaks = SpeakingSlots(model, slots, fixed).find(false);
+                                  determined = DeterminedPressures(model, slots, fixed).find(false);
   for (std::int32_t node = 0; palpate::at(node) < model.mesh.nodes.size(); ++node) {
     for (std::size_t k = 3 * palpate::at(node); k < 3 * palpate::at(node) + 3; ++k)
       if (!model.fixed[k]) displacement_[k] = count_++;
     for (const std::int32_t slot : slotsAt(slots, node)) {
-      if (!speaks[palpate::at(slot)]) continue;
+      if (!determined[palpate::at(slot)]) continue;
       pressure_[palpate::at(slot)] = count_++;
       ++pressures_;
     }

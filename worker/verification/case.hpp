@@ -45,8 +45,8 @@ struct Case {
 /// All cases in the order of docs/verification.md.
 std::vector<Case> cases();
 
-/// Cases that are hard to solve: how far each gets and its force beside the right one, so that a
-/// change of the solver shows what it costs and gains.
+/// Hard cases of the solver (`palpate verify --hard`): how far each gets, and its force beside the
+/// reference.
 std::vector<Case> hardCases();
 
 /// The rows of one case. A solve that does not converge, or another error, becomes one row that is

@@ -1,6 +1,6 @@
-// Cases that are hard to solve: each a push into a body, from rest, as `palpate solve` walks it.
-// References are forces by GetFEM on the same meshes, unless a case says otherwise
-// (tests/worker/verification/hard_reference.py).
+// Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
+// reference forces were computed with GetFEM on the same meshes
+// (tests/worker/verification/hard_reference.py has the fibres and the quadratic bone).
 #include <fmt/format.h>
 
 #include "worker/elements/kernel_family.hpp"
@@ -10,7 +10,7 @@
 namespace palpate::verification {
 namespace {
 
-/// A tool pressed into a body on a plane.
+/// A tool pushed into a body whose side zmin is fixed.
 struct Push {
   std::string name;
   Mesh mesh;  ///< "soft" and "stiff" are its element groups where there are two regions
@@ -33,7 +33,7 @@ Problem problemOf(const Push& push) {
   return resolve(std::move(scene), push.mesh);
 }
 
-/// How far the tool got, whether all of it is valid there, and the force that it feels.
+/// The share of the way that the tool got; or, if it arrived, validity and force.
 std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
   const Problem problem = problemOf(push);
   TransitionSolver solver(problem, chooseKernels());

@@ -1,6 +1,6 @@
-// Bodies of two incompressible materials, whose pressure jumps where they meet. A laminate that is
-// stretched along its layers deforms like one material: each layer keeps its sides free by a
-// pressure of its own. A stiff ball in soft tissue is strained uniformly (Eshelby 1957).
+// Bodies of two incompressible materials: the pressure jumps at the interface. A laminate stretched
+// along its layers deforms homogeneously, with another pressure in each layer. The strain in a
+// stiff ball in soft tissue is uniform (Eshelby 1957).
 #include <fmt/format.h>
 
 #include <cmath>

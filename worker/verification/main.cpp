@@ -91,7 +91,7 @@ std::function<ExitCode()> prepareVerify(CLI::App& app) {
   app.add_option("NAME", options->names, "Only the problems with this in their name")
       ->type_name("NAME");
   app.add_flag("--all", options->all, "Also the problems that take longer than seconds");
-  app.add_flag("--hard", options->hard, "Instead the cases that are hard to solve");
+  app.add_flag("--hard", options->hard, "Run the hard cases of the solver instead");
   app.add_flag("--json", options->json, "One JSON object per row");
   return [options] { return verify(*options); };
 }
