@@ -60,8 +60,8 @@ std::int32_t PressureSlots::slotOf(std::int32_t node, std::uint16_t region) cons
 }
 
 std::span<const PressureSlots::Further> PressureSlots::furtherAt(std::int32_t node) const {
-  const auto [begin, end] = std::ranges::equal_range(further_, node, {}, &Further::node);
-  return {begin, end};
+  return {std::ranges::lower_bound(further_, node, {}, &Further::node),
+          std::ranges::upper_bound(further_, node, {}, &Further::node)};
 }
 
 }  // namespace palpate

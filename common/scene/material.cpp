@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "common/base/assertion.hpp"
 
@@ -70,8 +69,8 @@ std::optional<Softening> softeningOf(const Material& m) {
 }
 
 double contrastOf(const std::vector<Material>& materials) {
-  return std::ranges::max(materials | std::views::transform(youngModulus)) /
-         std::ranges::min(materials | std::views::transform(shearModulus));
+  return youngModulus(*std::ranges::max_element(materials, {}, youngModulus)) /
+         shearModulus(*std::ranges::min_element(materials, {}, shearModulus));
 }
 
 bool isNearlyIncompressible(const Material& material) {

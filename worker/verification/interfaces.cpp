@@ -74,7 +74,7 @@ Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
 /// in an infinite body.
 double strainWithin(const Discretization& discretization, double contrast, int n) {
   BodyModel body = bodyOfTwo(ballOctantMesh(body_radius, n), discretization, contrast,
-                             [n](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
+                             [](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
   hold(body, "xmin", "x");
   hold(body, "ymin", "y");
   hold(body, "zmin", "z");
