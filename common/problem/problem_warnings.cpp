@@ -20,8 +20,8 @@ constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
 /// Tissue stretched to more than this times its length is far beyond what it, or max_force, allows.
 constexpr double largest_stretch = 3;
 /// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres is
-/// not the whole one. (A cube with fibres, pulled along them: at 2, 10 and
-/// 50 of k1 the force is 29, 11 and 3 % smaller than with the whole stretch.)
+/// not the whole one. (A cube with fibres, pulled along them: at 2, 10 and 50 of k1 the force is
+/// 29, 11 and 3 % smaller than with the whole stretch.)
 constexpr double fibres_need_bulk = 50;
 
 /// `"a", "b" and 398 more`.
@@ -203,8 +203,7 @@ class Doubts {
     return distance(*std::ranges::min_element(problem_.fixed, {}, distance));
   }
 
-  /// Of many active nodes some lie beside the fixed ones: only where most do the workspace is
-  /// meant.
+  /// Median over the active nodes, m: of many some lie beside the fixed ones.
   double usualDistanceToFixed() const {
     std::vector<double> distances;
     for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));

@@ -10,8 +10,8 @@ struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
   int max_halvings = 6;  ///< of a step by the line search
-  /// A tangent serves one iteration: for bodies whose stiffness jumps, where an updated one leads
-  /// nowhere.
+  /// Takes a new tangent in each iteration: for bodies whose stiffness jumps, where Broyden's
+  /// updates help little.
   bool renew_always = false;
   /// Also accepts a step if the next correction with the same tangent is smaller (natural
   /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004): for bodies with a

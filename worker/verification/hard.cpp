@@ -48,8 +48,7 @@ std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
           {push.name + ": force", outcome.equilibrium.force.norm(), force, tolerance, "N"}};
 }
 
-// ---- the bodies
-// -------------------------------------------------------------------------------------
+// ---- the bodies -------------------------------------------------------------------------------
 
 constexpr double soft_mu = 3000, cube_edge = 0.04;
 
@@ -101,7 +100,7 @@ Push column(double depth) {
           .displacement = {0, 0, -depth}};
 }
 
-/// The same cube with fibres along x, pressed by `depth`.
+/// A cube of 40 mm with fibres along x, pressed by `depth` metres.
 Push fibers(double stiffness, double depth) {
   Material material{.law = LawName::holzapfel_gasser_ogden, .mu = soft_mu};
   material.k1 = stiffness * soft_mu;

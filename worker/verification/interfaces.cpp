@@ -27,8 +27,7 @@ BodyModel bodyOfTwo(Mesh mesh, const Discretization& discretization, double cont
   return body;
 }
 
-// ---- the laminate
-// ---------------------------------------------------------------------------------
+// ---- the laminate -----------------------------------------------------------------------------
 
 constexpr double laminate_stretch = 1.3;
 
@@ -51,10 +50,9 @@ Row laminateRow(const std::string& element, const Discretization& discretization
   return {fmt::format("{}, contrast {}: force", element, contrast), force, exact, 1e-8, "N"};
 }
 
-// ---- the inclusion
-// ----------------------------------------------------------------------------------
+// ---- the inclusion ----------------------------------------------------------------------------
 
-constexpr double body_radius = 2, ball_radius = 1;  ///< radii
+constexpr double body_radius = 2, ball_radius = 1;  ///< metres
 const Eigen::Vector3d far_strain(1e-4, -0.5e-4, -0.5e-4);
 
 /// Part of the far strain that a ball `contrast` times stiffer than what is around it does not
