@@ -25,7 +25,7 @@ struct MeshOptions {
   std::optional<std::int32_t> nodes = {};
   std::optional<double> size = {};
   std::string mesher = "auto", unit;
-  bool largest = false, straight = false;
+  bool largest = false, straight = false, weld = false;
 };
 
 /// A mesh on its way into a file.
@@ -52,9 +52,10 @@ MadeMesh madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
 
 MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converted,
                        const std::filesystem::path& folder) {
-  if (options.straight)
-    throw badInput("{}: is a surface; --straight is for tetrahedra with curved edges",
-                   options.input);
+  if (options.straight || options.weld)
+    throw badInput(
+        "{}: is a surface; --straight and --weld are for tetrahedra (a surface is always welded)",
+        options.input);
   const ClosedSurface surface = closedSurface(readTriangles(converted.file), options.input,
                                               options.largest ? Bodies::largest : Bodies::only);
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
@@ -120,8 +121,11 @@ void printMesh(MadeMesh& made, const MeshOptions& options) {
                                                 : length_units.front();
   for (Eigen::Vector3d& node : made.mesh.nodes)
     node = node.unaryExpr([&](double x) { return toMetres(x, unit.metres); });
-  fmt::print("{}", meshText(made.mesh, measure(made.mesh),
+  const MeshQuality quality = measure(made.mesh);
+  fmt::print("{}", meshText(made.mesh, quality,
                             std::filesystem::path(options.output).filename().string()));
+  for (const std::string& doubt : unjoinedText(made.mesh, quality, options.output))
+    fmt::print("warning    {}\n", doubt);
   printUnit(options, unit, guess, extent);
   for (const std::string& note : made.notes) fmt::print("note       {}\n", note);
   printNext(options, unit, extent);
@@ -132,7 +136,8 @@ ExitCode mesh(const MeshOptions& options) {
   refuseOutput(options);
   catchInterrupts();
   const ScratchFolder folder;
-  const ConvertedMesh converted = convertMesh(options.input, folder.path(), options.straight);
+  const ConvertedMesh converted = convertMesh(options.input, folder.path(),
+                                              {.straight = options.straight, .weld = options.weld});
   MadeMesh made = converted.is_volume ? madeOfVolume(options, converted)
                                       : madeOfSurface(options, converted, folder.path());
   replaceFile(options.output, made.msh, "mesh");
@@ -164,6 +169,8 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "gmsh", "tetgen"}))
       ->type_name("WORD");
   app.add_flag("--largest", options->largest, "Of several bodies in a surface take the largest");
+  app.add_flag("--weld", options->weld,
+               "Of tetrahedra make nodes that lie on each other one, so that parts hold together");
   app.add_flag("--straight", options->straight, "Of tetrahedra with curved edges take the corners");
   app.add_option(
          "--unit", options->unit,

@@ -13,6 +13,7 @@
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
+#include "common/mesh/surface_cuts.hpp"
 
 namespace palpate {
 namespace {
@@ -54,6 +55,7 @@ class GmshText {
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
     nameGroups();
     finishMesh(mesh_, lines_.source());
+    refuseOverlaps(mesh_, lines_.source());
     return std::move(mesh_);
   }
 

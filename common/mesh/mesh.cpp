@@ -9,6 +9,8 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/joined_sets.hpp"
+#include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {
 namespace {
@@ -227,30 +229,28 @@ NodeSet allNodes(const Mesh& mesh) {
   return nodes;
 }
 
-std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
-  PALPATE_ASSERT(mesh.edges.size() <= mesh.nodes.size(), "every edge has a node of its own");
-  std::vector<std::int32_t> parent(mesh.vertices());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto rootOf = [&parent](std::int32_t node) {
-    // Union-find, halving the path on the way.
-    while (parent[node] != node) node = parent[node] = parent[parent[node]];
-    return node;
-  };
-  for (const Tetrahedron& t : mesh.tetrahedra)
-    for (int i = 1; i < 4; ++i) {
-      const std::int32_t a = rootOf(t[0]), b = rootOf(t[i]);
-      // The lower number is the root, so that pieces are counted by their first nodes.
-      parent[std::max(a, b)] = std::min(a, b);
+std::vector<NodeSet> piecesOf(const Mesh& mesh) {
+  JoinedSets joined(mesh.tetrahedra.size());
+  const std::vector<Face> faces = sortedFaces(mesh);
+  for (std::size_t f = 1; f < faces.size(); ++f)
+    if (faces[f].sorted == faces[f - 1].sorted)
+      joined.join(static_cast<std::int32_t>(faces[f].element),
+                  static_cast<std::int32_t>(faces[f - 1].element));
+  std::vector<NodeSet> pieces;
+  std::vector<std::size_t> number(mesh.tetrahedra.size());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const std::size_t lowest = at(joined.lowest(static_cast<std::int32_t>(e)));
+    if (lowest == e) {
+      number[e] = pieces.size();
+      pieces.emplace_back();
     }
-  std::vector<std::int32_t> piece(mesh.vertices());
-  std::int32_t pieces = 0;
-  for (std::size_t n = 0; n < piece.size(); ++n) {
-    const std::int32_t root = rootOf(static_cast<std::int32_t>(n));
-    piece[n] = root == static_cast<std::int32_t>(n) ? pieces++ : piece[root];
+    NodeSet& piece = pieces[number[lowest]];
+    piece.insert(piece.end(), mesh.tetrahedra[e].begin(), mesh.tetrahedra[e].end());
+    if (!mesh.edges.empty())
+      piece.insert(piece.end(), mesh.mid_edge_nodes[e].begin(), mesh.mid_edge_nodes[e].end());
   }
-  // A middle belongs to the piece of either end.
-  for (const Edge& edge : mesh.edges) piece.push_back(piece[edge[0]]);
-  return piece;
+  for (NodeSet& piece : pieces) sortUnique(piece);
+  return pieces;
 }
 
 std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
@@ -321,8 +321,17 @@ MeshQuality measure(const Mesh& mesh) {
   quality.longest_edge = *longest;
   quality.mean_edge =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
-  const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
-  quality.pieces = *std::ranges::max_element(piece_of) + 1;
+  const std::vector<NodeSet> pieces = piecesOf(mesh);
+  quality.pieces = static_cast<std::int32_t>(pieces.size());
+  std::vector<bool> seen(mesh.nodes.size());
+  for (const NodeSet& piece : pieces)
+    for (const std::int32_t node : piece) {
+      if (seen[node]) quality.hinges.push_back(node);
+      seen[node] = true;
+    }
+  sortUnique(quality.hinges);
+  quality.coincident = coincidentNodes({mesh.nodes.begin(), mesh.nodes.begin() + mesh.vertices()},
+                                       coincident_distance * box.diagonal().norm());
   return quality;
 }
 

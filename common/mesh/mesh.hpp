@@ -59,9 +59,9 @@ NodeSet surfaceNodes(const Mesh& mesh);
 /// Every node, mid-edge nodes too.
 NodeSet allNodes(const Mesh& mesh);
 
-/// Number of the connected piece each node belongs to, 0.. in the order of their first nodes.
-/// Pieces that share a node are one.
-std::vector<std::int32_t> pieceOfNode(const Mesh& mesh);
+/// The nodes of each piece of the body, in the order of their first tetrahedra. A piece holds
+/// together by faces: pieces that meet in a node or an edge alone both have its nodes.
+std::vector<NodeSet> piecesOf(const Mesh& mesh);
 
 /// Shape of tetrahedron `element`: 12 (3|V|)^(2/3) / sum of squared edges, 1 for regular, 0 for
 /// flat.
@@ -90,7 +90,9 @@ struct MeshQuality {
   double worst_shape = 0;                                     ///< smallest shapeOf
   double mean_shape = 0;
   std::int32_t worst_element = -1;
-  std::int32_t pieces = 0;  ///< connected pieces
+  std::int32_t pieces = 0;       ///< connected by faces (piecesOf)
+  NodeSet hinges;                ///< nodes of more than one piece
+  std::vector<Edge> coincident;  ///< vertices that lie on others (coincidentNodes)
 };
 MeshQuality measure(const Mesh& mesh);
 

@@ -8,11 +8,11 @@
 namespace palpate {
 
 /// Reads a Gmsh .msh file, version 2.2 or 4.1, ASCII, with either kind of line end, and finishes it
-/// (finishMesh). Coordinates become metres (toMetres). Volume elements must be tetrahedra of 4
-/// nodes, or of 10 whose edges are straight: their mid-edge nodes are dropped, since Mesh adds its
-/// own (addMidEdgeNodes). Point, line and surface elements are read for the physical groups they
-/// name and otherwise ignored. An element that version 2.2 repeats for each of its physical groups
-/// is read once.
+/// (finishMesh, refuseOverlaps). Coordinates become metres (toMetres). Volume elements must be
+/// tetrahedra of 4 nodes, or of 10 whose edges are straight: their mid-edge nodes are dropped,
+/// since Mesh adds its own (addMidEdgeNodes). Point, line and surface elements are read for the
+/// physical groups they name and otherwise ignored. An element that version 2.2 repeats for each of
+/// its physical groups is read once.
 ///
 /// Physical groups of every dimension become node groups under their name, those of dimension 3
 /// also element groups; without a name as "point 3", "curve 3", "surface 3" or "volume 3", since

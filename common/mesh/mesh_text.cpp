@@ -4,6 +4,8 @@
 
 #include <iterator>
 
+#include "common/base/shell_word.hpp"
+
 namespace palpate {
 namespace {
 
@@ -43,6 +45,26 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
     fmt::format_to(out, "group      \"{}\": {} nodes\n", group, nodes.size());
   for (const auto& [group, elements] : mesh.element_groups)
     fmt::format_to(out, "group      \"{}\": {} tetrahedra\n", group, elements.size());
+  return text;
+}
+
+std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quality,
+                                      const std::string& file) {
+  std::vector<std::string> text;
+  if (!quality.coincident.empty()) {
+    const auto& [node, other] = quality.coincident.front();
+    text.push_back(fmt::format(
+        "{} node(s) lie on others, the first is node {} on node {} at {}: what meets there is not "
+        "joined, and passes through itself; if that is no cut, palpate mesh {} --weld -o NEW.msh "
+        "makes them one",
+        quality.coincident.size(), node, other, shortPlace(mesh.nodes[node]), shellWord(file)));
+  }
+  if (!quality.hinges.empty())
+    text.push_back(fmt::format(
+        "its {} pieces meet in {} node(s) without a face in common, the first is node {} at {}: "
+        "they turn there as on hinges; join them by faces",
+        quality.pieces, quality.hinges.size(), quality.hinges.front(),
+        shortPlace(mesh.nodes[quality.hinges.front()])));
   return text;
 }
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <numeric>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
@@ -46,26 +48,47 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
       finding, best->name, used->name, best->word, best_size, best->word);
 }
 
+/// A piece is held where nodes that are fixed, or of pieces that are held, do not let it turn.
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
-  const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
-  std::vector<NodeSet> all(*std::ranges::max_element(piece_of) + 1), held(all.size());
-  for (std::size_t n = 0; n < piece_of.size(); ++n)
-    all[piece_of[n]].push_back(static_cast<std::int32_t>(n));
-  for (const std::int32_t node : problem.fixed) held[piece_of[node]].push_back(node);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (held[i].empty())
-      throw badInput(
-          "the mesh consists of {} pieces that share no node, "
-          "and the one of {} nodes around node {} at {} has no fixed node: "
-          "nothing holds it (merge coincident nodes, remove the piece, or fix it)",
-          all.size(), all[i].size(), all[i].front(), placeText(mesh.nodes[all[i].front()]));
-    if (areCollinear(held[i], mesh))
-      throw badInput(
-          "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; "
-          "fix at least three nodes that are not on a line",
-          held[i].size(), held[i].front(), placeText(mesh.nodes[held[i].front()]));
+  const std::vector<NodeSet> pieces = piecesOf(mesh);
+  std::vector<bool> held(mesh.nodes.size());
+  for (const std::int32_t node : problem.fixed) held[at(node)] = true;
+  std::vector<const NodeSet*> loose;
+  for (const NodeSet& piece : pieces) loose.push_back(&piece);
+  const auto heldOf = [&](const NodeSet& piece) {
+    NodeSet nodes;
+    std::ranges::copy_if(piece, std::back_inserter(nodes), [&](auto n) { return held[at(n)]; });
+    return nodes;
+  };
+  const auto hold = [&](const NodeSet* piece) {
+    const NodeSet nodes = heldOf(*piece);
+    if (nodes.empty() || areCollinear(nodes, mesh)) return false;
+    for (const std::int32_t node : *piece) held[at(node)] = true;
+    return true;
+  };
+  while (std::erase_if(loose, hold) > 0) {
   }
+  if (loose.empty()) return;
+  const NodeSet& piece = *loose.front();
+  const NodeSet nodes = heldOf(piece);
+  const std::string where = fmt::format("the one of {} nodes around node {} at {}", piece.size(),
+                                        piece.front(), placeText(mesh.nodes[at(piece.front())]));
+  if (nodes.empty())
+    throw badInput(
+        "the mesh consists of {} pieces that share no face, and {} has no fixed node: nothing "
+        "holds it (join it: palpate mesh --weld makes coincident nodes one; or remove or fix it)",
+        pieces.size(), where);
+  const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
+  if (!std::ranges::includes(problem.fixed, nodes))
+    throw badInput(
+        "the mesh consists of {} pieces that share no face, and {} hangs on the others by {} "
+        "node(s) on one line (node {} at {}): it can turn there; join it by faces, or remove it",
+        pieces.size(), where, nodes.size(), nodes.front(), hinge);
+  throw badInput(
+      "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; "
+      "fix at least three nodes that are not on a line",
+      nodes.size(), nodes.front(), hinge);
 }
 
 /// Nodes of the mesh, sorted, each once: what came over the wire may be anything.

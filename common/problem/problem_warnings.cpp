@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/base/assertion.hpp"
+#include "common/mesh/mesh_text.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/problem/finger.hpp"
 
@@ -39,6 +40,7 @@ class Doubts {
  public:
   explicit Doubts(const Problem& problem)
       : problem_(problem), scene_(problem.scene), quality_(measure(problem.mesh)) {
+    warnings_ = unjoinedText(problem.mesh, quality_, scene_.mesh.string());
     doubtMaterials();
     doubtStability();
     doubtDiscretization();

@@ -6,6 +6,7 @@ namespace palpate {
 
 /// What is doubtful about a problem although it can be computed, a sentence each, with the number,
 /// what it probably means, and what to do:
+/// - coincident nodes, pieces that hang together by nodes or edges alone;
 /// - moduli of no soft tissue (0.1 to 1000 kPa at rest), a bulk modulus, density or stiffness of
 ///   fibres beside which others are nothing: another unit was meant;
 /// - a law that is not stable at the strains of the workspace, fibres beside a small bulk modulus;

@@ -1,5 +1,6 @@
 #include "tests/support/meshes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -46,6 +47,27 @@ void finishFile(std::ofstream& out, const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+Mesh together(Mesh first, const Mesh& second) {
+  const auto n = static_cast<std::int32_t>(first.nodes.size());
+  first.nodes.insert(first.nodes.end(), second.nodes.begin(), second.nodes.end());
+  for (const auto& [a, b, c, d] : second.tetrahedra)
+    first.tetrahedra.push_back({a + n, b + n, c + n, d + n});
+  finishMesh(first, "two bodies");
+  return first;
+}
+
+Mesh moved(Mesh mesh, const Eigen::Vector3d& by) {
+  for (Eigen::Vector3d& node : mesh.nodes) node += by;
+  return mesh;
+}
+
+Mesh welded(Mesh mesh) {
+  for (const auto& [node, lowest] : measure(mesh).coincident)
+    for (Tetrahedron& t : mesh.tetrahedra) std::ranges::replace(t, node, lowest);
+  finishMesh(mesh, "a welded body");
+  return mesh;
+}
 
 Mesh beamMesh() { return boxMesh({0.1, 0.02, 0.02}, {10, 2, 2}); }
 

@@ -25,6 +25,16 @@ Mesh blobMesh(int n = 4);
 /// One tetrahedron: the corner at the origin and the three unit vectors times `edge`.
 Mesh tetrahedronMesh(double edge = 1.0);
 
+/// Both bodies in one mesh, the nodes of the second behind those of the first. Nothing is joined.
+/// Groups are those of the first.
+Mesh together(Mesh first, const Mesh& second);
+
+/// The body elsewhere, by a vector in metres.
+Mesh moved(Mesh mesh, const Eigen::Vector3d& by);
+
+/// Nodes in one place made one node, the lowest.
+Mesh welded(Mesh mesh);
+
 /// Writes the mesh as Gmsh 2.2 or 4.1 ASCII, coordinates with 17 digits, each node group as a
 /// physical group of points under its name. Reading it back gives the same nodes, tetrahedra and
 /// groups. Error when the file cannot be written.

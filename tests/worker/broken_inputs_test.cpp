@@ -398,7 +398,7 @@ TEST(BrokenInputs, MeshesOfOtherFormatsAreAnsweredWithFileLineAndWhatIsWrong) {
   for (const BrokenMesh& broken : brokenMeshes()) {
     SCOPED_TRACE(broken.name);
     std::ofstream(directory / broken.name, std::ios::binary) << broken.content;
-    expectSentence(broken, [&] { convertMesh(directory / broken.name, directory.path(), false); });
+    expectSentence(broken, [&] { convertMesh(directory / broken.name, directory.path()); });
   }
 }
 

@@ -20,6 +20,8 @@ nlohmann::ordered_json meshJson(const SceneReport& report) {
           {"surface_triangles", mesh.surface.size()},
           {"surface_nodes", surfaceNodes(mesh).size()},
           {"pieces", quality.pieces},
+          {"coincident_nodes", quality.coincident.size()},
+          {"hinge_nodes", quality.hinges.size()},
           {"groups", groups},
           {"dropped_nodes", mesh.dropped_nodes},
           {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},

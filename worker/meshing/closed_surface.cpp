@@ -12,15 +12,14 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/interruption.hpp"
-#include "common/base/near_points.hpp"
+#include "common/base/joined_sets.hpp"
 #include "common/base/whole_file.hpp"
-#include "worker/meshing/surface_cuts.hpp"
+#include "common/mesh/coincident_nodes.hpp"
+#include "common/mesh/surface_cuts.hpp"
 
 namespace palpate {
 namespace {
 
-/// Of the diagonal: what is written with six digits differs by no more.
-constexpr double same_place = 1e-6;
 /// Bodies of a refused file that are listed by their sizes.
 constexpr std::size_t listed_bodies = 5;
 
@@ -136,23 +135,15 @@ class SurfaceRepair {
   }
 
   void mergeNearPoints() {
-    const double reach = same_place * box_.diagonal().norm();
+    const double reach = coincident_distance * box_.diagonal().norm();
     if (!(reach > 0)) throw wrong("all its corners lie at one place");
-    const NearPoints near(points_, reach);
+    const auto merged = coincidentNodes(points_, reach);
+    if (merged.empty()) return;
     std::vector<std::int32_t> same_as(points_.size());
-    std::int64_t merged = 0;
-    for (std::size_t p = 0; p < points_.size(); ++p) {
-      same_as[p] = static_cast<std::int32_t>(p);
-      for (const std::int32_t q : near.near(points_[p]))
-        if (at(q) < p && (points_[q] - points_[p]).norm() <= reach) {
-          same_as[p] = same_as[q];
-          ++merged;
-          break;
-        }
-    }
-    if (merged == 0) return;
+    std::iota(same_as.begin(), same_as.end(), 0);
+    for (const auto& [point, lowest] : merged) same_as[point] = lowest;
     renumber(same_as);
-    note("{} corners within {:.2g} of others are one with them", merged, reach);
+    note("{} corners within {:.2g} of others are one with them", merged.size(), reach);
   }
 
   void renumber(const std::vector<std::int32_t>& same_as) {
@@ -190,23 +181,15 @@ class SurfaceRepair {
 
   /// Triangles that share an edge are of one.
   void findShells() {
-    std::vector<std::int32_t> parent(triangles_.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto rootOf = [&parent](std::int32_t t) {
-      while (parent[t] != t) t = parent[t] = parent[parent[t]];
-      return t;
-    };
+    JoinedSets shells(triangles_.size());
     const std::vector<Side> sides = sidesOf(triangles_);
     forEachEdge(sides, [&](std::span<const Side> edge) {
-      for (const Side& side : edge.subspan(1)) {
-        const std::int32_t a = rootOf(edge[0].triangle), b = rootOf(side.triangle);
-        parent[std::max(a, b)] = std::min(a, b);
-      }
+      for (const Side& side : edge.subspan(1)) shells.join(edge[0].triangle, side.triangle);
     });
     shells_.clear();
     std::map<std::int32_t, std::size_t> shell_of;
     for (std::int32_t t = 0; t < static_cast<std::int32_t>(triangles_.size()); ++t) {
-      const auto [found, is_new] = shell_of.emplace(rootOf(t), shells_.size());
+      const auto [found, is_new] = shell_of.emplace(shells.lowest(t), shells_.size());
       if (is_new) shells_.emplace_back();
       SurfaceShell& shell = shells_[found->second];
       shell.triangles.push_back(t);
@@ -214,7 +197,7 @@ class SurfaceRepair {
       shell.area += crossOf(t).norm() / 2;
     }
     forEachEdge(sides, [&](std::span<const Side> edge) {
-      if (edge.size() == 1) ++shells_[shell_of.at(rootOf(edge[0].triangle))].open_edges;
+      if (edge.size() == 1) ++shells_[shell_of.at(shells.lowest(edge[0].triangle))].open_edges;
     });
   }
 

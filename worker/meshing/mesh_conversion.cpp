@@ -55,7 +55,7 @@ Ran runScript(const std::vector<std::string>& arguments) {
 }  // namespace
 
 ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesystem::path& folder,
-                          bool straight) {
+                          ConversionWishes wishes) {
   std::error_code ignored;
   if (!std::filesystem::exists(input, ignored))
     throw badInput("{}: there is no such file", input.string());
@@ -64,7 +64,8 @@ ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesys
   ConvertedMesh converted;
   converted.file = folder / "converted.msh";
   std::vector<std::string> arguments = {input.string(), converted.file.string()};
-  if (straight) arguments.emplace_back("--straight");
+  if (wishes.straight) arguments.emplace_back("--straight");
+  if (wishes.weld) arguments.emplace_back("--weld");
   const Ran ran = runScript(arguments);
   const std::vector<std::string> said = linesOf(ran.err);
   if (ran.exit_code == script_wrong_input)

@@ -14,12 +14,17 @@ struct ConvertedMesh {
   std::vector<std::string> notes;  ///< what was put right, sentences for people
 };
 
+/// What a user asks for beside the mesh as it is; of tetrahedra.
+struct ConversionWishes {
+  bool straight = false;  ///< of those with curved edges the corners
+  bool weld = false;      ///< nodes that lie on each other as one (coincident_distance)
+};
+
 /// Reads a mesh of any format that convert_mesh.py or meshio knows into a new file of `folder`.
-/// `straight`: of tetrahedra with curved edges the corners are taken.
 ///
 /// Error (bad input), naming the file and where it can the line, for what is wrong with it; Error
 /// that names the package for a missing Python or module.
 ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesystem::path& folder,
-                          bool straight);
+                          ConversionWishes wishes = {});
 
 }  // namespace palpate

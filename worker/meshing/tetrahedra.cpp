@@ -181,7 +181,7 @@ class Filling {
                                 .package = "tetgen"});
     if (ran.exit_code != 0 || !std::filesystem::exists(node, ignored))
       return {"", "tetgen: " + decisiveLine(ran)};
-    const ConvertedMesh converted = convertMesh(node, folder_, false);
+    const ConvertedMesh converted = convertMesh(node, folder_);
     return {meshAsMsh(readGmsh(converted.file)), ""};
   }
 

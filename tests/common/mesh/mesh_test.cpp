@@ -16,7 +16,10 @@ namespace palpate {
 namespace {
 
 using test::expectBadInput;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 Mesh unfinishedTetrahedron() {
   Mesh mesh = test::tetrahedronMesh();
@@ -168,8 +171,35 @@ TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
   for (int n = 0; n < 4; ++n) mesh.nodes.push_back(mesh.nodes[n] + Eigen::Vector3d(5, 0, 0));
   mesh.tetrahedra.push_back({4, 5, 6, 7});
   finishMesh(mesh, "two");
-  EXPECT_THAT(pieceOfNode(mesh), ElementsAre(0, 0, 0, 0, 1, 1, 1, 1));
+  EXPECT_THAT(piecesOf(mesh), ElementsAre(NodeSet{0, 1, 2, 3}, NodeSet{4, 5, 6, 7}));
   EXPECT_EQ(measure(mesh).pieces, 2);
+}
+
+TEST(Mesh, HoldsTogetherByFacesNotByNodesOrEdges) {
+  const auto measured = [](const Eigen::Vector3d& by) {
+    Mesh mesh =
+        test::welded(test::together(test::cubeMesh(1, 1), test::moved(test::cubeMesh(1, 1), by)));
+    addMidEdgeNodes(mesh);
+    return measure(mesh);
+  };
+  EXPECT_EQ(measured({1, 0, 0}).pieces, 1) << "a face";
+  EXPECT_THAT(measured({1, 0, 0}).hinges, IsEmpty());
+  EXPECT_EQ(measured({1, 1, 0}).pieces, 2) << "an edge";
+  EXPECT_THAT(measured({1, 1, 0}).hinges, SizeIs(3));
+  EXPECT_EQ(measured({1, 1, 1}).pieces, 2) << "a node";
+  EXPECT_THAT(measured({1, 1, 1}).hinges, ElementsAre(7));
+}
+
+TEST(Mesh, CountsVerticesThatLieOnOthers) {
+  const auto coincident = [](const Eigen::Vector3d& by) {
+    return measure(test::together(test::cubeMesh(1, 3), test::moved(test::cubeMesh(1, 3), by)))
+        .coincident;
+  };
+  EXPECT_THAT(coincident({1, 0, 0}), SizeIs(16));
+  EXPECT_THAT(coincident({1, 0, 0}), Contains(Edge{64, 3}));
+  EXPECT_THAT(coincident({1 + 1e-7, 0, 0}), SizeIs(16));
+  EXPECT_THAT(coincident({1 + 1e-5, 0, 0}), IsEmpty());
+  EXPECT_THAT(coincident({2, 0, 0}), IsEmpty());
 }
 
 TEST(Mesh, QuadraticMeshHasOneNodeInTheMiddleOfEveryEdge) {
@@ -211,9 +241,12 @@ TEST(Mesh, MidEdgeNodesBelongToThePieceOfTheirEdge) {
   mesh.tetrahedra.push_back({4, 5, 6, 7});
   finishMesh(mesh, "two");
   addMidEdgeNodes(mesh);
-  const std::vector<std::int32_t> piece = pieceOfNode(mesh);
-  ASSERT_EQ(piece.size(), 20u);
-  for (std::size_t n = 0; n < piece.size(); ++n) EXPECT_EQ(piece[n], mesh.nodes[n][0] > 4);
+  const std::vector<NodeSet> pieces = piecesOf(mesh);
+  ASSERT_EQ(pieces.size(), 2u);
+  for (std::size_t p = 0; p < 2; ++p) {
+    EXPECT_EQ(pieces[p].size(), 10u);
+    for (const std::int32_t n : pieces[p]) EXPECT_EQ(mesh.nodes[n][0] > 4, p == 1);
+  }
 }
 
 TEST(Mesh, RefusesGroupsOfTetrahedraThatAreNotThere) {

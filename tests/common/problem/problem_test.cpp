@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "common/mesh/node_set.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/reference_data.hpp"
@@ -19,7 +20,10 @@ namespace {
 
 using test::expectBadInput;
 using test::expectError;
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 /// A 0.2 m cube of 4^3 cells (125 nodes, node spacing 0.05 m) held below, pulled in the middle of
@@ -232,6 +236,43 @@ TEST_F(Problem, RefusesAPieceThatNothingHolds) {
     mesh.nodes.push_back(node + Eigen::Vector3d(0.5, 0, 0.3));
   finishMesh(mesh, "two pieces");
   refuses({"2 pieces", "8 nodes around node 125", "no fixed node"});
+}
+
+TEST_F(Problem, RefusesAPieceThatHangsByANodeOrAnEdgeWithItsPlace) {
+  const Mesh other = test::cubeMesh(0.1, 2), body = mesh;
+  const auto hang = [&](const Eigen::Vector3d& by) {
+    mesh = test::welded(test::together(body, test::moved(other, by)));
+  };
+  for (const DisplacementSpace space : {DisplacementSpace::p1, DisplacementSpace::p2}) {
+    scene.discretization.displacement = space;
+    hang({0.2, 0.2, 0.2});
+    refuses({"2 pieces", "hangs on the others by 1 node(s)", "(0.2, 0.2, 0.2)", "turn there"});
+    hang({0.2, 0.1, 0.2});
+    refuses({"2 pieces", "on one line", "(0.2, 0.1, 0.2)", "turn there"});
+    hang({0.2, 0.1, 0.1});
+    EXPECT_NO_THROW(resolved()) << "joined by faces";
+  }
+}
+
+TEST_F(Problem, TakesAPieceThatStandsOnThreeNodesOfOthers) {
+  const Mesh cube = test::cubeMesh(0.1, 1);
+  mesh = cube;
+  for (const Eigen::Vector3d& by : {Eigen::Vector3d(0.2, 0, 0), {0, 0.2, 0}, {0.1, 0.1, 0.1}})
+    mesh = test::together(mesh, test::moved(cube, by));
+  mesh = test::welded(mesh);
+  EXPECT_THAT(warningsOf(resolved()), Contains(HasSubstr("4 pieces meet in 3 node(s)")));
+}
+
+TEST_F(Problem, OfAReportThatHangsByAHingeIsRefused) {
+  PALPATE_REFERENCE_FILE(reports, "cases/reports");
+  for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
+    expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn there"});
+}
+
+TEST_F(Problem, IsDoubtedWhereNodesLieOnOthers) {
+  mesh = test::together(mesh, test::moved(mesh, {0.2, 0, 0}));
+  EXPECT_THAT(warningsOf(resolved()),
+              Contains(AllOf(HasSubstr("25 node(s) lie on others"), HasSubstr("--weld"))));
 }
 
 TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {

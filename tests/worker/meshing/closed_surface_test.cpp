@@ -5,7 +5,6 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
-#include "worker/meshing/surface_cuts.hpp"
 
 namespace palpate {
 namespace {
@@ -184,36 +183,6 @@ TEST(ClosedSurface, RefusesAOneSidedOne) {
       soup.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
     }
   refuses(soup, {"one side only"});
-}
-
-TEST(SurfaceCuts, AreNoneInSoundSurfaces) {
-  for (const TriangleSoup& soup :
-       {boxSurface({2, 3, 4}, 5), sphereSurface(0.07, 10), torusSurface(3, 1, 40, 20)})
-    EXPECT_EQ(cutsOf(soup.points, soup.triangles).count, 0);
-}
-
-TEST(SurfaceCuts, AreFoundWhereverTwoBoxesMeet) {
-  const TriangleSoup box = boxSurface({1, 1, 1}, 2);
-  const auto cuts = [&](const Eigen::Vector3d& offset) {
-    const TriangleSoup both = together(box, boxSurface({1, 1, 1}, 2, offset));
-    return cutsOf(both.points, both.triangles).count;
-  };
-  EXPECT_GT(cuts({0.5, 0.5, 0.5}), 0) << "corners on corners of the grid";
-  EXPECT_GT(cuts({0.31, 0.27, 0.43}), 0);
-  EXPECT_GT(cuts({0.4, 0, 0}), 0) << "sides in one plane";
-  EXPECT_GT(cuts({1, 0.2, 0.1}), 0) << "touching";
-  EXPECT_EQ(cuts({1.001, 0, 0}), 0);
-}
-
-TEST(SurfaceCuts, AreFoundBesideASharedCornerAndAFoldedEdge) {
-  const std::vector<Eigen::Vector3d> points = {{0, 0, 0},   {1, 0, 0},      {0, 1, 0},
-                                               {1, 1, 1},   {0.3, 0.3, -1}, {0.2, 0.2, 0},
-                                               {1, 0.5, 0}, {0.5, 1, 0}};
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 3, 4}}).count, 1) << "through the inside";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 6, 7}}).count, 1) << "over each other in a plane";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 1, 5}}).count, 1) << "folded";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).count, 0);
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).first[0], -1);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ namespace {
 using test::expectBadInput;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 /// A distorted box of ten-node tetrahedra in two parts, and files of it in formats of others.
@@ -69,8 +70,8 @@ class MeshConversion : public ::testing::Test {
     ASSERT_EQ(result.exit_code, 0) << result.output;
   }
 
-  Mesh convert(const std::string& name, bool straight = false) {
-    const ConvertedMesh converted = convertMesh(directory / name, directory.path(), straight);
+  Mesh convert(const std::string& name, ConversionWishes wishes = {}) {
+    const ConvertedMesh converted = convertMesh(directory / name, directory.path(), wishes);
     EXPECT_TRUE(converted.is_volume);
     notes = converted.notes;
     text = readText(converted.file, "mesh");
@@ -355,6 +356,64 @@ TEST_F(MeshConversion, RefusesAPartitionedMeshWhoseGroupsWouldBeLost) {
   expectBadInput([&] { convert("box.msh"); }, {"box.msh: the mesh is partitioned: save it whole"});
 }
 
+TEST_F(MeshConversion, WeldsWhatLiesInOnePlaceOnRequest) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const Mesh layers = test::together(test::distortedBoxMesh({1, 1, 1}, {3, 3, 3}),
+                                     test::moved(test::cubeMesh(1, 3), {1 + 1e-8, 0, 0}));
+  test::writeGmsh22(layers, directory / "layers.msh");
+  EXPECT_EQ(measure(convert("layers.msh")).coincident.size(), 16u);
+  const Mesh mesh = convert("layers.msh", {.weld = true});
+  EXPECT_THAT(notes, Contains(HasSubstr("16 nodes lay on others")));
+  EXPECT_EQ(mesh.nodes.size(), layers.nodes.size() - 16);
+  EXPECT_EQ(mesh.tetrahedra.size(), layers.tetrahedra.size());
+  EXPECT_EQ(mesh.node_groups.at("xmin").size(), 16u);
+  EXPECT_EQ(measure(mesh).pieces, 1);
+  EXPECT_THAT(measure(mesh).coincident, IsEmpty());
+}
+
+TEST_F(MeshConversion, WeldsTetrahedraOfTenNodesToo) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  create("two.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
+                       "Box(2) = {1, 0, 0, 1, 1, 1};\nTransfinite Curve{:} = 3;\n"
+                       "Transfinite Surface{:};\nTransfinite Volume{:};\n";
+  const test::CommandResult meshed = test::runCommand(
+      "cd " + directory.path().string() + " && gmsh -3 two.geo -order 2 -v 1 -o two.msh");
+  ASSERT_EQ(meshed.exit_code, 0) << meshed.output;
+  EXPECT_EQ(measure(convert("two.msh", {.weld = true})).pieces, 1);
+  EXPECT_TRUE(hasTenNodesEach());
+}
+
+TEST_F(MeshConversion, RefusesVoxelsBesideTetrahedraWithTheirCount) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const char* points = "0 0 0 40 0 0 0 40 0 40 40 0 0 0 40 40 0 40 0 40 40 40 40 40 80 20 20";
+  create("voxel.vtu")
+      << R"(<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" )"
+      << R"(byte_order="LittleEndian"><UnstructuredGrid><Piece NumberOfPoints="9" )"
+      << R"(NumberOfCells="2"><Points><DataArray type="Float64" NumberOfComponents="3" )"
+      << R"(format="ascii">)" << points << R"(</DataArray></Points><Cells>)"
+      << R"(<DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3 4 5 6 7 1 3 5 8)"
+      << R"(</DataArray><DataArray type="Int64" Name="offsets" format="ascii">8 12</DataArray>)"
+      << R"(<DataArray type="UInt8" Name="types" format="ascii">11 10</DataArray></Cells>)"
+      << "</Piece></UnstructuredGrid></VTKFile>";
+  create("voxel.vtk") << "# vtk DataFile Version 3.0\nmade here\nASCII\n"
+                      << "DATASET UNSTRUCTURED_GRID\nPOINTS 9 double\n"
+                      << points << "\nCELLS 2 14\n8 0 1 2 3 4 5 6 7\n4 1 3 5 8\n"
+                      << "CELL_TYPES 2\n11\n10\n";
+  for (const char* name : {"voxel.vtu", "voxel.vtk"})
+    expectBadInput([&] { convert(name); }, {name, "1 of kind voxel"});
+}
+
+TEST_F(MeshConversion, SaysWhatMeshioLeavesOut) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const char* medit =
+      "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+      "RequiredVertices\n1\n2\nTetrahedra\n1\n1 2 3 4 7\nEnd\n";
+  create("corner.mesh") << medit;
+  EXPECT_EQ(convert("corner.mesh").tetrahedra.size(), 1u);
+  EXPECT_THAT(notes, Contains(HasSubstr("RequiredVertices")));
+}
+
 TEST_F(MeshConversion, PutsTheMiddlesOfAnotherProgramsOrderRight) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   for (auto& middles : body.mid_edge_nodes) std::swap(middles[4], middles[5]);
@@ -369,7 +428,7 @@ TEST_F(MeshConversion, RefusesCurvedEdgesUnlessTheCornersAreWanted) {
   writeByMeshio("curved.vtu");
   expectBadInput([&] { convert("curved.vtu"); },
                  {"curved.vtu: tetrahedron ", "curved edge at (", "--straight"});
-  const Mesh mesh = convert("curved.vtu", true);
+  const Mesh mesh = convert("curved.vtu", {.straight = true});
   EXPECT_THAT(notes, Contains(HasSubstr("the corners are taken")));
   EXPECT_FALSE(hasTenNodesEach());
   EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
@@ -459,7 +518,7 @@ TEST_F(MeshConversion, ExecutesNothingThatLiesInTheCurrentFolder) {
   create("numpy.py") << "raise SystemExit('this is of somebody else')\n";
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(directory.path());
-  EXPECT_FALSE(convertMesh("a.stl", directory.path(), false).is_volume);
+  EXPECT_FALSE(convertMesh("a.stl", directory.path()).is_volume);
   std::filesystem::current_path(before);
 }
 
@@ -467,8 +526,7 @@ TEST_F(MeshConversion, SaysThatTheOutputCannotBeWritten) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeStl(test::sphereSurface(40, 3), directory / "a.stl");
   std::filesystem::create_symlink("/dev/full", directory / "converted.msh");
-  test::expectError(ExitCode::failed,
-                    [&] { convertMesh(directory / "a.stl", directory.path(), false); },
+  test::expectError(ExitCode::failed, [&] { convertMesh(directory / "a.stl", directory.path()); },
                     {"converted.msh: cannot be written: No space left", "TMPDIR"});
 }
 
@@ -490,7 +548,7 @@ TEST_F(MeshConversion, CutsPolygonsThatAreNotConvexIntoTheirOwnTriangles) {
       out << "f " << i + 1 << " " << (i + 1) % 6 + 1 << " " << (i + 1) % 6 + 7 << " " << i + 7
           << "\n";
     out.close();
-    const ConvertedMesh converted = convertMesh(directory / "prism.obj", directory.path(), false);
+    const ConvertedMesh converted = convertMesh(directory / "prism.obj", directory.path());
     const ClosedSurface surface = closedSurface(readTriangles(converted.file), "", Bodies::only);
     EXPECT_DOUBLE_EQ(surface.volume, 3) << first;
     EXPECT_EQ(surface.triangles.size(), 20u);
@@ -503,9 +561,9 @@ TEST_F(MeshConversion, TakesABinaryStlForOneWhateverItsHeaderSays) {
   std::string bytes = readText(directory / "a.stl", "surface");
   bytes.replace(0, 6, "solid ");
   create("more.stl") << bytes << "xy";
-  EXPECT_FALSE(convertMesh(directory / "more.stl", directory.path(), false).is_volume);
+  EXPECT_FALSE(convertMesh(directory / "more.stl", directory.path()).is_volume);
   create("cut.stl") << bytes.substr(0, bytes.size() - 500);
-  expectBadInput([&] { convertMesh(directory / "cut.stl", directory.path(), false); },
+  expectBadInput([&] { convertMesh(directory / "cut.stl", directory.path()); },
                  {"cut.stl: it announces", "truncated"});
 }
 
@@ -515,7 +573,7 @@ TEST_F(MeshConversion, ReadsTextStlOfSeveralSolidsInCapitalsWithBlanksBehind) {
                           "vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendsolid a\n\n"
                           "SOLID B\r\nVERTEX 0 0 0\r\nVERTEX 0 0 1\r\nVERTEX 0 1 0\r\n"
                           "VERTEX 1 0 0\r\nVERTEX 0 1 0\r\nVERTEX 0 0 1\r\n  ENDSOLID B  \r\n\r\n";
-  const ConvertedMesh converted = convertMesh(directory / "solids.stl", directory.path(), false);
+  const ConvertedMesh converted = convertMesh(directory / "solids.stl", directory.path());
   EXPECT_DOUBLE_EQ(closedSurface(readTriangles(converted.file), "", Bodies::only).volume, 1.0 / 6);
 }
 
@@ -543,7 +601,7 @@ TEST_F(MeshConversion, ReadsSurfacesOfEveryFormatToTheSameTriangles) {
   test::writePly(sphere, directory / "e.ply");
   for (const char* name : {"a.stl", "b.STL", "c.obj", "d.off", "e.ply"}) {
     SCOPED_TRACE(name);
-    const ConvertedMesh converted = convertMesh(directory / name, directory.path(), false);
+    const ConvertedMesh converted = convertMesh(directory / name, directory.path());
     EXPECT_FALSE(converted.is_volume);
     const ClosedSurface surface = closedSurface(readTriangles(converted.file), name, Bodies::only);
     EXPECT_EQ(surface.points.size(), sphere.points.size());
@@ -557,7 +615,7 @@ TEST_F(MeshConversion, MakesTrianglesOfPolygonsAndCountsBackwardsAsObjDoes) {
   create("cube.obj") << "v 0 0 0 1 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n"
                         "v 0 1 1\ng sides\nf 4 3 2 1\nf -4 -3 -2 -1\nf 1 2 6 5\nf 2 3 7 6\n"
                         "f 3 4 8 7\nf 4 1 5 8\n";
-  const ConvertedMesh converted = convertMesh(directory / "cube.obj", directory.path(), false);
+  const ConvertedMesh converted = convertMesh(directory / "cube.obj", directory.path());
   const ClosedSurface surface = closedSurface(readTriangles(converted.file), "", Bodies::only);
   EXPECT_EQ(surface.triangles.size(), 12u);
   EXPECT_DOUBLE_EQ(surface.volume, 1);

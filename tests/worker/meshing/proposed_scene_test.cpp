@@ -136,7 +136,7 @@ TEST(ProposedScene, RefusesAMeshOfWhichNoneCanBeMade) {
   for (const Tetrahedron& t : other.tetrahedra)
     two.tetrahedra.push_back({t[0] + first, t[1] + first, t[2] + first, t[3] + first});
   finishMesh(two, "two boxes");
-  test::expectBadInput([&] { sceneOf(two); }, {"2 pieces that share no node", "nothing holds it"});
+  test::expectBadInput([&] { sceneOf(two); }, {"2 pieces that share no face", "nothing holds it"});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@ from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
 
 # Orders that files of other formats have by mistake.
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
+COINCIDENT = 1e-6  # as common/mesh/coincident_nodes.hpp has it: of the diagonal
 STRAIGHT = 1e-6  # as common/mesh/mesh.cpp has it: of an edge's length
 ROUNDED = 2e-6  # of the largest coordinate: what six digits, or float32, leave of a middle
 
@@ -21,6 +22,36 @@ def check_points(body, source):
         if len(flat) and (flat.min() < 0 or flat.max() >= len(body.points)):
             wrong(source, None, f"a cell ({kind}) uses point {flat.min() if flat.min() < 0 else flat.max()}, counted "
                                 f"from 0; there are {len(body.points)}")
+
+
+def weld(body):
+    """Points that lie on each other become one, that of the lowest number."""
+    used = np.unique(np.concatenate([nodes.reshape(-1) for _, nodes in body.blocks]))
+    points = body.points[used]
+    near = COINCIDENT * np.linalg.norm(np.ptp(points, axis=0))
+    # Along a direction in which the points of a regular mesh lie apart.
+    position = points @ np.array([0.5129, 0.6427, 0.5691]) / np.linalg.norm([0.5129, 0.6427, 0.5691])
+    order = np.argsort(position)
+    lowest = np.arange(len(points))
+    pairs = []
+    for step in range(1, len(order)):
+        first, second = order[:-step], order[step:]
+        close = position[second] - position[first] <= near
+        if not close.any():
+            break
+        close &= np.linalg.norm(points[second] - points[first], axis=1) <= near
+        pairs.append(np.stack([first[close], second[close]]))
+    first, second = np.concatenate(pairs, axis=1) if pairs else np.zeros((2, 0), dtype=int)
+    while (lowest[first] != lowest[second]).any():  # chains too
+        least = np.minimum(lowest[first], lowest[second])
+        np.minimum.at(lowest, first, least)
+        np.minimum.at(lowest, second, least)
+    count = np.count_nonzero(lowest != np.arange(len(points)))
+    body.notes.append(f"{count} nodes lay on others and are one with them")
+    same_as = np.arange(len(body.points))
+    same_as[used] = used[lowest]
+    body.blocks = [(kind, same_as[nodes]) for kind, nodes in body.blocks]
+    body.point_groups = {name: same_as[np.asarray(nodes, dtype=np.int64)] for name, nodes in body.point_groups.items()}
 
 
 def off_middle(points, cells):

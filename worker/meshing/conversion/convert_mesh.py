@@ -1,6 +1,6 @@
 """Reads a mesh of any format and writes what palpate reads: run by `palpate mesh` (mesh_conversion.hpp).
 
-    python3 convert_mesh.py INPUT OUTPUT [--straight]
+    python3 convert_mesh.py INPUT OUTPUT [--straight] [--weld]
 
 A mesh with tetrahedra becomes Gmsh's format 2.2, ASCII, with its groups; one of triangles alone the bytes that
 closed_surface.cpp reads: two int64 (points, triangles), the points as float64, the triangles as int32. The first line
@@ -17,7 +17,7 @@ import sys
 
 from abaqus_file import read_abaqus
 from body import Wrong, wrong
-from checks import check_points, put_middles_right, refuse_other_volumes
+from checks import check_points, put_middles_right, refuse_other_volumes, weld
 from febio_file import read_febio
 from gmsh_file import read_gmsh
 from meshio_file import read_by_meshio
@@ -33,7 +33,7 @@ class Unwritable(Exception):
     """Why the output could not be written."""
 
 
-def convert(source, output, straight):
+def convert(source, output, straight, welded):
     """"volume" or "surface", and notes."""
     path = pathlib.Path(source)
     try:
@@ -46,6 +46,8 @@ def convert(source, output, straight):
     is_volume = any(kind.startswith("tetra") and len(cells) for kind, cells in body.blocks)
     if is_volume:
         put_middles_right(body, source, straight)
+        if welded:
+            weld(body)
     triangles = triangles_of(body)
     if not is_volume and not len(triangles):
         wrong(source, None, "there are neither tetrahedra nor triangles in it")
@@ -61,10 +63,9 @@ def convert(source, output, straight):
 
 
 def main(arguments):
-    straight = "--straight" in arguments
-    source, output = [a for a in arguments if a != "--straight"]
+    source, output, *flags = arguments
     try:
-        print("\n".join(convert(source, output, straight)))
+        print("\n".join(convert(source, output, "--straight" in flags, "--weld" in flags)))
     except Wrong as what:
         print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, whatever the file is called
         return 2

@@ -1,6 +1,7 @@
 """Everything else: what meshio reads."""
 import contextlib
 import io
+import re
 import signal
 
 import numpy as np
@@ -27,11 +28,35 @@ def give_up(*_):
     raise TimeoutError(f"it does not come to an end in {LONGEST_READING} s")
 
 
+def know_voxels():
+    """Cells that VTK has and meshio leaves out: with a name they are counted and refused."""
+    try:
+        from meshio import _common, _mesh, _vtk_common
+        from meshio.vtk import _vtk_42
+        _vtk_common.vtk_to_meshio_type.setdefault(11, "voxel")
+        _common.num_nodes_per_cell.setdefault("voxel", 8)
+        _mesh.topological_dimension.setdefault("voxel", 3)
+        _vtk_42.vtk_type_to_numnodes[11] = 8
+    except (ImportError, AttributeError, LookupError):
+        pass  # another meshio: its warning refuses them without their count
+
+
+def heed_warnings(path, said):
+    """Notes of what meshio says that it left out of a file that it read; cells left out are refused."""
+    warnings = [" ".join(text.split()) for text in re.split(r"\s*Warning:", said)[1:]]
+    for text in warnings:
+        if re.search(r"cells|parse line|not closed|End-of-file|expected \d+ markers", text):
+            wrong(path, None, f"not all of it can be read (meshio: {text}); mesh the body with tetrahedra of 4 or 10 "
+                              "nodes, and save it again, whole, as .vtu or .msh")
+    return [f"meshio: {text}" for text in dict.fromkeys(warnings)]
+
+
 def read_by_meshio(path):
     try:
         import meshio
     except ImportError:
         raise ModuleNotFoundError("meshio", name="meshio") from None
+    know_voxels()
     said = io.StringIO()
     signal.signal(signal.SIGALRM, give_up)  # some of its readers wait forever on files that were cut
     signal.alarm(LONGEST_READING)
@@ -53,7 +78,10 @@ def read_by_meshio(path):
                           "its ending says? Another program may save it as .vtu or .msh")
     finally:
         signal.alarm(0)
-    return of_meshio(read)
+    notes = heed_warnings(path, said.getvalue())
+    body = of_meshio(read)
+    body.notes += notes
+    return body
 
 
 def refuse_ending(path, known):

@@ -15,10 +15,15 @@ struct SurfaceCuts {
   std::array<std::int32_t, 2> first = {-1, -1};  ///< the pair with the lowest numbers
 };
 
-/// Looks at all pairs whose bounding boxes meet, by a tree of boxes. Sides of planes are told in
-/// extended precision, and by less than its round-off a point counts as on the plane.
+/// Looks at all pairs whose bounding boxes meet, by a tree of boxes. A point that is nearer to a
+/// plane than its coordinates are rounded counts as on it.
 /// Error with the exit code of an interrupt when this process is interrupted.
 SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
                    const std::vector<Triangle>& triangles);
+
+/// Refuses a body whose surface overlaps itself: inner faces that do not match, or parts in one
+/// place. Faces that match but have nodes of their own (a cut, parts that are not welded) are left.
+/// Error (bad input) with the number of pairs and a place; `source` names the file.
+void refuseOverlaps(const Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

@@ -1,44 +1,48 @@
-#include "worker/meshing/surface_cuts.hpp"
+#include "common/mesh/surface_cuts.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/interruption.hpp"
+#include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {
 namespace {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// On which side of the plane through a, b, c the point d lies: 1, -1, or 0 where round-off
-/// decides.
+/// Coordinates are rounded; by what that moves a corner it counts as on the plane or the line.
+constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
+/// Planes so much nearer to each other than a rounding meet somewhere, wherever rounding puts it:
+/// they count as one.
+constexpr double one_plane = 1000;
+
+double size(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
+
+/// On which side of the plane through a, b, c the point d lies: 1, -1, or 0 where it is nearer to
+/// it than `slack` roundings.
 int sideOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-           const Eigen::Vector3d& d) {
-  using Long = Eigen::Matrix<long double, 3, 1>;
-  const Long u = b.cast<long double>() - a.cast<long double>(),
-             v = c.cast<long double>() - a.cast<long double>(),
-             w = d.cast<long double>() - a.cast<long double>();
-  const long double volume = u.cross(v).dot(w);
-  // Six products of three differences of doubles, each at most this, and the sum of them.
-  const long double round_off = 32 * std::numeric_limits<long double>::epsilon() *
-                                u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() *
-                                w.cwiseAbs().maxCoeff();
-  return volume > round_off ? 1 : volume < -round_off ? -1 : 0;
+           const Eigen::Vector3d& d, double slack = 1) {
+  const Eigen::Vector3d u = b - a, v = c - a, w = d - a;
+  const double volume = u.cross(v).dot(w);
+  const double zero = slack * rounding * std::max({size(a), size(b), size(c), size(d)}) *
+                      (size(v) * size(w) + size(u) * size(w) + size(u) * size(v));
+  return volume > zero ? 1 : volume < -zero ? -1 : 0;
 }
 
 /// The same in the plane that leaves out the coordinate `axis`.
 int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int axis) {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-  const long double ux = static_cast<long double>(b[x]) - a[x],
-                    uy = static_cast<long double>(b[y]) - a[y],
-                    vx = static_cast<long double>(c[x]) - a[x],
-                    vy = static_cast<long double>(c[y]) - a[y];
-  const long double area = ux * vy - uy * vx;
-  const long double round_off = 8 * std::numeric_limits<long double>::epsilon() *
-                                (std::abs(ux) + std::abs(uy)) * (std::abs(vx) + std::abs(vy));
-  return area > round_off ? 1 : area < -round_off ? -1 : 0;
+  const double ux = b[x] - a[x], uy = b[y] - a[y], vx = c[x] - a[x], vy = c[y] - a[y];
+  const double area = ux * vy - uy * vx;
+  const double zero = rounding * std::max({size(a), size(b), size(c)}) *
+                      (std::abs(ux) + std::abs(uy) + std::abs(vx) + std::abs(vy));
+  return area > zero ? 1 : area < -zero ? -1 : 0;
 }
 
 /// Of two segments of a plane: whether their insides cross.
@@ -70,7 +74,8 @@ bool overlapInPlane(const Corners& s, const Corners& t) {
 
 /// Whether a segment and a triangle have a point in common; not told where it lies in the plane.
 bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t) {
-  const int from = sideOf(t[0], t[1], t[2], p), to = sideOf(t[0], t[1], t[2], q);
+  const int from = sideOf(t[0], t[1], t[2], p, one_plane),
+            to = sideOf(t[0], t[1], t[2], q, one_plane);
   if (from * to > 0 || (from == 0 && to == 0)) return false;
   const std::array<int, 3> around = {sideOf(p, q, t[0], t[1]), sideOf(p, q, t[1], t[2]),
                                      sideOf(p, q, t[2], t[0])};
@@ -80,7 +85,8 @@ bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t)
 }
 
 bool isFlatOn(const Corners& s, const Corners& t) {
-  return std::ranges::all_of(s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p) == 0; });
+  return std::ranges::all_of(
+      s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p, one_plane) == 0; });
 }
 
 /// The tree: boxes around runs of triangles, halved down to a few.
@@ -212,6 +218,35 @@ SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
     if (lowest >= 0 && cuts.first[0] < 0) cuts.first = {a, lowest};
   }
   return cuts;
+}
+
+void refuseOverlaps(const Mesh& mesh, const std::string& source) {
+  std::vector<std::int32_t> place_of(mesh.nodes.size());
+  std::iota(place_of.begin(), place_of.end(), 0);
+  const double near = coincident_distance * boundingBox(mesh).diagonal().norm();
+  for (const auto& [node, lowest] : coincidentNodes(mesh.nodes, near)) place_of[node] = lowest;
+  const auto placesOf = [&](Triangle triangle) {
+    for (std::int32_t& node : triangle) node = place_of[node];
+    std::ranges::sort(triangle);
+    return triangle;
+  };
+  std::map<Triangle, std::int32_t> sides;
+  for (const Triangle& triangle : mesh.surface) ++sides[placesOf(triangle)];
+  std::vector<Triangle> places;
+  for (const auto& [triangle, count] : sides) {
+    const bool is_cut = count == 2;
+    if (!is_cut && std::ranges::adjacent_find(triangle) == triangle.end())
+      places.insert(places.end(), at(count), triangle);
+  }
+  const SurfaceCuts cuts = cutsOf(mesh.nodes, places);
+  if (cuts.count == 0) return;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const std::int32_t node : places[cuts.first[0]]) middle += mesh.nodes[node] / 3;
+  throw badInput(
+      "{}: {} pairs of triangles of the surface overlap or cut each other, the first at {} m: faces "
+      "inside of the body do not match, or parts of it lie in one another; mesh all parts as one "
+      "(gmsh: BooleanFragments), so that neighbours share whole faces",
+      source, cuts.count, placeText(middle));
 }
 
 }  // namespace palpate

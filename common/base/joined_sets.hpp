@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace palpate {
+
+/// Disjoint sets of the numbers 0.. that are joined two by two (union-find, halving the path).
+class JoinedSets {
+ public:
+  explicit JoinedSets(std::size_t size) : parent_(size) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  /// The lowest number of its set.
+  std::int32_t lowest(std::int32_t n) {
+    while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
+    return n;
+  }
+
+  void join(std::int32_t a, std::int32_t b) {
+    a = lowest(a);
+    b = lowest(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::int32_t> parent_;
+};
+
+}  // namespace palpate
