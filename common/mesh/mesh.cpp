@@ -191,9 +191,14 @@ std::string placeText(const Eigen::Vector3d& x) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
 }
 
+Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const std::int32_t node : mesh.tetrahedra[element]) middle += mesh.nodes[node] / 4;
+  return middle;
+}
+
 std::string placeOf(const Mesh& mesh, std::size_t element) {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (const std::int32_t node : mesh.tetrahedra[element]) center += mesh.nodes[node] / 4;
+  const Eigen::Vector3d center = middleOf(mesh, element);
   return fmt::format("tetrahedron {} (counted from 0, centre at {:.6g} {:.6g} {:.6g} m)", element,
                      center[0], center[1], center[2]);
 }

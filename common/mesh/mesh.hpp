@@ -49,6 +49,9 @@ double sixVolume(const Mesh& mesh, std::size_t element);
 
 Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
 
+/// Centroid of tetrahedron `element`, metres.
+Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element);
+
 /// "tetrahedron 7 (counted from 0, centre at X Y Z m)", for errors: the numbers that a file gives
 /// its elements are gone.
 std::string placeOf(const Mesh& mesh, std::size_t element);

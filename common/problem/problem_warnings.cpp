@@ -39,7 +39,10 @@ std::string listOf(const std::vector<std::string>& names) {
 class Doubts {
  public:
   explicit Doubts(const Problem& problem)
-      : problem_(problem), scene_(problem.scene), quality_(measure(problem.mesh)) {
+      : problem_(problem),
+        scene_(problem.scene),
+        quality_(measure(problem.mesh)),
+        distance_to_fixed_(usualDistanceToFixed()) {
     warnings_ = unjoinedText(problem.mesh, quality_, scene_.mesh.string());
     doubtMaterials();
     doubtStability();
@@ -96,7 +99,7 @@ class Doubts {
   /// A tool that goes as deep as the workspace strains what is below it by about that part of the
   /// way to what is held.
   void doubtStability() {
-    const double strain = scene_.workspace.radius / usualDistanceToFixed();
+    const double strain = scene_.workspace.radius / distance_to_fixed_;
     for (const Region& region : scene_.regions)
       if (const auto softening = softeningOf(region.material);
           softening && softening->strain < strain)
@@ -224,15 +227,14 @@ class Doubts {
           radius, diagonal);
       return;
     }
-    const double distance = usualDistanceToFixed();
-    if (radius > (largest_stretch - 1) * distance)
+    if (radius > (largest_stretch - 1) * distance_to_fixed_)
       warn(
           "workspace.radius = {:.4g} m, and the nearest fixed node is {:.4g} m away from {}: "
           "tissue between them would be stretched to {:.2g} times its length, "
           "most of those configurations will not be reached",
-          radius, distance,
+          radius, distance_to_fixed_,
           problem_.active.size() == 1 ? "the active node" : "half of the active nodes",
-          1 + radius / distance);
+          1 + radius / distance_to_fixed_);
   }
 
   void doubtSingleNodes() {
@@ -291,6 +293,7 @@ class Doubts {
   const Problem& problem_;
   const Scene& scene_;
   const MeshQuality quality_;
+  const double distance_to_fixed_;  ///< m, of most active nodes
   std::vector<std::string> warnings_;
 };
 

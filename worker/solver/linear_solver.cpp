@@ -20,11 +20,17 @@ constexpr int use_comm_world = -987654;
 constexpr int short_of_reals = -8, short_of_integers = -9;
 /// SCOTCH orders about as well but differently in every process, so its factors differ in the last
 /// bits.
-constexpr int ordering_pord = 4;
+constexpr int ordering_pord = 4, ordering_amd = 0;
 /// It could not allocate integers or reals, INFOG(2) of them.
 constexpr int no_integers = -7, no_reals = -13;
 constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
+
+/// Every unknown is coupled to every other: PORD takes them for one and ends the process.
+bool isFull(const SparsityPattern& pattern) {
+  const auto n = static_cast<std::size_t>(pattern.n);
+  return pattern.row.size() == n * (n + 1) / 2;
+}
 
 /// A machine without memory says nothing about the body: Error, where a matrix that cannot be
 /// factorised is an answer.
@@ -52,7 +58,7 @@ class Mumps : public LinearSolver {
     if (run(initialize) < 0) throw failure("MUMPS could not start: INFOG(1) = {}", infog(1));
     for (const int stream : {1, 2, 3}) control(stream) = -1;
     control(4) = 0;
-    control(7) = ordering_pord;
+    control(7) = isFull(pattern) ? ordering_amd : ordering_pord;
     control(8) = 0;  // the unknowns are scaled already (System::pressureScale)
     control(12) = 1;
     control(13) = 1;  // count negative pivots exactly

@@ -1,9 +1,9 @@
 #include "worker/solver/unknowns.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "common/base/index.hpp"
+#include "common/base/joined_sets.hpp"
 #include "common/mesh/node_set.hpp"
 #include "worker/elements/element_kernels.hpp"
 #include "worker/solver/element_geometry.hpp"
@@ -30,9 +30,7 @@ class DeterminedPressures {
         slots_(slots),
         held_(held),
         determined_(slots.count(), 0),
-        piece_(slots.count()) {
-    std::iota(piece_.begin(), piece_.end(), 0);
-  }
+        pieces_(slots.count()) {}
 
   /// 1 for each slot that is one. `of_held`: compressible elements of which all nodes are held
   /// count too.
@@ -48,7 +46,7 @@ class DeterminedPressures {
       for (int b = 0; b < pressureNodes(space); ++b) {
         const std::int32_t slot = slots_.slotOf(nodes[at(b)], region);
         if (space == PressureSpace::p1_stabilized) {
-          join(slot, slots_.slotOf(nodes.front(), region));
+          pieces_.join(slot, slots_.slotOf(nodes.front(), region));
           if (moves) moving.push_back(slot);
         } else if (incompressible ? changesVolume(nodes, space, b) : moves || of_held) {
           determined_[at(slot)] = 1;
@@ -75,23 +73,18 @@ class DeterminedPressures {
 
   // A stabilisation says how pressures differ in a piece of joined elements; their mean has an
   // equation where a node of the piece moves.
-  std::int32_t pieceOf(std::int32_t slot) {
-    while (piece_[at(slot)] != slot) slot = piece_[at(slot)] = piece_[at(piece_[at(slot)])];
-    return slot;
-  }
-  void join(std::int32_t a, std::int32_t b) { piece_[at(pieceOf(a))] = pieceOf(b); }
   void spread(const std::vector<std::int32_t>& moving) {
-    std::vector<std::uint8_t> moves(piece_.size(), 0);
-    for (const std::int32_t slot : moving) moves[at(pieceOf(slot))] = 1;
-    for (std::int32_t slot = 0; at(slot) < piece_.size(); ++slot)
-      if (moves[at(pieceOf(slot))]) determined_[at(slot)] = 1;
+    std::vector<std::uint8_t> moves(determined_.size(), 0);
+    for (const std::int32_t slot : moving) moves[at(pieces_.lowest(slot))] = 1;
+    for (std::int32_t slot = 0; at(slot) < moves.size(); ++slot)
+      if (moves[at(pieces_.lowest(slot))]) determined_[at(slot)] = 1;
   }
 
   const BodyModel& model_;
   const PressureSlots& slots_;
   const std::vector<std::uint8_t>& held_;
   std::vector<std::uint8_t> determined_;
-  std::vector<std::int32_t> piece_;
+  JoinedSets pieces_;
 };
 
 /// The slots of a node of the mesh, ascending.

@@ -1,7 +1,10 @@
 // Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
 // reference forces were computed with GetFEM on the same meshes
-// (tests/worker/verification/hard_reference.py has the fibres and the quadratic bone).
+// (tests/worker/verification/hard_reference.py has all but skins, columns and the linear bone).
 #include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
 
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/path.hpp"
@@ -54,11 +57,9 @@ constexpr double soft_mu = 3000, cube_edge = 0.04;
 
 /// Puts each element into one of the two regions.
 void divide(Mesh& mesh, const std::function<bool(const Eigen::Vector3d& X)>& isStiff) {
-  for (std::int32_t e = 0; e < std::ssize(mesh.tetrahedra); ++e) {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const std::int32_t node : mesh.tetrahedra[e]) middle += mesh.nodes[node] / 4;
-    mesh.element_groups[isStiff(middle) ? "stiff" : "soft"].push_back(e);
-  }
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    mesh.element_groups[isStiff(middleOf(mesh, e)) ? "stiff" : "soft"].push_back(
+        static_cast<std::int32_t>(e));
 }
 
 /// A cube of 40 mm whose top quarter is stiffer.
@@ -71,6 +72,19 @@ Push skin(const std::string& element, const Discretization& discretization, doub
             .radius = 0.0145,
             .tool = ToolKind::weighted_average};
   divide(push.mesh, [](const Eigen::Vector3d& X) { return X[2] > 0.03; });
+  return push;
+}
+
+/// The same cube whose top quarter is a capsule: collagen crosswise in it.
+Push capsule(double depth) {
+  Push push = skin("", taylor_hood, 1, 4);
+  Material& collagen = push.regions[1].material;
+  collagen = {.law = LawName::holzapfel_gasser_ogden, .mu = 5000, .k1 = 500e3, .k2 = 20};
+  collagen.fibers = {Eigen::Vector3d(1, 1, 0).normalized(), Eigen::Vector3d(1, -1, 0).normalized()};
+  push.name = fmt::format("capsule with fibres, {} mm", 1e3 * depth);
+  push.radius = 0.0101;
+  push.tool = ToolKind::rigid;
+  push.displacement = {0, 0, -depth};
   return push;
 }
 
@@ -100,17 +114,65 @@ Push column(double depth) {
           .displacement = {0, 0, -depth}};
 }
 
-/// A cube of 40 mm with fibres along x, pressed by `depth` metres.
-Push fibers(double stiffness, double depth) {
-  Material material{.law = LawName::holzapfel_gasser_ogden, .mu = soft_mu};
-  material.k1 = stiffness * soft_mu;
-  material.k2 = 0.84;
-  material.fibers = {Eigen::Vector3d::UnitX()};
-  return {.name = fmt::format("fibres, k1/mu = {}, {} mm", stiffness, 1e3 * depth),
+/// A cube of 40 mm with fibres, pressed by `depth` metres: one family along x, or two, turned from
+/// x by `angle` degrees to both sides.
+Push fibers(const std::string& what, Material material, double depth, double angle = 0) {
+  const double turned = angle * std::numbers::pi / 180;
+  material.law = LawName::holzapfel_gasser_ogden;
+  material.fibers = {Eigen::Vector3d(std::cos(turned), std::sin(turned), 0)};
+  if (angle != 0) material.fibers.emplace_back(std::cos(turned), -std::sin(turned), 0);
+  return {.name = fmt::format("{}, {} mm", what, 1e3 * depth),
           .mesh = cubeMesh(cube_edge, 4),
           .regions = {{"", material}},
           .discretization = taylor_hood,
           .displacement = {0, 0, -depth}};
+}
+
+Push fibers(double stiffness, double depth) {
+  return fibers(fmt::format("fibres, k1/mu = {}", stiffness),
+                {.mu = soft_mu, .k1 = stiffness * soft_mu, .k2 = 0.84}, depth);
+}
+
+/// Carotid of a rabbit (Holzapfel, Gasser, Ogden 2000), iliac adventitia of a man (Gasser, Ogden,
+/// Holzapfel 2006).
+Push media(double depth) {
+  return fibers("media", {.mu = 3000, .k1 = 2363.2, .k2 = 0.8393}, depth, 29);
+}
+Push adventitia(double depth) {
+  return fibers("adventitia", {.mu = 300, .k1 = 562, .k2 = 0.7112}, depth, 62);
+}
+Push dispersedAdventitia(double depth) {
+  return fibers("dispersed adventitia",
+                {.mu = 7640, .k1 = 996.6e3, .k2 = 524.6, .dispersion = 0.226}, depth, 49.98);
+}
+
+/// A body of soft tissue, pressed from above.
+Push soft(const std::string& what, Mesh mesh, double radius, double depth) {
+  const double top = boundingBox(mesh).max()[2];
+  return {.name = what,
+          .mesh = std::move(mesh),
+          .regions = {{"", neoHookean(soft_mu)}},
+          .discretization = taylor_hood,
+          .near = {cube_edge / 2, cube_edge / 2, top},
+          .radius = radius,
+          .displacement = {0, 0, -depth}};
+}
+
+/// A compressible cube, pressed in by almost a third of its height.
+Push compression() {
+  Push push = soft("pressed in by 12 of 40 mm, nu = 0.49", cubeMesh(cube_edge, 4), 0.0101, 12e-3);
+  push.regions[0].material.bulk = 149e3;
+  return push;
+}
+
+/// A pyramid whose tip, a tenth as wide as its foot, is pressed down by almost a third of its
+/// height.
+Push tip() {
+  Mesh mesh = boxMesh({cube_edge, cube_edge, cube_edge}, {4, 4, 8});
+  for (Eigen::Vector3d& node : mesh.nodes)
+    for (const int axis : {0, 1})
+      node[axis] = cube_edge / 2 + (1 - 0.9 * node[2] / cube_edge) * (node[axis] - cube_edge / 2);
+  return soft("tip pushed into itself", std::move(mesh), 0.003, 4e-3);
 }
 
 }  // namespace
@@ -138,13 +200,37 @@ std::vector<Case> hardCases() {
                             rowsOfPush(column(10e-3), 0.055304, 1e-4),
                             rowsOfPush(in_steps, 0.055304, 1e-4)});
            }},
-          {"hard-fibres", false, [] {
+          {"hard-fibres", false,
+           [] {
              return joined({rowsOfPush(fibers(10, 1e-3), 0.32701, 1e-4),
                             rowsOfPush(fibers(100, 1e-6), 0.344984e-3, 1e-4),
                             rowsOfPush(fibers(100, 6e-3), 2.6197, 1e-4),
                             rowsOfPush(fibers(1000, 1e-6), 0.363647e-3, 1e-4),
                             rowsOfPush(fibers(1000, 1e-3), 0.378154, 1e-4),
                             rowsOfPush(fibers(1000, 12e-3), 8.09876, 1e-4)});
+           }},
+          {"hard-arteries", false,
+           [] {
+             return joined({rowsOfPush(media(1e-6), 0.309710e-3, 1e-4),
+                            rowsOfPush(media(6e-3), 2.27448, 1e-4),
+                            rowsOfPush(media(12e-3), 6.23758, 1e-4),
+                            rowsOfPush(adventitia(1e-6), 0.0355532e-3, 1e-4),
+                            rowsOfPush(adventitia(6e-3), 0.282896, 1e-4),
+                            rowsOfPush(adventitia(12e-3), 0.842489, 1e-4),
+                            rowsOfPush(dispersedAdventitia(1e-6), 2.3299e-3, 1e-4),
+                            rowsOfPush(dispersedAdventitia(1.5e-3), 7.81461, 1e-4),
+                            rowsOfPush(capsule(2e-3), 0.861549, 1e-4),
+                            rowsOfPush(capsule(6e-3), 3.10256, 1e-4)});
+           }},
+          {"hard-shapes", false, [] {
+             const Eigen::Vector3d cube(cube_edge, cube_edge, cube_edge);
+             return joined(
+                 {rowsOfPush(compression(), 3.27098, 1e-4), rowsOfPush(tip(), 0.207386, 1e-4),
+                  rowsOfPush(soft("one layer on bone",
+                                  boxMesh({cube_edge, cube_edge, 0.01}, {4, 4, 1}), 0.0075, 2e-3),
+                             3.86135, 1e-4),
+                  rowsOfPush(soft("flat elements", boxMesh(cube, {4, 4, 64}), 0.0101, 6e-3),
+                             1.70896, 1e-4)});
            }}};
 }
 

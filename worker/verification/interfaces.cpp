@@ -18,12 +18,8 @@ BodyModel bodyOfTwo(Mesh mesh, const Discretization& discretization, double cont
                     const std::function<bool(const Eigen::Vector3d& X)>& isSoft) {
   BodyModel body = bodyOf(std::move(mesh), discretization, neoHookean(mu_of_soft));
   body.materials.push_back(neoHookean(contrast * mu_of_soft));
-  for (std::size_t element = 0; element < body.mesh.tetrahedra.size(); ++element) {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const std::int32_t node : body.mesh.tetrahedra[element])
-      middle += body.mesh.nodes[node] / 4;
-    body.region_of[element] = isSoft(middle) ? 0 : 1;
-  }
+  for (std::size_t element = 0; element < body.mesh.tetrahedra.size(); ++element)
+    body.region_of[element] = isSoft(middleOf(body.mesh, element)) ? 0 : 1;
   return body;
 }
 

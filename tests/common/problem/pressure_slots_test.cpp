@@ -15,11 +15,8 @@ class PressureSlotsOf : public ::testing::Test {
   PressureSlots slots(const std::vector<Material>& materials, auto regionAt,
                       PressureSpace space = PressureSpace::p1) {
     region_of.clear();
-    for (const Tetrahedron& element : mesh.tetrahedra) {
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-      for (const std::int32_t node : element) middle += mesh.nodes[node] / 4;
-      region_of.push_back(static_cast<std::uint16_t>(regionAt(middle)));
-    }
+    for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+      region_of.push_back(static_cast<std::uint16_t>(regionAt(middleOf(mesh, e))));
     return {space, mesh, materials, region_of};
   }
   static int upper(const Eigen::Vector3d& X) { return X[2] > 0.5 ? 1 : 0; }

@@ -366,11 +366,9 @@ class QuadraticProblem : public Problem {
  protected:
   QuadraticProblem() {
     scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
-    for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-      double height = 0;
-      for (const std::int32_t node : mesh.tetrahedra[e]) height += mesh.nodes[node][2] / 4;
-      if (height > 0.1) mesh.element_groups["upper"].push_back(static_cast<std::int32_t>(e));
-    }
+    for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+      if (middleOf(mesh, e)[2] > 0.1)
+        mesh.element_groups["upper"].push_back(static_cast<std::int32_t>(e));
   }
 
   /// Every node of the problem for which `inside` holds.

@@ -25,11 +25,8 @@ class MeshConversion : public ::testing::Test {
   MeshConversion() {
     body = test::distortedBoxMesh({2, 1, 1}, {4, 2, 2});
     addMidEdgeNodes(body);
-    for (std::size_t e = 0; e < body.tetrahedra.size(); ++e) {
-      double x = 0;
-      for (const std::int32_t node : body.tetrahedra[e]) x += body.nodes[node][0] / 4;
-      part.push_back(x < 1 ? 3 : 8);
-    }
+    for (std::size_t e = 0; e < body.tetrahedra.size(); ++e)
+      part.push_back(middleOf(body, e)[0] < 1 ? 3 : 8);
   }
 
   /// The ten nodes of a tetrahedron in VTK's order.

@@ -53,6 +53,28 @@ TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {
   EXPECT_LT((K * x - Eigen::Matrix3d::Identity()).norm(), 1e-14);
 }
 
+/// The couplings of n unknowns, a bit each.
+SparsityPattern coupled(std::int32_t n, unsigned bits) {
+  std::vector<std::vector<std::int32_t>> rows(at(n));
+  for (std::int32_t row = 0; row < n; ++row) {
+    rows[at(row)].push_back(row);
+    for (std::int32_t column = row + 1; column < n; ++column, bits >>= 1)
+      if (bits & 1) rows[at(row)].push_back(column);
+  }
+  return patternOf(rows);
+}
+
+TEST(LinearSolver, TakesEveryMatrixOfAFewUnknowns) {
+  for (std::int32_t n = 1; n <= 5; ++n)
+    for (unsigned bits = 0; bits < 1u << n * (n - 1) / 2; ++bits) {
+      const SparsityPattern pattern = coupled(n, bits);
+      std::vector<double> values(pattern.row.size(), 1);
+      for (std::int32_t row = 0; row < n; ++row) values[at(pattern.row_begin[at(row)])] = 10;
+      const auto solver = LinearSolver::of(pattern, Precision::double_precision, false);
+      EXPECT_TRUE(solver->factorize(values).ok) << n << " unknowns, couplings " << bits;
+    }
+}
+
 TEST(LinearSolver, SaysSoWhenTheMatrixIsSingular) {
   const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
   const Factorization factorization = solver->factorize({1, 0, 0, 0, 1});

@@ -13,11 +13,16 @@ import numpy as np
 
 ISOCHORIC = "pow(Det(F),-2/3)*Norm_sqr(F)"
 MATRIX = f"mu/2*({ISOCHORIC}-3)"
-# The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, j4 - 1): GetFEM does not derive a positive part twice.
-STRETCH = "pos_part(pow(Det(F),-2/3)*Norm_sqr(F*a)-1)"
-FIBRES = (f"k1*{STRETCH}*exp(k2*sqr({STRETCH}))*pow(Det(F),-2/3)"
-          "*(2*(F*a).(Grad_Test_u*a)-2/3*Norm_sqr(F*a)*Trace(Inv(F)*Grad_Test_u))")
 VENANT = "lambda_/2*sqr(Trace(E)) + G*Norm_sqr(E)"
+
+
+def fibres_along(a):
+    """The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)): GetFEM does
+    not derive a positive part twice."""
+    stretched = f"(kappa*Norm_sqr(F)+(1-3*kappa)*Norm_sqr(F*{a}))"
+    E = f"pos_part(pow(Det(F),-2/3)*{stretched}-1)"
+    return (f"k1*{E}*exp(k2*sqr({E}))*pow(Det(F),-2/3)*(2*kappa*(F:Grad_Test_u)"
+            f"+2*(1-3*kappa)*(F*{a}).(Grad_Test_u*{a})-2/3*{stretched}*Trace(Inv(F)*Grad_Test_u))")
 
 
 def box(size, cells):
@@ -55,11 +60,11 @@ class Push:
         model.add_macro("F", "(Id(3)+Grad_u)")
         model.add_macro("E", "((F'*F-Id(3))/2)")
 
-    def material(self, region, energy, pressure, residual=None, **numbers):
+    def material(self, region, energy, pressure, *residuals, bulk=None, **numbers):
         for name, value in numbers.items():
             self.model.add_initialized_data(name, value)
         self.model.add_nonlinear_term(self.integration, energy, region)
-        if residual:
+        for residual in residuals:
             self.model.add_nonlinear_term(self.integration, residual, region)
         if pressure:
             field = getfem.MeshFem(self.mesh, 1)
@@ -67,7 +72,8 @@ class Push:
             part = getfem.MeshFem("partial", field, np.unique(field.basic_dof_on_region(region)))
             self.kept += [field, part]  # the model does not own them
             self.model.add_fem_variable(pressure, part)
-            self.model.add_nonlinear_term(self.integration, f"-{pressure}*log(Det(F))", region)
+            give = f"-sqr({pressure})/(2*{bulk})" if bulk else ""
+            self.model.add_nonlinear_term(self.integration, f"-{pressure}*log(Det(F)){give}", region)
 
     def solve(self, near, radius, way, steps=1):
         places = self.displacement.basic_dof_nodes()
@@ -86,18 +92,42 @@ class Push:
         iterations = 0
         for step in range(1, steps + 1):
             self.model.set_private_rhs(tool, np.array(way)[held % 3] * step / steps)
-            iterations += self.model.solve("max_res", 1e-11, "max_iter", 300, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 0.01)[0]
+            iterations += self.model.solve("max_res", 1e-11, "max_iter", 300, "lsolver", "mumps",
+                                           "lsearch", "simplest", "alpha min", 0.01)[0]
         force = self.model.variable("of_tool")
         return [float(force[held % 3 == axis].sum()) for axis in range(3)], iterations
 
 
 MIDDLE = (0.02, 0.02, 0.04)
+STEP = 0.5e-3  # m
 
 
-def fibres(ratio, depth):
+def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, step=STEP):
+    """Soft tissue without fibres; `taper`: how wide the top is, of the bottom."""
+    points, tetrahedra = box(size, cells)
+    share = 1 - (1 - taper) * points[:, 2:] / size[2]
+    points[:, :2] = np.array(size[:2]) / 2 + share * (points[:, :2] - np.array(size[:2]) / 2)
+    push = Push(points, tetrahedra)
+    push.material(-1, MATRIX, "p", bulk=bulk, mu=3000)
+    return push.solve(near, radius, (0, 0, -depth), max(1, round(depth / step)))
+
+
+def fibres(mu, k1, k2, depth, kappa=0, angle=None, step=STEP):
+    """One family along x, or two at `angle` degrees from x to both sides."""
     push = Push(*box((0.04,) * 3, (4, 4, 4)))
-    push.material(-1, MATRIX, "p", FIBRES, mu=3000, k1=3000 * ratio, k2=0.84, a=[1, 0, 0])
-    return push.solve(MIDDLE, 0.0101, (0, 0, -depth), max(1, round(depth / 0.5e-3)))
+    turned = np.radians(angle or 0)
+    families = ["a"] if angle is None else ["a", "b"]
+    push.material(-1, MATRIX, "p", *map(fibres_along, families), mu=mu, k1=k1, k2=k2, kappa=kappa,
+                  a=[np.cos(turned), np.sin(turned), 0], b=[np.cos(turned), -np.sin(turned), 0])
+    return push.solve(MIDDLE, 0.0101, (0, 0, -depth), max(1, round(depth / step)))
+
+
+def capsule(depth):
+    push = Push(*box((0.04,) * 3, (4, 4, 4)), stiff=lambda X: X[:, 2] > 0.03)
+    push.material(1, MATRIX, "p", mu=3000)
+    push.material(2, MATRIX.replace("mu", "mu2"), "q", *map(fibres_along, "ab"), mu2=5000, k1=500e3, k2=20, kappa=0,
+                  a=[np.sqrt(0.5), np.sqrt(0.5), 0], b=[np.sqrt(0.5), -np.sqrt(0.5), 0])
+    return push.solve(MIDDLE, 0.0101, (0, 0, -depth), round(depth / 0.25e-3))
 
 
 def bone(young):
@@ -107,9 +137,21 @@ def bone(young):
     return push.solve((0.03, 0.03, 0.06), 0.0101, (0, 0, -5e-3), 5)
 
 
-CASES = {f"fibres, k1/mu = {ratio}, {1e3 * depth:g} mm": (fibres, ratio, depth)
+# Depths, mu, k1, k2, kappa, angle: carotid of a rabbit (Holzapfel, Gasser, Ogden 2000), iliac adventitia of a man
+# (Gasser, Ogden, Holzapfel 2006).
+ARTERIES = {"media": ((1e-6, 6e-3, 12e-3), 3000, 2363.2, 0.8393, 0, 29),
+            "adventitia": ((1e-6, 6e-3, 12e-3), 300, 562, 0.7112, 0, 62),
+            "dispersed adventitia": ((1e-6, 1.5e-3), 7640, 996.6e3, 524.6, 0.226, 49.98)}
+CASES = {f"fibres, k1/mu = {ratio}, {1e3 * depth:g} mm": (fibres, 3000, 3000 * ratio, 0.84, depth)
          for ratio, depth in [(10, 1e-3), (100, 1e-6), (100, 1e-3), (100, 6e-3), (1000, 1e-6), (1000, 1e-3), (1000, 12e-3)]}
+CASES |= {f"{name}, {1e3 * depth:g} mm": (fibres, mu, k1, k2, depth, kappa, angle, 0.25e-3)
+          for name, (depths, mu, k1, k2, kappa, angle) in ARTERIES.items() for depth in depths}
 CASES |= {f"bone of {young:g} Pa, P2": (bone, young) for young in (1e8, 1e10)}
+CASES |= {f"capsule with fibres, {1e3 * depth:g} mm": (capsule, depth) for depth in (2e-3, 6e-3)}
+CASES |= {"pressed in by 12 of 40 mm, nu = 0.49": (press, (0.04,) * 3, (4, 4, 4), 12e-3, MIDDLE, 0.0101, 1, 149e3),
+          "tip pushed into itself": (press, (0.04,) * 3, (4, 4, 8), 4e-3, MIDDLE, 0.003, 0.1),
+          "one layer on bone": (press, (0.04, 0.04, 0.01), (4, 4, 1), 2e-3, (0.02, 0.02, 0.01), 0.0075),
+          "flat elements": (press, (0.04,) * 3, (4, 4, 64), 6e-3)}
 
 getfem.util_trace_level(0)
 getfem.util_warning_level(0)
