@@ -15,8 +15,11 @@ namespace palpate {
 /// carry file and line.
 class TextLines {
  public:
+  /// A mark that some programs for Windows begin UTF-8 with is passed over.
   TextLines(std::string text, std::string source)
-      : text_(std::move(text)), source_(std::move(source)) {}
+      : text_(std::move(text)),
+        source_(std::move(source)),
+        at_(text_.starts_with("\xEF\xBB\xBF") ? 3 : 0) {}
 
   /// Goes to the next line that is not blank; false at the end of the text.
   bool advance() {
@@ -111,7 +114,7 @@ class TextLines {
 
   std::string text_;
   std::string source_;
-  std::size_t at_ = 0;
+  std::size_t at_;
   std::size_t number_ = 0;
   std::string_view rest_;
 };

@@ -108,6 +108,9 @@ class GmshText {
     } else if (section_ == "$PartitionedEntities") {
       throw lines_.wrong(
           "the mesh is partitioned; save it without partitions (gmsh: Mesh > Unpartition)");
+    } else if (section_ == "$ParametricNodes") {
+      throw lines_.wrong("nodes with parameters are not read; palpate mesh {} -o NEW.msh",
+                         shellWord(lines_.source()));
     } else if (section_.starts_with("$") && !section_.starts_with("$End")) {
       return skipSection();
     } else {

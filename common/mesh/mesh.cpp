@@ -82,34 +82,20 @@ void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
   refuse(mesh.element_groups, mesh.tetrahedra.size(), "tetrahedron");
 }
 
+/// Programs count their corners one way or the other, some both ways in one file. What overlaps
+/// then, deriveSurface refuses.
 void orient(Mesh& mesh, const std::string& source) {
-  std::size_t negative = 0, first_negative = 0, first_positive = 0;
-  // Backwards, so that the first offender is what is left in the variables.
-  for (std::size_t e = mesh.tetrahedra.size(); e-- > 0;) {
+  mesh.reoriented_tetrahedra = 0;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     if (const double shape = shapeOf(mesh, e); !(shape >= degenerate_shape))
       throw badInput(
           "{}: {} is degenerate: its shape measure is {:.2g} (1 is regular, 0 flat); re-mesh, "
           "or let gmsh optimise (-optimize_netgen)",
           source, placeOf(mesh, e), shape);
-    if (sixVolume(mesh, e) < 0) {
-      ++negative;
-      first_negative = e;
-    } else {
-      first_positive = e;
-    }
+    if (sixVolume(mesh, e) > 0) continue;
+    std::swap(mesh.tetrahedra[e][2], mesh.tetrahedra[e][3]);
+    ++mesh.reoriented_tetrahedra;
   }
-  if (negative == 0) return;
-  // All of them negative is another convention of the nodes, some of them a broken mesh.
-  if (negative < mesh.tetrahedra.size()) {
-    const bool mostly_positive = 2 * negative <= mesh.tetrahedra.size();
-    throw badInput(
-        "{}: {} is inverted ({} of {} tetrahedra have negative volume): "
-        "the mesh folds over itself; re-mesh",
-        source, placeOf(mesh, mostly_positive ? first_negative : first_positive), negative,
-        mesh.tetrahedra.size());
-  }
-  for (Tetrahedron& tetrahedron : mesh.tetrahedra) std::swap(tetrahedron[2], tetrahedron[3]);
-  mesh.reoriented_tetrahedra = static_cast<std::int32_t>(mesh.tetrahedra.size());
 }
 
 struct Face {
@@ -156,8 +142,8 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
           count, placeOf(mesh, faces[first].element));
     if (count == 2 && faces[first].even == faces[first + 1].even)
       throw badInput(
-          "{}: {} and tetrahedron {} lie on the same side of the face they share: they overlap, "
-          "or one is there twice",
+          "{}: {} and tetrahedron {} lie on the same side of the face they share: the mesh folds over "
+          "itself there, or one is there twice; re-mesh",
           source, placeOf(mesh, faces[first].element), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }

@@ -40,7 +40,7 @@ struct Mesh {
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;  ///< nodes of the file that are no corner of a tetrahedron
-  /// Tetrahedra whose node order was turned (all of them, or none).
+  /// Tetrahedra whose node order was turned.
   std::int32_t reoriented_tetrahedra = 0;
 };
 
@@ -103,9 +103,8 @@ MeshQuality measure(const Mesh& mesh);
 /// checks and fixes orientation, refuses what cannot be computed on, derives the surface. `source`
 /// names the file in errors.
 ///
-/// Orientation: if every element has negative volume the whole file is turned
-/// (reoriented_tetrahedra); a mixture is refused, naming the first offending element. Also refused:
-/// no tetrahedra, indices out of range, groups of tetrahedra that are not there, coordinates that
+/// Orientation: elements of negative volume are turned (reoriented_tetrahedra). Refused: no
+/// tetrahedra, indices out of range, groups of tetrahedra that are not there, coordinates that
 /// are not finite, an element with a repeated node, a degenerate element (shape measure < 1e-6), a
 /// face shared by three tetrahedra or by two on the same side. Elements are named by their 0-based
 /// number and the position of their centre, since the numbers that a file gives its elements are

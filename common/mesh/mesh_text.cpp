@@ -39,8 +39,9 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
                    "later ones count down\n",
                    mesh.dropped_nodes);
   if (mesh.reoriented_tetrahedra > 0)
-    fmt::format_to(
-        out, "           note: the file counts its tetrahedra left-handed; all were turned\n");
+    fmt::format_to(out,
+                   "           note: the file counts {} tetrahedra left-handed; they were turned\n",
+                   mesh.reoriented_tetrahedra);
   for (const auto& [group, nodes] : mesh.node_groups)
     fmt::format_to(out, "group      \"{}\": {} nodes\n", group, nodes.size());
   for (const auto& [group, elements] : mesh.element_groups)

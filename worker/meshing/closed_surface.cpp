@@ -78,6 +78,7 @@ class SurfaceRepair {
     refuseNumbers();
     mergePoints();
     dropIdleTriangles();
+    cutBesideFlatTriangles();
     findShells();
     if (bodies_ == Bodies::largest) leaveOutOpenScraps();
     refuseEdges();
@@ -177,6 +178,56 @@ class SurfaceRepair {
       std::erase_if(triangles_, [&](const Triangle&) { return repeated[number++]; });
     }
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
+  }
+
+  /// Where one side of a surface has a corner in the middle of an edge, programs close the crack by
+  /// a triangle without area: the one behind its long edge is cut at that corner instead.
+  void cutBesideFlatTriangles() {
+    bool cut = false;
+    while (cutBesideOneEach()) cut = true;
+    if (cut) note("triangles without area, by three corners on a line, are taken out");
+  }
+
+  /// Those whose neighbour is not at work yet; false when there are none.
+  bool cutBesideOneEach() {
+    std::vector<bool> done(triangles_.size());
+    std::vector<Triangle> more;
+    forEachEdge(sidesOf(triangles_), [&](std::span<const Side> edge) {
+      if (edge.size() != 2) return;
+      for (const auto& [flat, other] : {std::pair(edge[0].triangle, edge[1].triangle),
+                                        std::pair(edge[1].triangle, edge[0].triangle)}) {
+        const std::int32_t middle = middleCorner(flat);
+        if (done[flat] || done[other] || middle < 0 || middle == edge[0].low ||
+            middle == edge[0].high || middleCorner(other) >= 0)
+          continue;
+        done[flat] = done[other] = true;
+        for (const std::int32_t end : {edge[0].low, edge[0].high}) {
+          Triangle part = triangles_[other];
+          std::ranges::replace(part, end, middle);
+          more.push_back(part);
+        }
+      }
+    });
+    if (more.empty()) return false;
+    std::size_t number = 0;
+    std::erase_if(triangles_, [&](const Triangle&) { return done[number++]; });
+    triangles_.insert(triangles_.end(), more.begin(), more.end());
+    return true;
+  }
+
+  /// The corner of a triangle that lies on the edge between the others; -1 of one with an area.
+  std::int32_t middleCorner(std::int32_t t) const {
+    const Triangle& corners = triangles_[t];
+    int first = 0;  // of the longest edge
+    double longest = 0;
+    for (int i = 0; i < 3; ++i)
+      if (const double length = (points_[corners[(i + 1) % 3]] - points_[corners[i]]).norm();
+          length > longest) {
+        longest = length;
+        first = i;
+      }
+    const double height = crossOf(t).norm() / longest;
+    return height <= coincident_distance * box_.diagonal().norm() ? corners[(first + 2) % 3] : -1;
   }
 
   /// Triangles that share an edge are of one.

@@ -27,6 +27,21 @@ void refuses(const TriangleSoup& soup, std::initializer_list<std::string> words)
   expectBadInput([&] { closed(soup); }, words);
 }
 
+TEST(ClosedSurface, CutsWhatLiesBehindATriangleWithoutArea) {
+  TriangleSoup soup = boxSurface({1, 1, 1}, 1);
+  // One edge of a side gets a corner in its middle, on one of its two triangles alone.
+  const Triangle divided = soup.triangles[0];
+  const auto middle = static_cast<std::int32_t>(soup.points.size());
+  soup.points.emplace_back((soup.points[divided[0]] + soup.points[divided[1]]) / 2);
+  soup.triangles[0] = {divided[0], middle, divided[2]};
+  soup.triangles.push_back({middle, divided[1], divided[2]});
+  soup.triangles.push_back({divided[0], divided[1], middle});
+  const ClosedSurface surface = closed(soup);
+  EXPECT_NEAR(surface.volume, 1, 1e-12);
+  EXPECT_EQ(surface.triangles.size(), 14u);
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("three corners on a line")));
+}
+
 TEST(ClosedSurface, OfSoundBodiesIsTakenAsItIs) {
   for (const TriangleSoup& soup : {boxSurface({2, 3, 4}), sphereSurface(1), torusSurface(3, 1)}) {
     const ClosedSurface surface = closed(soup);

@@ -7,6 +7,7 @@
 #include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
 
@@ -169,7 +170,7 @@ TEST_F(MeshConversion, ReadsMedNastranAndMeditWithTheirGroups) {
 
 TEST_F(MeshConversion, NamesThePackageOfAMissingMeshio) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  writeByMeshio("body.vtu");
+  writeByMeshio("body.bdf");
   create("meshio.py") << "raise ImportError('as if it were not there')\n";
   // A Python of the person's own, which lacks more.
   create("python3") << "#!/bin/sh\necho numpy >&2\nexit 3\n";
@@ -178,8 +179,8 @@ TEST_F(MeshConversion, NamesThePackageOfAMissingMeshio) {
   const std::string path = before != nullptr ? before : "/usr/bin:/bin";
   setenv("PATH", (directory.path().string() + ":" + path).c_str(), 1);
   setenv("PYTHONPATH", directory.path().c_str(), 1);
-  test::expectError(ExitCode::failed, [&] { convert("body.vtu"); },
-                    {"body.vtu cannot be read", "Debian: python3-meshio"});
+  test::expectError(ExitCode::failed, [&] { convert("body.bdf"); },
+                    {"body.bdf cannot be read", "Debian: python3-meshio"});
   unsetenv("PYTHONPATH");
   setenv("PATH", path.c_str(), 1);
 }
@@ -403,12 +404,10 @@ TEST_F(MeshConversion, RefusesVoxelsBesideTetrahedraWithTheirCount) {
 
 TEST_F(MeshConversion, SaysWhatMeshioLeavesOut) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  const char* medit =
-      "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
-      "RequiredVertices\n1\n2\nTetrahedra\n1\n1 2 3 4 7\nEnd\n";
-  create("corner.mesh") << medit;
-  EXPECT_EQ(convert("corner.mesh").tetrahedra.size(), 1u);
-  EXPECT_THAT(notes, Contains(HasSubstr("RequiredVertices")));
+  create("named.su2") << "NDIME= 3\nNELEM= 1\n10 0 1 2 3 0\nNPOIN= 4\n0 0 0 0\n1 0 0 1\n0 1 0 2\n"
+                         "0 0 1 3\nNMARK= 1\nMARKER_TAG= base\nMARKER_ELEMS= 1\n5 0 1 2\n";
+  EXPECT_EQ(convert("named.su2").tetrahedra.size(), 1u);
+  EXPECT_THAT(notes, Contains(HasSubstr("meshio: ")));
 }
 
 TEST_F(MeshConversion, PutsTheMiddlesOfAnotherProgramsOrderRight) {
@@ -617,6 +616,168 @@ TEST_F(MeshConversion, MakesTrianglesOfPolygonsAndCountsBackwardsAsObjDoes) {
   EXPECT_EQ(surface.triangles.size(), 12u);
   EXPECT_DOUBLE_EQ(surface.volume, 1);
   EXPECT_THAT(surface.notes, ::testing::IsEmpty());
+}
+
+TEST_F(MeshConversion, ReadsMeditAndLeavesWhatOnlyMarksIt) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("marked.mesh") << "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n"
+                           "0 1 0 0\n0 0 1 0\n1 1 1 0\nRequiredVertices\n1\n2\nNormals\n1\n0 0 -1\n"
+                           "Tetrahedra 2\n1 2 3 4 7\n2 5 3 4 8\nRequiredEdges\n1\n1\nEnd\n";
+  const Mesh mesh = convert("marked.mesh");
+  EXPECT_EQ(mesh.tetrahedra.size(), 2u);
+  EXPECT_EQ(mesh.element_groups.at("ref 8").size(), 1u);
+  create("cut.mesh") << "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1";
+  expectBadInput([&] { convert("cut.mesh"); }, {"cut.mesh:5: 16 numbers are announced, and 10"});
+}
+
+TEST_F(MeshConversion, PassesOverTheMarkOfUtf8InEveryFormatOfText) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const TriangleSoup sphere = test::sphereSurface(40, 3);
+  test::writeStl(sphere, directory / "a.stl");
+  test::writeObj(sphere, directory / "c.obj");
+  test::writeOff(sphere, directory / "d.off");
+  test::writePly(sphere, directory / "e.ply");
+  create("f.inp") << one_tetrahedron;
+  test::writeGmsh22(test::tetrahedronMesh(), directory / "g.msh");
+  for (const char* name : {"a.stl", "c.obj", "d.off", "e.ply", "f.inp", "g.msh"}) {
+    SCOPED_TRACE(name);
+    const std::string plain = readText(directory / name, "mesh");
+    create(name) << "\xEF\xBB\xBF" << plain;
+    EXPECT_NO_THROW(convertMesh(directory / name, directory.path()));
+    create(name) << "\xFF\xFE" << plain;
+    expectBadInput([&] { convertMesh(directory / name, directory.path()); }, {name, "UTF-16"});
+  }
+}
+
+TEST_F(MeshConversion, CountsRangesOfAbaqusInBothDirections) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const auto fixed = [this](const char* range) {
+    create("range.inp") << one_tetrahedron << "*NSET, NSET=FIX,\nGENERATE\n" << range << "\n";
+    return convert("range.inp").node_groups.at("FIX").size();
+  };
+  EXPECT_EQ(fixed("1, 4"), 4u);
+  EXPECT_EQ(fixed("5, 1, -1"), 5u);
+  EXPECT_EQ(fixed("5, 1, -2"), 3u);
+  expectBadInput([&] { fixed("4, 1, 1"); }, {"range.inp:12: GENERATE from 4 to 1 by 1"});
+}
+
+TEST_F(MeshConversion, LeavesOutWhatIsNoContinuumInAbaqusWithANote) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("more.inp") << one_tetrahedron << "*ELEMENT, TYPE=MASS, ELSET=M\n99, 1\n"
+                     << "*ELEMENT, TYPE=CONN3D2\n98, 1, 2\n*ELEMENT, TYPE=SPRING1\n97, 1\n";
+  EXPECT_EQ(convert("more.inp").tetrahedra.size(), 2u);
+  EXPECT_THAT(notes, Contains(HasSubstr("type CONN3D2 are left out")));
+  create("worse.inp") << one_tetrahedron << "*ELEMENT, TYPE=C3D27\n99, 1\n";
+  expectBadInput([&] { convert("worse.inp"); }, {"elements of type C3D27 are not read"});
+}
+
+TEST_F(MeshConversion, FollowsFilesAndRangesOfFebio) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const auto spec = [this](const char* name, const std::string& inside) {
+    create(name) << "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">" << inside
+                 << "</febio_spec>\n";
+  };
+  spec("mesh.feb",
+       "<Mesh><Nodes><node id=\"1\">0,0,0</node><node id=\"2\">1,0,0</node>"
+       "<node id=\"3\">0,1,0</node><node id=\"4\">0,0,1</node></Nodes>"
+       "<Elements type=\"tet4\" name=\"Part\"><elem id=\"7\">1,2,3,4</elem></Elements>"
+       "<NodeSet name=\"Fix\">1:3</NodeSet><NodeSet name=\"Odd\">1:4:2</NodeSet>"
+       "<ElementSet name=\"Tumour\">7:7</ElementSet></Mesh>");
+  spec("from.feb", "<Mesh from=\"mesh.feb\"/>");
+  spec("include.feb", "<Include>mesh.feb</Include>");
+  for (const char* name : {"mesh.feb", "from.feb", "include.feb"}) {
+    const Mesh mesh = convert(name);
+    EXPECT_EQ(mesh.node_groups.at("Fix").size(), 3u) << name;
+    EXPECT_EQ(mesh.node_groups.at("Odd").size(), 2u) << name;
+    EXPECT_EQ(mesh.element_groups.at("Tumour").size(), 1u) << name;
+  }
+  spec("gone.feb", "<Include>nowhere.feb</Include>");
+  expectBadInput([&] { convert("gone.feb"); }, {"gone.feb:2: there is no file", "nowhere.feb"});
+  spec("round.feb", "<Include>round.feb</Include>");
+  expectBadInput([&] { convert("round.feb"); }, {"round.feb:2", "includes itself"});
+}
+
+TEST_F(MeshConversion, CutsStripsOfPlyIntoTriangles) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("strips.ply") << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                          "property float y\nproperty float z\nelement tristrips 1\n"
+                          "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+                          "0 0 1\n7 0 2 1 3 0 2 -1\n";
+  const ConvertedMesh converted = convertMesh(directory / "strips.ply", directory.path());
+  const ClosedSurface surface = closedSurface(readTriangles(converted.file), "", Bodies::only);
+  EXPECT_EQ(surface.triangles.size(), 4u);
+  EXPECT_NEAR(surface.volume, 1.0 / 6, 1e-12);
+}
+
+/// A mesh of somebody's report, and what is read of it.
+struct Reported {
+  const char* name;
+  std::size_t tetrahedra;
+  const char* group = nullptr;
+  std::size_t of_group = 0;  ///< nodes
+};
+
+TEST_F(MeshConversion, ReadsSoundFilesThatOthersReported) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  PALPATE_REFERENCE_FILE(reports, "cases/reports");
+  const std::vector<Reported> sound = {{"k05_mixed.msh", 2},
+                                       {"k06_double.vtu", 6, "label 1", 7},
+                                       {"k06_double_ascii.vtk", 6, "label 1", 7},
+                                       {"k06_double_bin.vtk", 6, "label 1", 7},
+                                       {"k06_idtype.vtu", 6, "label 1", 7},
+                                       {"k06_idtype_ascii.vtk", 6, "label 1", 7},
+                                       {"k06_idtype_bin.vtk", 6, "label 1", 7},
+                                       {"k06_int.vtu", 6, "label 1", 7},
+                                       {"k06_int_ascii.vtk", 6, "label 1", 7},
+                                       {"k06_int_bin.vtk", 6, "label 1", 7},
+                                       {"k06_string.vtu", 6},
+                                       {"k06_string_ascii.vtk", 6},
+                                       {"k06_string_bin.vtk", 6},
+                                       {"k06_uchar.vtu", 6, "label 1", 7},
+                                       {"k06_uchar_ascii.vtk", 6, "label 1", 7},
+                                       {"k06_uchar_bin.vtk", 6, "label 1", 7},
+                                       {"k07_gmsh_bin.vtk", 24, "CellEntityIds 1", 14},
+                                       {"k08_down.inp", 6, "FIX", 4},
+                                       {"k10_parametric.msh", 24, "fixed", 5},
+                                       {"k11_bom.ele", 6},
+                                       {"k11_bom.inp", 6},
+                                       {"k11_bom.msh", 6},
+                                       {"k11_bom.node", 6},
+                                       {"k12_from.feb", 6, "Part", 8},
+                                       {"k12_include.feb", 6, "Part", 8},
+                                       {"k12_range.feb", 6, "Fix", 4},
+                                       {"k12_range_elements.feb", 6, "Tumour", 6},
+                                       {"k13_goes_on.inp", 6, "LIVER", 8},
+                                       {"k13_nset.inp", 6, "FIX", 4},
+                                       {"k14_lz4.vtu", 6},
+                                       {"k18_v40.msh", 24, "fixed", 5},
+                                       {"k22_mass.inp", 6},
+                                       {"k22_qualified.inp", 6, "Fix", 4},
+                                       {"k23_lagrange1.vtu", 6},
+                                       {"k24_mmg.mesh", 1},
+                                       {"k25_avs.inp", 1},
+                                       {"K25.NODE", 6},
+                                       {"K25.ELE", 6}};
+  for (const Reported& report : sound) {
+    SCOPED_TRACE(report.name);
+    const ConvertedMesh converted = convertMesh(reports / report.name, directory.path());
+    ASSERT_TRUE(converted.is_volume);
+    const Mesh mesh = readGmsh(converted.file);
+    EXPECT_EQ(mesh.tetrahedra.size(), report.tetrahedra);
+    if (!report.group) continue;
+    ASSERT_THAT(mesh.node_groups, Contains(::testing::Key(report.group)));
+    EXPECT_EQ(mesh.node_groups.at(report.group).size(), report.of_group);
+  }
+  for (const char* name : {"k11_bom.obj", "k11_bom.off", "k11_bom.stl", "k19_strips.ply"})
+    EXPECT_FALSE(convertMesh(reports / name, directory.path()).is_volume) << name;
+  for (const char* name : {"k09_names.msh", "k09_saveall.msh"})
+    EXPECT_THAT(convertMesh(reports / name, directory.path()).notes,
+                Contains(HasSubstr("\"fixed\"")));
+  expectBadInput([&] { convertMesh(reports / "k08_none.inp", directory.path()); },
+                 {"k08_none.inp:18", "makes no member"});
+  expectBadInput([&] { convertMesh(reports / "k25_empty.obj", directory.path()); },
+                 {"k25_empty.obj: there is no vertex"});
 }
 
 }  // namespace

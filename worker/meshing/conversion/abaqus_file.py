@@ -1,6 +1,7 @@
 """Abaqus's .inp, of which meshio loses sets."""
 from body import NODES_OF, Body, wrong
 from lines import data_lines, numbers, whole
+from meshio_file import read_by_meshio
 
 ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
           "C3D15": "wedge15", "C3D5": "pyramid", "S3": "triangle", "STRI3": "triangle", "CPS3": "triangle",
@@ -29,20 +30,27 @@ class Abaqus:
         self.elements = {}  # (scope, number) -> (kind, points)
         self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
         self.keyword, self.options, self.kind = "", {}, None
+        self.left_out, self.left = {}, ""  # type of elements -> lines of them that were left out
         self.pending = []  # of an element whose nodes go on in the next line
         self.read(path)
 
     def read(self, path):
+        keyword = ""  # a line of a keyword that goes on in the next
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
-            if text.startswith("*"):
-                self.begin(text)
+            if keyword or text.startswith("*"):
+                keyword += text
+                if not text.endswith(","):
+                    self.begin(keyword)
+                    keyword = ""
             elif self.keyword == "NODE":
                 self.node(text)
             elif self.keyword == "ELEMENT":
                 self.element(text)
             elif self.keyword in self.sets:
                 self.members(text)
+            elif self.keyword == "LEFT OUT":
+                self.left_out[self.left] += 1
             elif self.keyword == "INSTANCE":
                 self.move(text)
             elif self.keyword == "SYSTEM":
@@ -76,11 +84,19 @@ class Abaqus:
                 word = self.options.get("TYPE", "").upper()
                 self.kind = abaqus_kind(word)
                 if self.kind is None:
-                    self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+                    self.leave_out(word)
             elif self.keyword == "NODE" and self.options.get("SYSTEM", "R").upper() != "R":
                 self.wrong(f"*NODE, SYSTEM={self.options['SYSTEM']}: only rectangular coordinates are read; {REMEDY}")
             elif self.keyword == "NSET" and self.options.get("NSET") and self.options.get("ELSET"):
                 self.nodes_of_elements()
+
+    def leave_out(self, word):
+        """Masses, springs, connectors: what is no part of a continuum."""
+        if not word or word.startswith(("C3D", "DC3D", "AC3D", "CC", "EC3D", "PC3D", "Q3D")):
+            self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+        self.left_out[word] = 0
+        self.keyword = "LEFT OUT"
+        self.left = word
 
     def include(self):
         name = self.options.get("INPUT")
@@ -162,21 +178,31 @@ class Abaqus:
             row = numbers(text, self.path, self.line, kind=int, commas=True)
             if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
                 self.wrong("GENERATE needs first, last and step")
-            members = range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)
-            if (row[1] - row[0]) // members.step >= LONGEST_RANGE:
+            step = row[2] if len(row) == 3 else 1
+            members = range(row[0], row[1] + (1 if step > 0 else -1), step)
+            if not members:
+                self.wrong(f"GENERATE from {row[0]} to {row[1]} by {step} makes no member")
+            if (row[1] - row[0]) // step >= LONGEST_RANGE:
                 self.wrong(f"GENERATE makes more than {LONGEST_RANGE} members: name those that are there")
             found += [(scope, n) for n in members]
             return
         for word in (word.strip().strip('"') for word in text.split(",")):
+            instance, _, of_instance = word.rpartition(".")
             if word.lstrip("-").isdigit():
                 found.append((scope, int(word)))
+            elif of_instance.isdigit() and instance.upper() in self.part_of:
+                found.append((self.part_of[instance.upper()], int(of_instance)))
             elif word:
                 found += self.known_set(self.keyword, word)
 
     def known_set(self, kind, name):
-        if name.upper() not in self.sets[kind]:
+        """By its name, which the assembly may write behind that of an instance."""
+        instance, _, of_instance = name.rpartition(".")
+        known = of_instance if instance.upper() in self.part_of else name
+        if known.upper() not in self.sets[kind]:
             self.wrong(f"there is no set \"{name}\" before this line")
-        return self.sets[kind][name.upper()][1]
+        members = self.sets[kind][known.upper()][1]
+        return [m for m in members if known == name or m[0] == self.part_of[instance.upper()]]
 
     def nodes_of_elements(self):
         """*NSET, NSET=name, ELSET=elements."""
@@ -194,6 +220,9 @@ class Abaqus:
                                       f"out if the body may lie where the part does, or {REMEDY}")
 
     def body(self):
+        if not self.elements and self.left_out:
+            wrong(self.files[0], None, f"elements of type {', '.join(self.left_out)} are not read; tetrahedra are C3D4 "
+                                       "and C3D10")
         parts = {scope for (scope, _), (kind, _) in self.elements.items() if kind.startswith("tetra")}
         if len(parts) > 1:
             wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts ({', '.join(sorted(parts))}); export one")
@@ -205,6 +234,8 @@ class Abaqus:
         for kind, rows in by_kind.items():
             block = body.add(kind, [nodes for _, nodes in rows])
             place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
+        for word, lines in self.left_out.items():
+            body.notes.append(f"elements of type {word} are left out ({lines} lines)")
         for name, elements in self.sets["ELSET"].values():
             body.group_of([place[element] for element in elements if element in place], name)
             body.note_missing(name, sum(element not in place for element in elements), "element")
@@ -215,5 +246,9 @@ class Abaqus:
 
 
 def read_abaqus(path):
-    """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance."""
+    """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance. AVS's UCD has the same ending, and begins
+    with five numbers."""
+    first = next((text for _, text in data_lines(path, comment="#")), "").split()
+    if len(first) == 5 and all(word.isdigit() for word in first):
+        return read_by_meshio(path, "avsucd")
     return Abaqus(path).body()

@@ -64,6 +64,16 @@ def plain(name):
     return name.rsplit(":", 1)[-1]
 
 
+def are_numbers_of_parts(name, arrays):
+    """Integers, or floats of a name like that of parts; what Gmsh and VTK count for themselves is none."""
+    if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
+        return False
+    if all(np.asarray(array).dtype.kind in "iu" for array in arrays):
+        return True
+    words = ("region", "material", "mat", "part", "label", "tag", "group", "ref", "domain", "fixed")
+    return plain(name).lower().replace("_", "").rstrip("s").removesuffix("id") in words
+
+
 def are_no_parts(body, name, numbers_in):
     if len(numbers_in) > MOST_PARTS:
         body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different numbers: too many to name parts")

@@ -21,12 +21,16 @@ from checks import check_points, put_middles_right, refuse_other_volumes, weld
 from febio_file import read_febio
 from gmsh_file import read_gmsh
 from meshio_file import read_by_meshio
+from medit_file import read_medit
 from surface_files import read_obj, read_off, read_ply, read_stl
 from tetgen_files import read_tetgen
+from vtk_file import read_vtk
+from vtu_file import read_vtu
 from written_mesh import triangles_of, write_surface, write_volume
 
 READERS = {".stl": read_stl, ".obj": read_obj, ".off": read_off, ".ply": read_ply, ".node": read_tetgen,
-           ".ele": read_tetgen, ".inp": read_abaqus, ".feb": read_febio, ".msh": read_gmsh}
+           ".ele": read_tetgen, ".inp": read_abaqus, ".feb": read_febio, ".msh": read_gmsh,
+           ".vtk": read_vtk, ".vtu": read_vtu, ".vtp": read_vtu, ".mesh": read_medit}
 
 
 class Unwritable(Exception):

@@ -1,49 +1,12 @@
 """FEBio's .feb."""
-import xml.parsers.expat
-
 import numpy as np
 
 from body import NODES_OF, Body, wrong
-from lines import define, node_numbers, numbers
+from lines import bytes_of, define, node_numbers, numbers
+from xml_elements import xml_of
 
 
-class Element:
-    """One of XML, with the line it begins in."""
-
-    def __init__(self, tag, attributes, line):
-        self.tag, self.attributes, self.line = tag, attributes, line
-        self.text, self.children = "", []
-
-    def all(self, *tags):
-        return [child for child in self.children if child.tag in tags]
-
-
-def read_xml(path):
-    root = Element("", {}, 0)
-    open_elements = [root]
-    parser = xml.parsers.expat.ParserCreate()
-
-    def begin(tag, attributes):
-        element = Element(tag, attributes, parser.CurrentLineNumber)
-        open_elements[-1].children.append(element)
-        open_elements.append(element)
-
-    def text(more):
-        open_elements[-1].text += more
-
-    parser.StartElementHandler = begin
-    parser.EndElementHandler = lambda tag: open_elements.pop()
-    parser.CharacterDataHandler = text
-    parser.buffer_text = True
-    try:
-        parser.Parse(path.read_bytes(), True)
-    except xml.parsers.expat.ExpatError as error:
-        wrong(path, error.lineno, f"this is not XML: {xml.parsers.expat.errors.messages[error.code]}")
-    except (LookupError, ValueError) as error:  # Python's, which it asks for what it does not know itself
-        wrong(path, 1, f"the encoding that this line names cannot be read ({error}); save the file as UTF-8")
-    return root
-
-
+LONGEST_RANGE = 10_000_000  # members of a set
 FEBIO = {"tet4": "tetra", "tet10": "tetra10", "tri3": "triangle", "tri6": "triangle6", "hex8": "hexahedron",
          "hex20": "hexahedron20", "penta6": "wedge", "penta15": "wedge15", "pyra5": "pyramid", "quad4": "quad"}
 
@@ -111,7 +74,7 @@ class Febio:
 
     def node_set(self, node_set):
         name = node_set.attributes.get("name", "")
-        nodes = node_numbers(ids_in(node_set), self.number_of, self.path, node_set.line)
+        nodes = node_numbers(ids_in(node_set, self.path), self.number_of, self.path, node_set.line)
         for other in node_set.all("NodeSet"):
             nodes += self.nodes_of_set(other.attributes.get("node_set", ""), name)
         self.nodes_of[name] = self.body.point_groups[name] = nodes
@@ -122,7 +85,7 @@ class Febio:
         return self.nodes_of.get(name, [])
 
     def element_set(self, element_set):
-        name, ids = element_set.attributes.get("name", ""), ids_in(element_set)
+        name, ids = element_set.attributes.get("name", ""), ids_in(element_set, self.path)
         self.cells_of[name] = [self.place[i] for i in ids if i in self.place]
         self.body.note_missing(name, len(ids) - len(self.cells_of[name]), "element")
         self.body.group_of(self.cells_of[name], name)
@@ -161,21 +124,52 @@ def words_of(element):
     return element.text.replace(",", " ").split()
 
 
-def ids_in(element):
-    """Of <node id="1"/>, <n id="1"/> and <e id="1"/>, or in the text."""
+def ids_in(element, path):
+    """Of <node id="1"/>, <n id="1"/> and <e id="1"/>, or in the text, where 1:4 is 1 to 4 and 1:9:2 every second."""
     ids = [child.attributes["id"].strip() for child in element.children if "id" in child.attributes]
-    return ids + words_of(element)
+    for word in words_of(element):
+        if ":" not in word:
+            ids.append(word)
+            continue
+        ends = numbers(word.replace(":", " "), path, element.line, kind=int)
+        if len(ends) not in (2, 3) or ends[-1] <= 0 and len(ends) == 3 or (ends[1] - ends[0]) >= LONGEST_RANGE:
+            wrong(path, element.line, f"\"{word[:60]}\" where a range like 1:4 or 1:9:2 is expected")
+        ids += [str(i) for i in range(ends[0], ends[1] + 1, ends[2] if len(ends) == 3 else 1)]
+    return ids
+
+
+def spec_of(path, reading=()):
+    """The children of <febio_spec> with what other files say in the places of <Include> and from="..."."""
+    root = xml_of(path, bytes_of(path))
+    spec = (root.all("febio_spec") or [root])[0]
+
+    def of_file(name, line):
+        other = path.parent / name.strip()
+        if not other.is_file():
+            wrong(path, line, f"there is no file {other}, which this line names; put it there")
+        if any(other.samefile(file) for file in (*reading, path)):
+            wrong(path, line, f"{other} includes itself")
+        return spec_of(other, (*reading, path))
+
+    found = []
+    for child in spec.children:
+        if child.tag == "Include":
+            found += of_file(child.text, child.line)
+        elif "from" in child.attributes:
+            found += [other for other in of_file(child.attributes["from"], child.line) if other.tag == child.tag]
+        else:
+            found.append(child)
+    return found
 
 
 def read_febio(path):
     """FEBio 2.5, 3 and 4: Geometry or Mesh with Nodes, Elements, NodeSet, ElementSet, Surface; fibres of MeshData."""
-    root = read_xml(path)
-    spec = (root.all("febio_spec") or [root])[0]
-    meshes = spec.all("Geometry", "Mesh")
+    sections = spec_of(path)
+    meshes = [section for section in sections if section.tag in ("Geometry", "Mesh")]
     if not meshes:
-        wrong(path, spec.line, "there is no <Geometry> or <Mesh>: is this a .feb file of FEBio 2.5 or later?")
+        wrong(path, 1, "there is no <Geometry> or <Mesh>: is this a .feb file of FEBio 2.5 or later?")
     febio = Febio(path, meshes)
-    for section in spec.all("MeshData"):
-        for data in section.all("ElementData"):
+    for section in sections:
+        for data in section.all("ElementData") if section.tag == "MeshData" else []:
             febio.vectors(data)
     return febio.body

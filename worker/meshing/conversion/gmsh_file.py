@@ -1,9 +1,12 @@
 """Gmsh's .msh of version 2.2 and 4.1, of which meshio loses groups where it is binary."""
+import pathlib
+import subprocess
+import tempfile
+
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
-from lines import node_numbers
-from meshio_file import read_by_meshio
+from lines import bytes_of, node_numbers
 
 GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
 GMSH_KINDS.update({3: "quad", 5: "hexahedron", 6: "wedge", 7: "pyramid", 10: "quad9", 12: "hexahedron27", 13: "wedge18",
@@ -15,10 +18,15 @@ class GmshFile:
     """Numbers of a .msh file of version 2.2 or 4.1, binary or text, section by section."""
 
     def __init__(self, path):
-        self.path, self.data, self.at = path, path.read_bytes(), 0
-        if self.line() != "$MeshFormat":
+        self.path, self.data, self.at = path, bytes_of(path), 0
+        self.version = "1"
+        if (first := self.line()) == "$NOD":
+            return
+        if first != "$MeshFormat":
             wrong(path, 1, "this is not a Gmsh .msh file: its first line is not $MeshFormat")
         words = self.line().split()
+        if len(words) < 3:
+            wrong(path, 2, "there is no version, type and size of numbers here: the file is truncated; save it again")
         self.version, self.binary = words[0], words[1] == "1"
         self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
@@ -96,8 +104,8 @@ class GmshMesh:
         self.vectors = {}  # name -> {tag of an element: vector}
         self.line_of_vectors = None
         sections = {"PhysicalNames": self.physical_names, "Entities": self.entities,
-                    "PartitionedEntities": self.partitioned_entities, "Nodes": self.nodes, "Elements": self.elements,
-                    "ElementData": self.element_data}
+                    "PartitionedEntities": self.partitioned_entities, "Nodes": self.nodes,
+                    "ParametricNodes": self.parametric_nodes, "Elements": self.elements, "ElementData": self.element_data}
         for section, begin, end in file.sections():
             if section in sections:
                 self.read(section, sections[section], begin, end)
@@ -147,6 +155,15 @@ class GmshMesh:
                 self.node(tag, count - n)
             width = 3 + (int(dimension) if parametric else 0)
             self.points += list(file.take("d", width * count).reshape(count, width)[:, :3])
+
+    def parametric_nodes(self, *_):
+        """Of version 2.2: with the entity that a node lies on, and its parameters there."""
+        file = self.file
+        for _ in range(self.old_count()):
+            self.node(file.take("i")[0])
+            self.points.append(file.take("d", 3))
+            dimension, _ = file.take("i", 2)
+            file.take("d", int(dimension) if dimension < 3 else 0)
 
     def node(self, tag, back=0):
         if int(tag) in self.number_of:
@@ -231,7 +248,16 @@ class GmshMesh:
             block = body.add(kind, cells[:, GMSH_ORDER] if kind == "tetra10" else cells)
             self.add_groups(body, block, rows)
             self.add_vectors(body, block, rows)
+        self.note_idle_names(body)
         return body
+
+    def note_idle_names(self, body):
+        borne = {name for _, name in body.groups}
+        idle = sorted(name for name in self.names.values() if name not in borne)
+        if idle:
+            text = ", ".join(f'"{name}"' for name in idle[:5]) + (f" and {len(idle) - 5} more" if len(idle) > 5 else "")
+            body.notes.append(f"groups that have a name and no element are lost: {text} (version 2.2 saves elements "
+                              "without their groups where Mesh.SaveAll is 1)")
 
     def refuse_tetrahedra_of_one_tag(self):
         """Only where vectors ask for tags: version 2.2 may write an element once for each of its groups."""
@@ -259,7 +285,27 @@ class GmshMesh:
                 array[cell_of[tag]] = values[tag]
 
 
+def saved_anew(path, version):
+    """By Gmsh itself, which reads all of its versions."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = pathlib.Path(folder) / "anew.msh"
+        try:
+            ran = subprocess.run(["gmsh", str(path.absolute()), "-save", "-format", "msh41", "-o", str(made), "-v", "1"],
+                                 capture_output=True, text=True, errors="replace", check=False)
+        except FileNotFoundError:
+            wrong(path, None, f"Gmsh's format version {version} is read with Gmsh itself, which is not installed here "
+                              "(Debian: gmsh); install it, or save the mesh as version 4.1 or 2.2")
+        if ran.returncode != 0 or not made.exists():
+            said = (ran.stderr or ran.stdout).strip().splitlines()
+            wrong(path, None, f"Gmsh cannot read it: {said[-1] if said else 'it does not say why'}")
+        return GmshMesh(GmshFile(made)).body()
+
+
 def read_gmsh(path):
-    """Version 2.2 or 4.1; others by meshio."""
+    """Version 2.2 or 4.1; others are saved anew first."""
     file = GmshFile(path)
-    return GmshMesh(file).body() if file.version in ("2.2", "4.1") else read_by_meshio(path)
+    if file.version in ("2.2", "4.1"):
+        return GmshMesh(file).body()
+    body = saved_anew(path, file.version)
+    body.notes.append(f"it is of Gmsh's format version {file.version}, and was read with Gmsh itself")
+    return body

@@ -35,10 +35,25 @@ def whole(number, what, source, line):
     return int(number)
 
 
+MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+
+
+def bytes_of(path):
+    """Of a file of text, without the mark that some programs for Windows begin UTF-8 with."""
+    data = path.read_bytes()
+    if data[:2] in MARKS:
+        wrong(path, 1, f"its text is {MARKS[data[:2]]}: save it as UTF-8 or ASCII")
+    return data.removeprefix(b"\xef\xbb\xbf")
+
+
 def data_lines(path, comment="#"):
     """(number, text) of lines that say something; what follows `comment` says nothing."""
     try:
-        with open(path, encoding="utf-8", errors="replace") as lines:
+        with open(path, "rb") as file:
+            mark = file.read(2)
+        if mark in MARKS:
+            wrong(path, 1, f"its text is {MARKS[mark]}: save it as UTF-8 or ASCII")
+        with open(path, encoding="utf-8-sig", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 text = line.split(comment)[0].strip()
                 if text:

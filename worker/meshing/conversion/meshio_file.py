@@ -6,39 +6,14 @@ import signal
 
 import numpy as np
 
-from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, plain, wrong
+from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
 
 LONGEST_READING = 900  # s
 COMPRESSED = (".gz", ".bz2", ".xz", ".zip", ".zst", ".7z")
-A_SURFACE = ("it is a surface of VTK's PolyData, which is not read: save it as .stl (3D Slicer: Export to File, STL; "
-             "ParaView: File, Save Data, STL)")
-
-
-def are_numbers_of_parts(name, arrays):
-    """Integers, or floats of a name like that of parts; what Gmsh and VTK count for themselves is none."""
-    if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
-        return False
-    if all(np.asarray(array).dtype.kind in "iu" for array in arrays):
-        return True
-    words = ("region", "material", "mat", "part", "label", "tag", "group", "ref", "domain", "fixed")
-    return plain(name).lower().replace("_", "").rstrip("s").removesuffix("id") in words
 
 
 def give_up(*_):
     raise TimeoutError(f"it does not come to an end in {LONGEST_READING} s")
-
-
-def know_voxels():
-    """Cells that VTK has and meshio leaves out: with a name they are counted and refused."""
-    try:
-        from meshio import _common, _mesh, _vtk_common
-        from meshio.vtk import _vtk_42
-        _vtk_common.vtk_to_meshio_type.setdefault(11, "voxel")
-        _common.num_nodes_per_cell.setdefault("voxel", 8)
-        _mesh.topological_dimension.setdefault("voxel", 3)
-        _vtk_42.vtk_type_to_numnodes[11] = 8
-    except (ImportError, AttributeError, LookupError):
-        pass  # another meshio: its warning refuses them without their count
 
 
 def heed_warnings(path, said):
@@ -51,18 +26,17 @@ def heed_warnings(path, said):
     return [f"meshio: {text}" for text in dict.fromkeys(warnings)]
 
 
-def read_by_meshio(path):
+def read_by_meshio(path, of_format=None):
     try:
         import meshio
     except ImportError:
         raise ModuleNotFoundError("meshio", name="meshio") from None
-    know_voxels()
     said = io.StringIO()
     signal.signal(signal.SIGALRM, give_up)  # some of its readers wait forever on files that were cut
     signal.alarm(LONGEST_READING)
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            read = meshio.read(path)
+            read = meshio.read(path, of_format)
     except ModuleNotFoundError:
         raise
     except BaseException as error:  # meshio ends with sys.exit() where it cannot read
@@ -70,8 +44,6 @@ def read_by_meshio(path):
             raise
         text = str(error) if not isinstance(error, SystemExit) else said.getvalue()
         text = " ".join((text or said.getvalue()).replace("Error:", "").split())
-        if path.suffix.lower() == ".vtp" or "not POLYDATA" in text or "found PolyData" in text:
-            wrong(path, None, A_SURFACE)
         if "deduce" in text:
             refuse_ending(path, {*meshio.extension_to_filetypes, ".feb"})
         wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "

@@ -2,7 +2,7 @@
 import numpy as np
 
 from body import Body, wrong
-from lines import data_lines, numbers
+from lines import MARKS, bytes_of, data_lines, numbers
 from polygons import cut
 
 
@@ -18,7 +18,7 @@ def polygons_of(points, polygons):
 
 
 def read_stl(path):
-    data = path.read_bytes()
+    data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     binary = len(data) >= 84 and (b"\0" in data[:4096] or not data.lstrip().lower().startswith(b"solid"))
     count = int.from_bytes(data[80:84], "little")
     if len(data) >= 84:
@@ -27,6 +27,8 @@ def read_stl(path):
                                    count, 84)
             corners = facets["corners"].astype(float).reshape(-1, 3)
             return surface_of(corners, np.arange(len(corners)).reshape(-1, 3))
+    if data[:2] in MARKS:
+        wrong(path, 1, f"its text is {MARKS[data[:2]]}: save it as ASCII, or binary")
     if binary:
         wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
                           "the file is truncated, or no STL")
@@ -61,11 +63,15 @@ def read_obj(path):
             if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
                 wrong(path, number, f"a face of corners that are not there: {len(points)} are defined before it")
             polygons.append(corners)
+    if not points:
+        wrong(path, None, "there is no vertex (v) in it: is it whole?")
     return polygons_of(points, polygons)
 
 
 def read_off(path):
     words = [(number, word) for number, line in data_lines(path) for word in line.split()]
+    if words and words[0][1][:3].upper() == "OFF" and words[0][1][3:].isdigit():  # without the end of the line
+        words[:1] = [(words[0][0], "OFF"), (words[0][0], words[0][1][3:])]
     if not words or words[0][1].upper() != "OFF":
         wrong(path, 1, "this is no plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary ones are not "
                        "read; save it as .stl, or as OFF without colours and normals)")
@@ -122,9 +128,20 @@ def ply_header(path, data):
     return order, elements, data.find(b"\n", end) + 1
 
 
+def triangles_of_strips(corners):
+    """Strips end with -1; every other triangle of one is turned."""
+    triangles, strip = [], []
+    for corner in corners:
+        strip = [*strip, corner] if corner >= 0 else []
+        if len(strip) >= 3:
+            a, b, c = strip[-3:]
+            triangles.append([a, b, c] if len(strip) % 2 else [b, a, c])
+    return [t for t in triangles if len(set(t)) == 3]
+
+
 def read_ply(path):
     """Of our own: meshio waits forever for the end of a truncated header."""
-    data = path.read_bytes()
+    data = bytes_of(path)
     order, elements, at = ply_header(path, data)
     words = iter(data[at:].split()) if order == "" else None
 
@@ -148,6 +165,8 @@ def read_ply(path):
                     points.append([row["x"], row["y"], row["z"]])
                 elif name == "face":
                     polygons.append(row["vertex_indices"] if "vertex_indices" in row else row["vertex_index"])
+                elif name == "tristrips":
+                    polygons += triangles_of_strips(row["vertex_indices"])
     except (StopIteration, RuntimeError, ValueError, OverflowError):
         wrong(path, None, "the file is truncated, or has words where numbers are expected")
     except KeyError as missing:

@@ -5,9 +5,15 @@ from body import TETGEN_ORDER, Body, add_parts, add_point_parts, wrong
 from lines import data_lines, define, node_numbers, numbers, whole
 
 
+def beside(path, ending):
+    """The file of the same name with this ending, in small letters or capitals."""
+    files = [path.with_suffix(other) for other in (ending, ending.upper(), ending.capitalize())]
+    return next((file for file in files if file.is_file()), files[0])
+
+
 def read_tetgen(path):
     """.node and .ele of one name; counted from 0 or 1. Attributes of elements are regions."""
-    node_file, ele_file = path.with_suffix(".node"), path.with_suffix(".ele")
+    node_file, ele_file = beside(path, ".node"), beside(path, ".ele")
     lines = data_lines(node_file)
     line, header = next(lines, (1, ""))
     header = numbers(header, node_file, line, kind=int)

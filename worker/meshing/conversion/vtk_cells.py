@@ -1,0 +1,66 @@
+"""Cells of VTK's unstructured grids by their numbers there, as a Body."""
+import numpy as np
+
+from body import Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
+
+# VTK's number of every cell that is read or refused by name.
+KINDS = {1: "vertex", 2: "poly-vertex", 3: "line", 4: "poly-line", 5: "triangle", 6: "strip", 7: "polygon",
+         8: "pixel", 9: "quad", 10: "tetra", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid", 21: "line3",
+         22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13", 28: "quad9",
+         29: "hexahedron27", 42: "polyhedron"}
+# Lagrange's and Bezier's, of any order, which at order one and two are the plain ones.
+ANY_ORDER = {68: "line", 69: "triangle", 70: "quad", 71: "tetra", 72: "hexahedron", 73: "wedge", 74: "pyramid"}
+PLAIN = {("line", 2): "line", ("line", 3): "line3", ("triangle", 3): "triangle", ("triangle", 6): "triangle6",
+         ("tetra", 4): "tetra", ("tetra", 10): "tetra10", ("quad", 4): "quad", ("quad", 9): "quad9"}
+
+
+def refuse_grid(path, line, kind):
+    """Of another kind than unstructured."""
+    if kind.lower() == "polydata":
+        wrong(path, line, "it is a surface of VTK's PolyData, which is not read: save it as .stl (3D Slicer: Export to "
+                          "File, STL; ParaView: File, Save Data, STL)")
+    wrong(path, line, f"it is a {kind}; meshes are unstructured grids of tetrahedra: convert it (ParaView: filter "
+                      "Tetrahedralize, then Save Data, .vtu)")
+
+
+def kind_of(number, nodes):
+    if number in ANY_ORDER:
+        return PLAIN.get((ANY_ORDER[number], nodes), f"{ANY_ORDER[number]} of {nodes} nodes")
+    return KINDS.get(number, f"cell of VTK's type {number}")
+
+
+def strips_cut(nodes):
+    """Triangles of a strip, every other one turned."""
+    return [nodes[i:i + 3] if i % 2 == 0 else nodes[[i + 1, i, i + 2]] for i in range(len(nodes) - 2)]
+
+
+def body_of(path, points, types, begins, nodes, cell_arrays, point_arrays):
+    """begins: where the nodes of each cell begin in `nodes`, and their end. Arrays: name -> one row for each cell or
+    point."""
+    types, begins = np.asarray(types, dtype=np.int64), np.asarray(begins, dtype=np.int64)
+    nodes, sizes = np.asarray(nodes, dtype=np.int64), np.diff(begins)
+    if len(begins) != len(types) + 1 or (sizes < 0).any() or begins[-1] > len(nodes):
+        wrong(path, None, f"it has {len(types)} cells whose nodes do not fit the list of them: the file is truncated")
+    body, cells_of = Body(points), {}  # cells_of: block -> cells of the file
+    for number, size in sorted(set(zip(types.tolist(), sizes.tolist()))):
+        cells = np.flatnonzero((types == number) & (sizes == size))
+        rows = nodes[begins[cells][:, None] + np.arange(size)]
+        kind = kind_of(number, size)
+        if kind == "strip":
+            cells, kind = np.repeat(cells, max(size - 2, 0)), "triangle"
+            rows = [triangle for row in rows for triangle in strips_cut(row)]
+        elif kind == "pixel":
+            rows, kind = rows[:, [0, 1, 3, 2]], "quad"
+        if len(rows):
+            cells_of[body.add(kind, rows)] = cells
+    for name, array in cell_arrays.items():
+        if len(array) != len(types):
+            body.notes.append(f"the array \"{name}\" has {len(array)} rows for {len(types)} cells, and is left out")
+        elif array.ndim == 2 and array.shape[1] == 3:
+            body.vectors[name] = {block: array[cells] for block, cells in cells_of.items()}
+        elif are_numbers_of_parts(name, [array]):
+            add_parts(body, name, {block: array[cells] for block, cells in cells_of.items()})
+    for name, array in point_arrays.items():
+        if len(array) == len(body.points) and are_numbers_of_parts(name, [array]):
+            add_point_parts(body, name, array)
+    return body
