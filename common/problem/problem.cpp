@@ -130,7 +130,7 @@ void refuseContrast(const std::vector<Region>& regions) {
   const Region &soft = *std::ranges::min_element(regions, {}, shear),
                &stiff = *std::ranges::max_element(regions, {}, young);
   const auto named = [](const Region& region) {
-    return region.group.empty() ? std::string("[material]") : "[[region]] \"" + region.group + '"';
+    return region.isRest() ? std::string("[material]") : "[[region]] \"" + region.name() + '"';
   };
   if (young(stiff) > largest_contrast * shear(soft))
     throw badInput(

@@ -65,7 +65,7 @@ class Doubts {
   }
 
   static std::string named(const Region& region) {
-    return region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group);
+    return region.isRest() ? "material" : fmt::format("region \"{}\"", region.name());
   }
 
   /// Numbers that another unit than Pa and kg/m^3 explains.

@@ -166,7 +166,7 @@ ContentId problemId(const Problem& problem) {
   if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
     Region& region = bare.scene.regions[r];
-    if (!region.group.empty()) region.group = std::to_string(r);
+    if (!region.isRest()) region = {std::to_string(r), std::move(region.material)};
     if (!region.material.fiber_field.empty()) region.material.fiber_field = "any";
   }
   ContentHasher hasher;

@@ -30,7 +30,7 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
 /// What the mesh has under a name. Errors begin with `missing`, which says what is not there, and
 /// list the names of `what` that are.
 template <class Named>
-const auto& entryNamed(const Named& named, const std::string& name, const std::string& missing,
+const auto& entryNamed(const Named& named, const std::string& name, std::string_view missing,
                        const char* what) {
   const auto found = named.find(name);
   if (found != named.end()) return found->second;
@@ -41,7 +41,7 @@ const auto& entryNamed(const Named& named, const std::string& name, const std::s
 }
 
 /// The nodes of a physical group, mid-edge nodes too. Errors begin with `key`.
-const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, const std::string& key) {
+const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string_view key) {
   const NodeSet& group = entryNamed(
       mesh.node_groups, name, fmt::format("{}: there is no \"{}\"", key, name), "physical groups");
   if (group.empty()) throw badInput("{}: no node of \"{}\" belongs to a tetrahedron", key, name);
@@ -257,12 +257,32 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
 
 constexpr std::uint16_t nowhere = std::numeric_limits<std::uint16_t>::max();
 
-const std::vector<std::int32_t>& tetrahedraOf(const std::string& group, const Mesh& mesh) {
-  const auto& elements =
-      entryNamed(mesh.element_groups, group,
-                 fmt::format("region.group: there is no \"{}\" of volume elements", group),
-                 "physical groups of volumes");
-  if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", group);
+/// Those of the group, and those whose middle is in a box or a sphere; sorted.
+std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
+  std::vector<std::int32_t> elements;
+  if (!region.group.empty()) {
+    elements =
+        entryNamed(mesh.element_groups, region.group,
+                   fmt::format("region.group: there is no \"{}\" of volume elements", region.group),
+                   "physical groups of volumes");
+    if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", region.group);
+  }
+  const auto addThoseIn = [&](const auto& places, const char* key) {
+    for (const auto& place : places) {
+      const std::size_t before = elements.size();
+      for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+        if (isIn(place, middleOf(mesh, e))) elements.push_back(static_cast<std::int32_t>(e));
+      if (elements.size() == before)
+        throw badInput(
+            "region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to {} m, and "
+            "edges are {:.3g} m on average",
+            key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
+            measure(mesh).mean_edge);
+    }
+  };
+  addThoseIn(region.boxes, "box");
+  addThoseIn(region.spheres, "sphere");
+  sortUnique(elements);
   return elements;
 }
 
@@ -364,14 +384,14 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
 }
 
 std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh) {
-  const bool has_rest = regions.front().group.empty();
+  const bool has_rest = regions.front().isRest();
   std::vector<std::uint16_t> region_of(mesh.tetrahedra.size(), nowhere);
   for (std::size_t r = has_rest ? 1 : 0; r < regions.size(); ++r)
-    for (const std::int32_t element : tetrahedraOf(regions[r].group, mesh)) {
+    for (const std::int32_t element : tetrahedraOf(regions[r], mesh)) {
       if (region_of[element] != nowhere)
         throw badInput(
             "region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
-            placeOf(mesh, element), regions[region_of[element]].group, regions[r].group);
+            placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
       region_of[element] = static_cast<std::uint16_t>(r);
     }
   // [material] takes what no group names; without one every tetrahedron must be named.

@@ -34,10 +34,11 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
 /// are left to be averaged.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);
 
-/// Which region each tetrahedron is in. Error (bad input), naming the key, when a region names an
-/// element group that the mesh does not have (listing those it has) or that is empty, when a
-/// tetrahedron is in two regions, or in none although there is no [material], or when none is left
-/// for [material].
+/// Which region each tetrahedron is in: that of its group, or of the box or sphere that its middle
+/// is in. Error (bad input), naming the key, when a region names an element group that the mesh
+/// does not have (listing those it has), when a group, box or sphere is empty, when a tetrahedron
+/// is in two regions, or in none although there is no [material], or when none is left for
+/// [material].
 std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh);
 
 /// The fibres of each tetrahedron as Problem::fibers. Error (bad input) when the mesh has no

@@ -86,7 +86,7 @@ Keys keysOf(LawName law) {
 
 void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
   const Keys keys = keysOf(law);
-  std::vector<std::string_view> taken = {"law", "group"};
+  std::vector<std::string_view> taken = {"law", "group", "box", "sphere"};
   for (const auto& some : {keys.needed, keys.optional})
     taken.insert(taken.end(), some.begin(), some.end());
   for (const std::string_view key : materialKeys())
@@ -213,9 +213,10 @@ std::vector<Entry> entriesOf(const Material& m) {
 }  // namespace
 
 std::span<const std::string_view> materialKeys() {
-  static constexpr std::array<std::string_view, 18> keys = {
-      "law", "young", "poisson", "c10", "c01",  "c20",     "c30",        "mu",    "alpha",
-      "c1",  "c2",    "k1",      "k2",  "bulk", "density", "dispersion", "fiber", "group"};
+  static constexpr std::array<std::string_view, 20> keys = {
+      "law",     "young",      "poisson", "c10",   "c01", "c20",   "c30",
+      "mu",      "alpha",      "c1",      "c2",    "k1",  "k2",    "bulk",
+      "density", "dispersion", "fiber",   "group", "box", "sphere"};
   return keys;
 }
 

@@ -18,12 +18,6 @@ std::string listOf(const char* key, const std::vector<std::string>& items) {
   return text + "]\n";
 }
 
-std::string regionToml(const Region& region) {
-  if (region.group.empty()) return "\n[material]\n" + materialToml(region.material);
-  return fmt::format("\n[[region]]\ngroup = {}\n", quotedToml(region.group)) +
-         materialToml(region.material);
-}
-
 std::string boxToml(const Box& box) {
   return fmt::format("{{ lowest = {}, highest = {} }}", decimalToml(box.lowest),
                      decimalToml(box.highest));
@@ -32,6 +26,14 @@ std::string boxToml(const Box& box) {
 std::string sphereToml(const Sphere& sphere) {
   return fmt::format("{{ center = {}, radius = {} }}", decimalToml(sphere.center),
                      decimalToml(sphere.radius));
+}
+
+std::string regionToml(const Region& region) {
+  if (region.isRest()) return "\n[material]\n" + materialToml(region.material);
+  std::string text = "\n[[region]]\n";
+  if (!region.group.empty()) text += fmt::format("group = {}\n", quotedToml(region.group));
+  return text + listOf("box", textsOf(region.boxes, boxToml)) +
+         listOf("sphere", textsOf(region.spheres, sphereToml)) + materialToml(region.material);
 }
 
 std::string fixedToml(const FixedSelection& fixed) {

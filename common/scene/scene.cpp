@@ -26,13 +26,36 @@ void refuseTwin(const TomlSection& section, const std::vector<Entry>& before,
     throw section.wrong(key, "two {} \"{}\"", what, before.back().*name);
 }
 
+Box readBox(const TomlSection& section) {
+  Box box = {section.require("lowest", "the corner [x, y, z] with the lowest coordinates",
+                             &TomlSection::point),
+             section.require("highest", "the corner [x, y, z] with the highest coordinates",
+                             &TomlSection::point)};
+  if ((box.lowest.array() > box.highest.array()).any())
+    throw section.wrong("lowest", "a coordinate is greater than that of highest");
+  return box;
+}
+
+Sphere readSphere(const TomlSection& section) {
+  return {section.require("center", "[x, y, z]", &TomlSection::point),
+          section.require("radius", "its radius", &TomlSection::positiveLength)};
+}
+
+template <class Selection>
+void readBoxesAndSpheres(const TomlSection& section, Selection& selection) {
+  for (const toml::node* node : section.oneOrMany("box"))
+    selection.boxes.push_back(readBox(section.inner("box", *node, {"lowest", "highest"})));
+  for (const toml::node* node : section.oneOrMany("sphere"))
+    selection.spheres.push_back(readSphere(section.inner("sphere", *node, {"center", "radius"})));
+}
+
 std::vector<Region> readRegions(const TomlSection& root) {
   std::vector<Region> regions;
   if (const toml::node* node = root.find("material")) {
     const TomlSection section = root.inner("material", *node, materialKeys());
-    if (section.has("group"))
-      throw section.wrong("group",
-                          "[material] is the rest of the body; write [[region]] for a group");
+    for (const char* key : {"group", "box", "sphere"})
+      if (section.has(key))
+        throw section.wrong(key, "[material] is the rest of the body; write [[region]] for a part");
     regions.push_back({"", readMaterial(section)});
   }
   if (!root.has("region")) {
@@ -42,13 +65,17 @@ std::vector<Region> readRegions(const TomlSection& root) {
   }
   for (const toml::node& element : root.tables("region", "part of the body")) {
     const TomlSection section = root.inner("region", element, materialKeys());
-    regions.push_back(
-        {section.require("group", "the physical group of the mesh that is this region",
-                         &TomlSection::text),
-         {}});
+    Region& region = regions.emplace_back();
+    region.group = section.optional("group", &TomlSection::text).value_or("");
+    readBoxesAndSpheres(section, region);
+    if (region.isRest())
+      throw section.wrong("group",
+                          "missing: give the physical group of the mesh that is this region, or "
+                          "box or sphere");
     // Before the material is read: a group that is there twice is the first thing to mend.
-    refuseTwin(section, regions, &Region::group, "group", "regions are the group");
-    regions.back().material = readMaterial(section);
+    if (!region.group.empty())
+      refuseTwin(section, regions, &Region::group, "group", "regions are the group");
+    region.material = readMaterial(section);
   }
   return regions;
 }
@@ -103,8 +130,7 @@ Eigen::Vector3d readGravity(const TomlSection& root, const std::vector<Region>& 
     if (!acceleration.isZero(0) && !region.material.density)
       throw section->wrong(
           "acceleration", "with gravity every material needs a density (kg/m^3), and {} has none",
-          region.group.empty() ? "[material]"
-                               : fmt::format("the [[region]] of \"{}\"", region.group));
+          region.isRest() ? "[material]" : fmt::format("the [[region]] of \"{}\"", region.name()));
   return acceleration;
 }
 
@@ -124,28 +150,10 @@ HalfSpace readHalfSpace(const TomlSection& section, bool below) {
   return half;
 }
 
-Box readBox(const TomlSection& section) {
-  Box box = {section.require("lowest", "the corner [x, y, z] with the lowest coordinates",
-                             &TomlSection::point),
-             section.require("highest", "the corner [x, y, z] with the highest coordinates",
-                             &TomlSection::point)};
-  if ((box.lowest.array() > box.highest.array()).any())
-    throw section.wrong("lowest", "a coordinate is greater than that of highest");
-  return box;
-}
-
-Sphere readSphere(const TomlSection& section) {
-  return {section.require("center", "[x, y, z]", &TomlSection::point),
-          section.require("radius", "its radius", &TomlSection::positiveLength)};
-}
-
 /// The selectors that [fixed] and `surface` share.
 template <class Selection>
 void readPlaces(const TomlSection& section, Selection& selection) {
-  for (const toml::node* node : section.oneOrMany("box"))
-    selection.boxes.push_back(readBox(section.inner("box", *node, {"lowest", "highest"})));
-  for (const toml::node* node : section.oneOrMany("sphere"))
-    selection.spheres.push_back(readSphere(section.inner("sphere", *node, {"center", "radius"})));
+  readBoxesAndSpheres(section, selection);
   for (const toml::node* node : section.oneOrMany("group"))
     selection.groups.push_back(section.text("group", *node));
 }
@@ -362,6 +370,16 @@ Scene readTables(const toml::table& table, const std::string& source) {
 }
 
 }  // namespace
+
+std::string Region::name() const {
+  const auto place = [](const Eigen::Vector3d& x) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
+  };
+  if (!group.empty() || isRest()) return group;
+  if (boxes.empty())
+    return fmt::format("sphere of {:.4g} m at {}", spheres[0].radius, place(spheres[0].center));
+  return fmt::format("box from {} to {} m", place(boxes[0].lowest), place(boxes[0].highest));
+}
 
 bool isInfSupStable(const Discretization& discretization) {
   const bool equal_order = discretization.displacement == DisplacementSpace::p1

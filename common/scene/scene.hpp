@@ -8,11 +8,31 @@
 
 namespace palpate {
 
-/// A part of the body: the tetrahedra of a physical group, or with no group all that no other
-/// region names. No two have the same group; every tetrahedron must be in exactly one.
+/// Closed; metres.
+struct Box {
+  Eigen::Vector3d lowest, highest;
+  bool operator==(const Box&) const = default;
+};
+
+/// Closed; metres.
+struct Sphere {
+  Eigen::Vector3d center;
+  double radius;
+  bool operator==(const Sphere&) const = default;
+};
+
+/// A part of the body: the tetrahedra of a physical group and those whose middle is in one of the
+/// places, or, with none of them, all that no other region takes. No two have the same group; every
+/// tetrahedron must be in exactly one.
 struct Region {
-  std::string group;  ///< empty: [material]
+  std::string group;  ///< empty: none, or [material]
   Material material;
+  std::vector<Box> boxes = {};
+  std::vector<Sphere> spheres = {};
+  /// [material]: what no other region takes.
+  bool isRest() const { return group.empty() && boxes.empty() && spheres.empty(); }
+  /// The group, or the first place, for people; empty for [material].
+  std::string name() const;
   bool operator==(const Region&) const = default;
 };
 
@@ -39,19 +59,6 @@ struct HalfSpace {
   bool below = true;
   std::optional<double> fraction, at;
   bool operator==(const HalfSpace&) const = default;
-};
-
-/// Closed; metres.
-struct Box {
-  Eigen::Vector3d lowest, highest;
-  bool operator==(const Box&) const = default;
-};
-
-/// Closed; metres.
-struct Sphere {
-  Eigen::Vector3d center;
-  double radius;
-  bool operator==(const Sphere&) const = default;
 };
 
 /// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an

@@ -42,7 +42,7 @@ std::string largestForce(const Dataset& dataset) {
 
 std::string materialOf(const Dataset& dataset, const std::string& group) {
   for (const Region& region : dataset.scene().regions)
-    if (region.group == group) return inWords(region.material);
+    if (region.name() == group) return inWords(region.material);
   return "-";
 }
 
@@ -61,7 +61,7 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
   add("fixed nodes", [](const Dataset& d) { return std::to_string(d.fixedNodes().size()); });
   std::set<std::string> groups;
   for (const Dataset& dataset : datasets)
-    for (const Region& region : dataset.scene().regions) groups.insert(region.group);
+    for (const Region& region : dataset.scene().regions) groups.insert(region.name());
   for (const std::string& group : groups)
     add(group.empty() ? "material" : "material of " + group,
         [&](const Dataset& dataset) { return materialOf(dataset, group); });

@@ -70,7 +70,7 @@ std::string sceneReportJson(const SceneReport& report) {
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Material& material = scene.regions[r].material;
     // JSON has no infinity: the bulk modulus of an incompressible material is null.
-    regions.push_back({{"group", scene.regions[r].group},
+    regions.push_back({{"group", scene.regions[r].name()},
                        {"law", word(material.law)},
                        {"tetrahedra", report.tetrahedra_in[r]},
                        {"young", youngModulus(material)},

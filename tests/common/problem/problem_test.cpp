@@ -275,6 +275,24 @@ TEST_F(Problem, IsDoubtedWhereNodesLieOnOthers) {
               Contains(AllOf(HasSubstr("25 node(s) lie on others"), HasSubstr("--weld"))));
 }
 
+TEST_F(Problem, TakesTheTetrahedraWhoseMiddleIsInTheBoxOrSphereOfARegion) {
+  Region lump{"", scene.regions[0].material};
+  lump.material.c10 = 9000;
+  lump.spheres = {{{0.1, 0.1, 0.1}, 0.05}};
+  lump.boxes = {{{0, 0, 0.15}, {0.05, 0.05, 0.2}}};
+  scene.regions.push_back(lump);
+  const palpate::Problem problem = resolved();
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const Eigen::Vector3d x = middleOf(mesh, e);
+    const bool inside = (x - lump.spheres[0].center).norm() <= 0.05 ||
+                        (x[0] <= 0.05 && x[1] <= 0.05 && x[2] >= 0.15);
+    EXPECT_EQ(problem.region_of[e], inside ? 1 : 0) << e;
+  }
+  EXPECT_EQ(decodeProblem(encodeProblem(problem)).scene.regions, problem.scene.regions);
+  scene.regions[1].spheres[0].radius = 0.001;
+  refuses({"region.sphere: no tetrahedron has its middle in it", "edges are"});
+}
+
 TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {
   scene.workspace.radius = 1.1;
   refuses({"workspace.radius = 1.1 m", "0.3464 m"});
