@@ -21,15 +21,14 @@ struct Shell {
   double reached = 0;  ///< share
 };
 
-std::vector<Shell> shellsOf(const Lattice& lattice) {
-  std::vector<Shell> shells;
+/// Adds the points of one space: of a finger that only pushes, those of the pushed part.
+void add(const Lattice& lattice, std::vector<Shell>& shells) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const double spacings = lattice.displacement(n).norm() / lattice.spacing();
     const auto shell = static_cast<std::size_t>(std::max(0.0, std::ceil(spacings - 1e-9) - 1));
     if (shell >= shells.size()) shells.resize(shell + 1);
     ++shells[shell].points;
   }
-  return shells;
 }
 
 /// As survival is estimated from patients of whom some leave the study (Kaplan and Meier): each
@@ -64,7 +63,15 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   const Lattice lattice = uniformLattice(problem.scene);
   PALPATE_ASSERT(lattice.size() > 0, "the lattice of a valid scene has the origin at least");
-  std::vector<Shell> shells = shellsOf(lattice);
+  double n_spaces = 0, probes = 0, points = 0;
+  std::vector<Shell> shells;
+  for (std::size_t s = 0; s < problem.active.size(); ++s) {
+    probes += probesIn(problem.scene, s);
+    if (problem.active[s].probe) continue;
+    ++n_spaces;
+    add(uniformLattice(problem.scene, problem.active[s]), shells);
+  }
+  for (const Shell& shell : shells) points += shell.points;
   fill(shells, measured.ways);
   BuildCost cost;
   double seconds = 0, reached = 0;
@@ -75,27 +82,19 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
     if (shell.reached >= 0.5)
       cost.usual_reach = std::min(lattice.radius(), static_cast<double>(n + 1) * lattice.spacing());
   }
-  cost.reached = reached / lattice.size();
+  cost.reached = reached / points;
 
-  const Accuracy& accuracy = problem.scene.accuracy;
-  double n_spaces = 0, uniform_points = 0, probes = 0;
-  for (std::size_t s = 0; s < problem.active.size(); ++s) {
-    probes += probesIn(problem.scene, s);
-    if (problem.active[s].probe) continue;
-    ++n_spaces;
-    uniform_points += uniformLattice(problem.scene, problem.active[s]).size();
-  }
-  const double seconds_each = waiting * seconds / lattice.size();
+  const double seconds_each = waiting * seconds / points;
   const auto bytes_each = static_cast<double>(storedBytes(problem));
-  const auto estimate = [&](double points_of_space) {
-    const double points = n_spaces * points_of_space;
-    const double configurations = points + probes;
-    return Estimate{configurations, configurations * seconds_each, points * bytes_each};
+  const auto estimate = [&](double of_spaces) {
+    const double configurations = of_spaces + probes;
+    return Estimate{configurations, configurations * seconds_each, of_spaces * bytes_each};
   };
-  cost.least = cost.most = estimate(uniform_points / n_spaces);
-  if (accuracy.adaptive())
-    cost.most = estimate(lattice.size() +
-                         static_cast<double>(cellsInBall(lattice)) * std::pow(8, accuracy.levels));
+  cost.least = cost.most = estimate(points);
+  const double share = points / (n_spaces * lattice.size());  // of the balls
+  if (const Accuracy& accuracy = problem.scene.accuracy; accuracy.adaptive())
+    cost.most = estimate(points + share * n_spaces * static_cast<double>(cellsInBall(lattice)) *
+                                      std::pow(8, accuracy.levels));
   return cost;
 }
 

@@ -56,14 +56,14 @@ void printBody(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
-    const auto& [group, material] = scene.regions[r];
+    const Region& region = scene.regions[r];
     // A scene without groups says nothing of regions, so neither does the answer.
-    if (scene.regions.size() == 1 && group.empty())
-      fmt::print("material   {}\n", inWords(material));
+    if (scene.regions.size() == 1 && region.isRest())
+      fmt::print("material   {}\n", inWords(region.material));
     else
       fmt::print("material   {} ({} tetrahedra): {}\n",
-                 group.empty() ? "rest" : fmt::format("\"{}\"", group), report.tetrahedra_in[r],
-                 inWords(material));
+                 region.isRest() ? "rest" : fmt::format("\"{}\"", region.name()),
+                 report.tetrahedra_in[r], inWords(region.material));
   }
   printModuli(report);
   const Discretization& d = scene.discretization;
@@ -125,6 +125,12 @@ void printAccuracy(const Scene& scene) {
   if (in_spaces) fmt::print("probes     {} in each space\n", accuracy.probes);
 }
 
+/// Their lattices are those parts of the ball that a push reaches.
+bool isOfFingersThatPush(const Problem& problem) {
+  return problem.scene.contact == ContactMode::unilateral &&
+         std::ranges::any_of(problem.active, [](const ActivePatch& p) { return bool(p.finger); });
+}
+
 void printCost(const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
   if (!measured.no_rest.empty()) return;  // a warning says so, and nothing can be estimated
@@ -159,9 +165,10 @@ void printSceneReport(const SceneReport& report) {
   printActives(report);
   printDevice(scene, report.measured.stiffness);
   fmt::print(
-      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), "
-      "{}{} configurations\n",
-      report.lattice.radius(), report.lattice.spacing(), report.lattice.size(),
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {}{} points in each of {} space(s), "
+      "{}{:.0f} configurations\n",
+      report.lattice.radius(), report.lattice.spacing(),
+      isOfFingersThatPush(*report.problem) ? "up to " : "", report.lattice.size(),
       report.spaces.size(), scene.accuracy.adaptive() ? "at least " : "",
       report.cost.least.configurations);
   printAccuracy(scene);

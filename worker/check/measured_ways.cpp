@@ -28,8 +28,15 @@ Eigen::Vector3d directionAt(double height, double turn) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// The straight way from rest in this direction, until it ends or the measurement is `over`.
-void walkOutward(TransitionSolver& solver, const Workspace& workspace,
+/// The direction, or its mirror image where a contact that only pushes does not go there.
+Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
+  if (part.contains(1e-6 * direction)) return direction;
+  return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;
+}
+
+/// The straight way from rest in this direction, until it ends, leaves the part of the ball that is
+/// computed, or the measurement is `over`.
+void walkOutward(TransitionSolver& solver, const Workspace& workspace, const PushedPart& part,
                  const Eigen::Vector3d& direction, const std::function<bool()>& over,
                  MeasuredWays& found) {
   // The start belongs to the step: a worker makes it ready for every job too.
@@ -50,6 +57,10 @@ void walkOutward(TransitionSolver& solver, const Workspace& workspace,
     // The rest of a spacing would be a transition of its own that no lattice has.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
+    if (!part.contains(at * direction, workspace.spacing / 2)) {
+      way.end = WayEnd::cut;
+      return;
+    }
     const Reached reached = start ? solver.reach(*start, at * direction) : Reached{};
     const Outcome& outcome = reached.outcome;
     way.steps.push_back({processorSeconds() - step_began, outcome.converged});
@@ -80,9 +91,13 @@ MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) 
   };
   while (!over() && found.no_rest.empty()) {
     const Eigen::Vector3d place = evenlySpread(found.ways.size() + 1);
-    solver.chooseTool(
-        static_cast<std::size_t>(place[2] * static_cast<double>(problem.active.size())));
-    walkOutward(solver, problem.scene.workspace, directionAt(place[0], place[1]), over, found);
+    const auto space =
+        static_cast<std::size_t>(place[2] * static_cast<double>(problem.active.size()));
+    solver.chooseTool(space);
+    const auto& finger = problem.active[space].finger;
+    const PushedPart part = finger ? finger->reach : PushedPart{};
+    walkOutward(solver, problem.scene.workspace, part,
+                pushed(directionAt(place[0], place[1]), part), over, found);
   }
   found.seconds = processorSeconds() - began;
   return found;
