@@ -12,6 +12,7 @@
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
+#include "scheduler/changed_scene.hpp"
 #include "scheduler/copied_state.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/served_pages.hpp"
@@ -276,6 +277,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
+  if (!order.force) setAsideWhatIsOfAnotherScene(out, state, problem);
   if (isSealed(out, problem, order.force))
     return finish(rowsOf(spacesAndProbes(Dataset(out))), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
 
 #include "common/base/cpu_family.hpp"
 #include "common/dataset/dataset.hpp"
@@ -346,6 +347,43 @@ TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
                      {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
   EXPECT_EQ(other->wait(), 2);
   EXPECT_THAT(other->output(), HasSubstr("another --state"));
+}
+
+TEST_F(SystemTest, AChangedSceneIsBuiltAndWhatWasBeforeIsKeptUnderAnotherName) {
+  const auto built = [this](const std::string& out) {
+    auto build = startBuild(out, "1");
+    expectFinished(*build);
+    return build->output();
+  };
+  built("out.h5");
+  const std::string before = Dataset(directory / "out.h5").buildId().shortHex();
+  const std::string content = test::contentOf(directory / "out.h5");
+  writeScene(directory.path(), 2000);
+  const std::string told = built("out.h5");
+  const std::string aside = "out." + before + ".h5";
+  EXPECT_THAT(told, HasSubstr(aside));
+  EXPECT_EQ(test::contentOf(directory / aside), content);
+  EXPECT_NE(Dataset(directory / "out.h5").buildId().shortHex(), before);
+  EXPECT_THAT(built("out.h5"), HasSubstr("is already the dataset of this scene"));
+  // And back: there it is still.
+  writeScene(directory.path(), 1300);
+  EXPECT_THAT(built(aside), HasSubstr("is already the dataset of this scene"));
+}
+
+TEST_F(SystemTest, UnfinishedWorkOfASceneThatChangesGoesOnUnderItsNewName) {
+  auto build = startBuild("out.h5", "1");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50'000));
+  build->stop(SIGKILL);
+  writeScene(directory.path(), 2000);
+  auto other = startBuild("out.h5", "1");
+  expectFinished(*other);
+  std::smatch found;
+  const std::string told = other->output();
+  ASSERT_TRUE(std::regex_search(told, found, std::regex("-o (out\\.[0-9a-f]+\\.h5)"))) << told;
+  writeScene(directory.path(), 1300);
+  auto again = startBuild(found[1], "1");
+  expectFinished(*again);
+  EXPECT_THAT(again->output(), HasSubstr("going on: "));
 }
 
 TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {
