@@ -76,7 +76,8 @@ class Solving {
       spdlog::warn(
           "--at is {:.4g} m away from the surface; the finger is at the nearest place of it",
           distance);
-    if (*place_ == moved.center) return;
+    if (place_ == moved.center) return;
+    place_.reset();  // until the finger stands
     solver_.placeFinger("--at", moved);
     place_ = moved.center;
   }
@@ -149,18 +150,39 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
              outcome.cost.newton_iterations, outcome.cost.factorizations, outcome.cost.seconds);
 }
 
+/// Of a line of many, where no finger can stand or no tool can be meant.
+void printRefusal(const TouchInput& touch, const char* why, bool json) {
+  const Eigen::Vector3d &d = touch.displacement, at = touch.at.value_or(Eigen::Vector3d::Zero());
+  if (json) {
+    nlohmann::ordered_json answer = {
+        {"displacement", toJson(d)}, {"converged", false}, {"failure", "no_place"}, {"why", why}};
+    if (touch.at) answer["at"] = toJson(at);
+    fmt::print("{}\n", answer.dump());
+    return;
+  }
+  if (touch.at) fmt::print("at            {:g} {:g} {:g} m\n", at[0], at[1], at[2]);
+  fmt::print("displacement  {:g} {:g} {:g} m\nfailed        no_place: {}\n", d[0], d[1], d[2], why);
+}
+
 ExitCode solve(const SolveOptions& options) {
   const Problem problem = loadProblem(options.scene);
   logWarnings(problem);
   Solving solving(options, problem);
   bool all_converged = true;
   const double radius = problem.scene.workspace.radius;
+  const bool of_many = options.displacement == std::vector<std::string>{"-"};
   forEachTouch(options.at, options.displacement, std::cin, radius, [&](const TouchInput& touch) {
-    if (touch.at) solving.moveTo(*touch.at);
-    const Outcome outcome = solving.at(touch.displacement);
-    all_converged &= outcome.converged;
-    (options.json ? printJson : printText)(problem.mesh, solving.place(), touch.displacement,
-                                           outcome);
+    try {
+      if (touch.at) solving.moveTo(*touch.at);
+      const Outcome outcome = solving.at(touch.displacement);
+      all_converged &= outcome.converged;
+      (options.json ? printJson : printText)(problem.mesh, solving.place(), touch.displacement,
+                                             outcome);
+    } catch (const Error& error) {
+      if (!of_many || error.exitCode() != ExitCode::usage) throw;
+      all_converged = false;
+      printRefusal(touch, error.what(), options.json);
+    }
     std::fflush(stdout);  // who pipes displacements in waits for the answer before the next one
   });
   return all_converged ? ExitCode::done : ExitCode::partly_failed;

@@ -114,6 +114,8 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
                                     "--id",
                                     hexOf(id)};
   if (options.keys.insecure) words.emplace_back("--insecure");
+  if (spdlog::get_level() != spdlog::level::info)
+    words.emplace_back(spdlog::get_level() > spdlog::level::info ? "--quiet" : "--verbose");
   if (!options.keys.folder.empty()) words.insert(words.end(), {"--keys", options.keys.folder});
   for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
   std::vector<char*> arguments;

@@ -61,9 +61,10 @@ std::size_t lineOfKey(std::string_view scene_text, std::string_view sentence) {
     // A key may have its own dots: below.fraction.
     const std::string_view key = trimmed(line.substr(0, equals));
     if (key.substr(0, key.find('.')) != wanted.key) continue;
-    if (!wanted.value.empty() &&
-        line.find("\"" + std::string(wanted.value) + "\"") != std::string_view::npos)
-      return number;
+    const auto holds = [&](char quote) {
+      return line.find(quote + std::string(wanted.value) + quote) != std::string_view::npos;
+    };
+    if (!wanted.value.empty() && (holds('"') || holds('\''))) return number;
     several = of_key != 0;
     if (of_key == 0) of_key = number;
   }

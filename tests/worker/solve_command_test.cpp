@@ -90,6 +90,24 @@ TEST_F(SolveCommand, SaysWhatIsWrongWithAPlace) {
   EXPECT_EQ(solve("--at 0.1 0 --displacement 0.001 0 0").exit_code, 2);
 }
 
+TEST_F(SolveCommand, GoesOnBehindAPlaceOfAListWhereNoFingerCanStand) {
+  scene.active[0].tool = ToolKind::finger;
+  scene.active[0].radius = 0.06;
+  std::ofstream(directory / "lines") << "-0.1 0 0 0.004 0 0\n0.1 0 0.02 -0.004 0 0\n";
+  const std::string words = " --at - --displacement - < " + (directory / "lines").string();
+  const CommandResult result = solve("--json" + words);
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  std::istringstream lines(result.output);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_EQ(json::parse(first).at("failure"), "no_place");
+  EXPECT_THAT(json::parse(first).at("why"), HasSubstr("on what is fixed"));
+  const CommandResult alone = solve("--json --at 0.1 0 0.02 --displacement -0.004 0 0");
+  EXPECT_EQ(json::parse(second).at("force"), json::parse(alone.output).at("force"));
+  EXPECT_THAT(solve(words).output, HasSubstr("failed        no_place"));
+}
+
 TEST_F(SolveCommand, WantsToKnowWhereOnASurfaceOfSites) {
   scene.active[0] = {.name = "skin",
                      .radius = 0.05,

@@ -35,6 +35,11 @@ TEST(KeyLine, IsThatOfTheTableOrKeyThatASentenceBeginsWith) {
   EXPECT_EQ(lineOfKey(text, "the mesh is 200 m wide"), 2u);
 }
 
+TEST(KeyLine, FindsNamesInEitherKindOfQuotes) {
+  const char* const single = "[[active]]\nname = 'tip'\n[[active]]\nname = 'rim'\n";
+  EXPECT_EQ(lineOfKey(single, "active \"rim\": node 3 is fixed"), 4u);
+}
+
 TEST(KeyLine, IsThatOfTheActiveNodeOfThatName) {
   EXPECT_EQ(lineOfKey(text, "active \"rim\": node 3 is fixed"), 15u);
   EXPECT_EQ(lineOfKey(text, "active \"skin-12\": node 3 is fixed"), 11u) << "the first table";
