@@ -142,9 +142,11 @@ struct ExplainOptions {
 
 ExitCode run(const ExplainOptions& options) {
   const std::vector<SpaceTable> spaces = spacesIn(options.where);
+  const bool somewhere = !options.at.empty();
+  const Eigen::Vector3d place =
+      somewhere ? Eigen::Vector3d(options.at.data()) : Eigen::Vector3d::Zero();
   const SpaceTable& space =
-      options.at.empty() ? spaceNamed(spaces, options.active)
-                         : siteNearest(spaces, options.active, Eigen::Vector3d(options.at.data()));
+      somewhere ? siteNearest(spaces, options.active, place) : spaceNamed(spaces, options.active);
   const wire::Explanation explanation = explain(space, options.point);
   fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
   return ExitCode::done;

@@ -50,11 +50,14 @@ class BoundedPool : public httplib::TaskQueue {
     for (std::size_t n = 0; n < HttpServer::threads; ++n)
       threads_.push_back(quietThread([this] { work(); }));
   }
-  void enqueue(std::function<void()> task) override {
+  /// Nothing, or in newer versions of cpp-httplib whether the task was taken.
+  using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
+  Taken enqueue(std::function<void()> task) override {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return tasks_.size() < HttpServer::threads; });
     tasks_.push_back(std::move(task));
     changed_.notify_all();
+    return static_cast<Taken>(true);
   }
   void shutdown() override {
     {
