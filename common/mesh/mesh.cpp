@@ -142,8 +142,8 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
           count, placeOf(mesh, faces[first].element));
     if (count == 2 && faces[first].even == faces[first + 1].even)
       throw badInput(
-          "{}: {} and tetrahedron {} lie on the same side of the face they share: the mesh folds over "
-          "itself there, or one is there twice; re-mesh",
+          "{}: {} and tetrahedron {} lie on the same side of the face they share: the mesh folds "
+          "over itself there, or one is there twice; re-mesh",
           source, placeOf(mesh, faces[first].element), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
