@@ -277,7 +277,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
-  if (!order.force) setAsideWhatIsOfAnotherScene(out, state, problem);
+  setAsideWhatIsOfAnotherScene(out, state, problem, order.force);
   if (isSealed(out, problem, order.force))
     return finish(rowsOf(spacesAndProbes(Dataset(out))), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");

@@ -51,12 +51,13 @@ std::optional<ContentId> buildOfState(const std::filesystem::path& state) {
 }  // namespace
 
 void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
-                                  const std::filesystem::path& state, const Problem& problem) {
+                                  const std::filesystem::path& state, const Problem& problem,
+                                  bool replace) {
   const ContentId wanted = problemId(problem);
   std::string kept;
   std::filesystem::path aside;
   const std::optional<ContentId> of_dataset = buildOfDataset(out);
-  if (of_dataset && *of_dataset != wanted) {
+  if (of_dataset && *of_dataset != wanted && !replace) {
     aside = nameAside(out, *of_dataset);
     keepAs(out, aside);
     kept = fmt::format("the dataset of before is {} now", aside.string());
@@ -66,7 +67,7 @@ void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
     const StateDirectory lock(state);
     const std::optional<ContentId> of_state = buildOfState(state);
     if (of_state && *of_state != wanted) {
-      if (of_state != of_dataset) aside = nameAside(out, *of_state);
+      if (aside.empty() || of_state != of_dataset) aside = nameAside(out, *of_state);
       keepAs(state, aside.string() + ".state");
       kept += fmt::format("{}its work {}.state (the old scene goes on with -o {})",
                           kept.empty() ? "" : ", ", aside.string(), aside.string());

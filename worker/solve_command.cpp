@@ -150,18 +150,22 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
              outcome.cost.newton_iterations, outcome.cost.factorizations, outcome.cost.seconds);
 }
 
-/// Of a line of many, where no finger can stand or no tool can be meant.
+/// An answer to a line of many that cannot be solved, with why; the keys are those of others.
 void printRefusal(const TouchInput& touch, const char* why, bool json) {
-  const Eigen::Vector3d &d = touch.displacement, at = touch.at.value_or(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d& d = touch.displacement;
   if (json) {
     nlohmann::ordered_json answer = {
-        {"displacement", toJson(d)}, {"converged", false}, {"failure", "no_place"}, {"why", why}};
-    if (touch.at) answer["at"] = toJson(at);
+        {"displacement", toJson(d)}, {"converged", false}, {"force", nullptr},
+        {"stiffness", nullptr},      {"energy", nullptr},  {"newton_iterations", 0},
+        {"factorizations", 0},       {"seconds", 0},       {"min_det_F", nullptr},
+        {"failure", "refused"},      {"why", why}};
+    if (touch.at) answer.update({{"at", toJson(*touch.at)}, {"drive", nullptr}});
     fmt::print("{}\n", answer.dump());
     return;
   }
-  if (touch.at) fmt::print("at            {:g} {:g} {:g} m\n", at[0], at[1], at[2]);
-  fmt::print("displacement  {:g} {:g} {:g} m\nfailed        no_place: {}\n", d[0], d[1], d[2], why);
+  if (const auto& at = touch.at)
+    fmt::print("at            {:g} {:g} {:g} m\n", (*at)[0], (*at)[1], (*at)[2]);
+  fmt::print("displacement  {:g} {:g} {:g} m\nfailed        refused: {}\n", d[0], d[1], d[2], why);
 }
 
 ExitCode solve(const SolveOptions& options) {

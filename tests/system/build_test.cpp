@@ -365,6 +365,11 @@ TEST_F(SystemTest, AChangedSceneIsBuiltAndWhatWasBeforeIsKeptUnderAnotherName) {
   EXPECT_EQ(test::contentOf(directory / aside), content);
   EXPECT_NE(Dataset(directory / "out.h5").buildId().shortHex(), before);
   EXPECT_THAT(built("out.h5"), HasSubstr("is already the dataset of this scene"));
+  writeScene(directory.path(), 1700);
+  auto replaced =
+      start("palpate-scheduler", {"build", "cube.toml", "-o", "out.h5", "-j", "1", "--force"});
+  expectFinished(*replaced);
+  EXPECT_THAT(replaced->output(), HasSubstr("sealed after"));
   // And back: there it is still.
   writeScene(directory.path(), 1300);
   EXPECT_THAT(built(aside), HasSubstr("is already the dataset of this scene"));

@@ -101,11 +101,12 @@ TEST_F(SolveCommand, GoesOnBehindAPlaceOfAListWhereNoFingerCanStand) {
   std::string first, second;
   std::getline(lines, first);
   std::getline(lines, second);
-  EXPECT_EQ(json::parse(first).at("failure"), "no_place");
+  EXPECT_EQ(json::parse(first).at("failure"), "refused");
+  EXPECT_TRUE(json::parse(first).at("force").is_null());
   EXPECT_THAT(json::parse(first).at("why"), HasSubstr("on what is fixed"));
   const CommandResult alone = solve("--json --at 0.1 0 0.02 --displacement -0.004 0 0");
   EXPECT_EQ(json::parse(second).at("force"), json::parse(alone.output).at("force"));
-  EXPECT_THAT(solve(words).output, HasSubstr("failed        no_place"));
+  EXPECT_THAT(solve(words).output, HasSubstr("failed        refused"));
 }
 
 TEST_F(SolveCommand, WantsToKnowWhereOnASurfaceOfSites) {

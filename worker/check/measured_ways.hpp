@@ -18,8 +18,8 @@ struct WayStep {
   bool reached = false;
 };
 
-/// A straight way from rest outward. Step n (from 0) leads to (n + 1) lattice spacings, the last to
-/// the rim.
+/// A straight way from rest outward, of a finger that only pushes in the part of its lattice. Step
+/// n (from 0) leads to (n + 1) lattice spacings, the last to the rim.
 struct Way {
   std::vector<WayStep> steps;
   WayEnd end = WayEnd::rim;

@@ -190,6 +190,10 @@ class SurfaceRepair {
 
   /// Those whose neighbour is not at work yet; false when there are none.
   bool cutBesideOneEach() {
+    std::int32_t first = 0;
+    const auto last = static_cast<std::int32_t>(triangles_.size());
+    while (first < last && middleCorner(first) < 0) ++first;
+    if (first == last) return false;
     std::vector<bool> done(triangles_.size());
     std::vector<Triangle> more;
     forEachEdge(sidesOf(triangles_), [&](std::span<const Side> edge) {

@@ -658,6 +658,8 @@ TEST_F(MeshConversion, CountsRangesOfAbaqusInBothDirections) {
   EXPECT_EQ(fixed("1, 4"), 4u);
   EXPECT_EQ(fixed("5, 1, -1"), 5u);
   EXPECT_EQ(fixed("5, 1, -2"), 3u);
+  create("comma.inp") << one_tetrahedron << "*NSET, NSET=FIX,\n1, 2, 3\n";
+  EXPECT_EQ(convert("comma.inp").node_groups.at("FIX").size(), 3u) << "a comma too many";
   expectBadInput([&] { fixed("4, 1, 1"); }, {"range.inp:12: GENERATE from 4 to 1 by 1"});
 }
 
@@ -667,8 +669,10 @@ TEST_F(MeshConversion, LeavesOutWhatIsNoContinuumInAbaqusWithANote) {
                      << "*ELEMENT, TYPE=CONN3D2\n98, 1, 2\n*ELEMENT, TYPE=SPRING1\n97, 1\n";
   EXPECT_EQ(convert("more.inp").tetrahedra.size(), 2u);
   EXPECT_THAT(notes, Contains(HasSubstr("type CONN3D2 are left out")));
-  create("worse.inp") << one_tetrahedron << "*ELEMENT, TYPE=C3D27\n99, 1\n";
-  expectBadInput([&] { convert("worse.inp"); }, {"elements of type C3D27 are not read"});
+  for (const std::string type : {"C3D27", "SC8R", "COH3D8"}) {
+    create("worse.inp") << one_tetrahedron << "*ELEMENT, TYPE=" << type << "\n99, 1\n";
+    expectBadInput([&] { convert("worse.inp"); }, {"elements of type " + type + " are not read"});
+  }
 }
 
 TEST_F(MeshConversion, FollowsFilesAndRangesOfFebio) {

@@ -11,6 +11,7 @@ ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "h
 # What makes or moves nodes and elements that the lines of *NODE and *ELEMENT do not tell.
 GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYMMETRIC MODEL GENERATION")
 REMEDY = "write the model flat, with every node where it is and every element, or convert it to .vtu by another program"
+NO_CONTINUUM = ("MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "GAP", "DCOUP", "JOINTC", "ITS")
 LONGEST_RANGE = 10_000_000  # members of a set
 
 
@@ -38,6 +39,9 @@ class Abaqus:
         keyword = ""  # a line of a keyword that goes on in the next
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
+            if keyword and text[0] in "+-.0123456789":  # data: the comma before them ended nothing
+                self.begin(keyword)
+                keyword = ""
             if keyword or text.startswith("*"):
                 keyword += text
                 if not text.endswith(","):
@@ -92,9 +96,9 @@ class Abaqus:
 
     def leave_out(self, word):
         """Masses, springs, connectors: what is no part of a continuum."""
-        if not word or word.startswith(("C3D", "DC3D", "AC3D", "CC", "EC3D", "PC3D", "Q3D")):
+        if not word.startswith(NO_CONTINUUM):
             self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
-        self.left_out[word] = 0
+        self.left_out.setdefault(word, 0)
         self.keyword = "LEFT OUT"
         self.left = word
 

@@ -6,7 +6,7 @@ import tempfile
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
-from lines import bytes_of, node_numbers
+from lines import ByteLines, bytes_of, node_numbers
 
 GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
 GMSH_KINDS.update({3: "quad", 5: "hexahedron", 6: "wedge", 7: "pyramid", 10: "quad9", 12: "hexahedron27", 13: "wedge18",
@@ -14,11 +14,11 @@ GMSH_KINDS.update({3: "quad", 5: "hexahedron", 6: "wedge", 7: "pyramid", 10: "qu
 GMSH_NODES = {**NODES_OF, "quad9": 9, "hexahedron27": 27, "wedge18": 18, "pyramid14": 14, "quad8": 8, "pyramid13": 13}
 
 
-class GmshFile:
+class GmshFile(ByteLines):
     """Numbers of a .msh file of version 2.2 or 4.1, binary or text, section by section."""
 
     def __init__(self, path):
-        self.path, self.data, self.at = path, bytes_of(path), 0
+        super().__init__(path, bytes_of(path))
         self.version = "1"
         if (first := self.line()) == "$NOD":
             return
@@ -32,13 +32,6 @@ class GmshFile:
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
             wrong(path, 3, "it was written on a machine of another byte order")
         self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
-
-    def line(self):
-        end = self.data.find(b"\n", self.at)
-        end = len(self.data) if end < 0 else end
-        text = self.data[self.at:end].decode("utf-8", "replace").strip()
-        self.at = end + 1
-        return text
 
     def bytes(self, count):
         if self.at + count > len(self.data):
@@ -256,7 +249,7 @@ class GmshMesh:
         idle = sorted(name for name in self.names.values() if name not in borne)
         if idle:
             text = ", ".join(f'"{name}"' for name in idle[:5]) + (f" and {len(idle) - 5} more" if len(idle) > 5 else "")
-            body.notes.append(f"groups that have a name and no element are lost: {text} (version 2.2 saves elements "
+            body.notes.append(f"named groups of which no element is read are lost: {text} (version 2.2 saves elements "
                               "without their groups where Mesh.SaveAll is 1)")
 
     def refuse_tetrahedra_of_one_tag(self):

@@ -46,6 +46,20 @@ def bytes_of(path):
     return data.removeprefix(b"\xef\xbb\xbf")
 
 
+class ByteLines:
+    """A file whose lines of text stand between arrays of bytes: where it is read next."""
+
+    def __init__(self, path, data):
+        self.path, self.data, self.at = path, data, 0
+
+    def line(self):
+        end = self.data.find(b"\n", self.at)
+        end = len(self.data) if end < 0 else end
+        text = self.data[self.at:end].decode("utf-8", "replace").strip()
+        self.at = end + 1
+        return text
+
+
 def data_lines(path, comment="#"):
     """(number, text) of lines that say something; what follows `comment` says nothing."""
     try:

@@ -45,3 +45,14 @@ def ears(points, polygon):
         triangles.append((polygon[a], polygon[b], polygon[c]))
         del left[n]
     return [*triangles, tuple(polygon[n] for n in left)]
+
+
+def triangles_of_strips(corners):
+    """Strips end with -1; every other triangle of one is turned."""
+    triangles, strip = [], []
+    for corner in corners:
+        strip = [*strip, corner] if corner >= 0 else []
+        if len(strip) >= 3:
+            a, b, c = strip[-3:]
+            triangles.append([a, b, c] if len(strip) % 2 else [b, a, c])
+    return [t for t in triangles if len(set(t)) == 3]

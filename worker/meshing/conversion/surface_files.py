@@ -3,7 +3,7 @@ import numpy as np
 
 from body import Body, wrong
 from lines import MARKS, bytes_of, data_lines, numbers
-from polygons import cut
+from polygons import cut, triangles_of_strips
 
 
 def surface_of(points, triangles):
@@ -126,17 +126,6 @@ def ply_header(path, data):
     if order is None:
         wrong(path, 1, "its header does not say the format")
     return order, elements, data.find(b"\n", end) + 1
-
-
-def triangles_of_strips(corners):
-    """Strips end with -1; every other triangle of one is turned."""
-    triangles, strip = [], []
-    for corner in corners:
-        strip = [*strip, corner] if corner >= 0 else []
-        if len(strip) >= 3:
-            a, b, c = strip[-3:]
-            triangles.append([a, b, c] if len(strip) % 2 else [b, a, c])
-    return [t for t in triangles if len(set(t)) == 3]
 
 
 def read_ply(path):

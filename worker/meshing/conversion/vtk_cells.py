@@ -1,7 +1,8 @@
 """Cells of VTK's unstructured grids by their numbers there, as a Body."""
 import numpy as np
 
-from body import Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
+from body import NODES_OF, Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
+from polygons import triangles_of_strips
 
 # VTK's number of every cell that is read or refused by name.
 KINDS = {1: "vertex", 2: "poly-vertex", 3: "line", 4: "poly-line", 5: "triangle", 6: "strip", 7: "polygon",
@@ -29,11 +30,6 @@ def kind_of(number, nodes):
     return KINDS.get(number, f"cell of VTK's type {number}")
 
 
-def strips_cut(nodes):
-    """Triangles of a strip, every other one turned."""
-    return [nodes[i:i + 3] if i % 2 == 0 else nodes[[i + 1, i, i + 2]] for i in range(len(nodes) - 2)]
-
-
 def body_of(path, points, types, begins, nodes, cell_arrays, point_arrays):
     """begins: where the nodes of each cell begin in `nodes`, and their end. Arrays: name -> one row for each cell or
     point."""
@@ -47,10 +43,14 @@ def body_of(path, points, types, begins, nodes, cell_arrays, point_arrays):
         rows = nodes[begins[cells][:, None] + np.arange(size)]
         kind = kind_of(number, size)
         if kind == "strip":
-            cells, kind = np.repeat(cells, max(size - 2, 0)), "triangle"
-            rows = [triangle for row in rows for triangle in strips_cut(row)]
+            of_strips = [triangles_of_strips(row.tolist()) for row in rows]
+            cells, kind = np.repeat(cells, [len(triangles) for triangles in of_strips]), "triangle"
+            rows = [triangle for triangles in of_strips for triangle in triangles]
         elif kind == "pixel":
             rows, kind = rows[:, [0, 1, 3, 2]], "quad"
+        elif NODES_OF.get(kind, size) != size:
+            wrong(path, None, f"cell {cells[0]} (counted from 0) is a {kind} of {size} nodes where {NODES_OF[kind]} are "
+                              "expected; save it again")
         if len(rows):
             cells_of[body.add(kind, rows)] = cells
     for name, array in cell_arrays.items():

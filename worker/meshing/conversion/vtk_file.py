@@ -4,6 +4,7 @@ import urllib.parse
 import numpy as np
 
 from body import wrong
+from lines import ByteLines
 from vtk_cells import body_of, refuse_grid
 
 TYPES = {"unsigned_char": "u1", "char": "i1", "signed_char": "i1", "unsigned_short": "u2", "short": "i2",
@@ -16,11 +17,11 @@ ROWS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1
         "TEXTURE_COORDINATES": 0, "COLOR_SCALARS": 0}
 
 
-class VtkFile:
+class VtkFile(ByteLines):
     """Lines and arrays of a file, one after the other."""
 
     def __init__(self, path):
-        self.path, self.data, self.at = path, path.read_bytes(), 0
+        super().__init__(path, path.read_bytes())
         if not self.line().startswith("# vtk DataFile"):
             wrong(path, 1, "this is no legacy VTK file: its first line is not \"# vtk DataFile Version\"; "
                            "if it is XML its ending is .vtu")
@@ -33,13 +34,6 @@ class VtkFile:
 
     def wrong(self, what):
         wrong(self.path, self.number(), what)
-
-    def line(self):
-        end = self.data.find(b"\n", self.at)
-        end = len(self.data) if end < 0 else end
-        text = self.data[self.at:end].decode("utf-8", "replace").strip()
-        self.at = end + 1
-        return text
 
     def words(self):
         """Of the next line that has any; none at the end."""
@@ -97,7 +91,7 @@ class VtkGrid:
     def __init__(self, file):
         self.file, self.points, self.types = file, None, np.zeros(0, int)
         self.begins, self.nodes = np.zeros(1, int), np.zeros(0, int)
-        self.cells, self.of_cells, self.of_points = 0, {}, {}
+        self.of_cells, self.of_points = {}, {}
         self.rows, self.arrays = 0, {}  # of the attributes that follow: how many, into which
         sections = {"DATASET": self.dataset, "POINTS": self.read_points, "CELLS": self.read_cells,
                     "CELL_TYPES": self.read_types, "CELL_DATA": self.begin_cells, "POINT_DATA": self.begin_points,
