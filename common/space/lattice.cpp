@@ -259,14 +259,4 @@ std::int32_t cellsPerRadius(const Lattice& lattice) {
       std::ceil(lattice.radius() / lattice.spacing() * (1 - shallow_reach)));
 }
 
-std::int64_t cellsInBall(const Lattice& lattice) {
-  const std::int32_t extent = cellsPerRadius(lattice), edge = lattice.divisions();
-  std::int64_t count = 0;
-  for (std::int32_t i = -extent; i < extent; ++i)
-    for (std::int32_t j = -extent; j < extent; ++j)
-      for (std::int32_t k = -extent; k < extent; ++k)
-        count += reachesIntoBall(lattice, {{i * edge, j * edge, k * edge}, 0}) ? 1 : 0;
-  return count;
-}
-
 }  // namespace palpate

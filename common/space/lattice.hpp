@@ -166,7 +166,4 @@ bool reachesIntoBall(const Lattice& lattice, const LatticeCell& cell);
 /// Cells of level 0 on each side of the origin, per axis, that may reach into the ball.
 std::int32_t cellsPerRadius(const Lattice& lattice);
 
-/// How many cells of level 0 reach into the ball. Costs a look at each.
-std::int64_t cellsInBall(const Lattice& lattice);
-
 }  // namespace palpate

@@ -14,12 +14,32 @@ constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
 /// Workers wait too: for transitions to become ready, for messages, and for the disk.
 constexpr double waiting = 1.2;
 
+/// The error that halves a cell is a likely one (nextRefinement), in the worst place of the cell:
+/// larger than that half-way along a straight way. And what an error is divided by when a cell is
+/// halved, so near to folds and limits.
+constexpr double worst_in_cell = 5, error_by_halving = 8;
+
 /// What is known of the lattice points between n and n + 1 spacings from rest.
 struct Shell {
   double points = 0;
   double seconds = 0;  ///< each, on average: nothing for those that are not tried
   double reached = 0;  ///< share
+  double more = 0;     ///< points that halving adds, each
 };
+
+/// Points that halving cells adds for each point of the lattice where step n of a way ended up: as
+/// many levels as the error asks for; where answers end, the cells that their border crosses down
+/// to the last level, four for one at each. Of a finger those at rest only, others once
+/// (nextRefinement).
+double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
+  const WayStep& step = way.steps[n];
+  if (!step.reached && finger) return n == 0 ? 7 * levels : std::min(7, 7 * levels);
+  if (!step.reached) return 7 * (std::pow(4, levels) - 1) / 3;
+  if (step.error <= 0) return 0;
+  const double halvings =
+      std::ceil(std::log(worst_in_cell * step.error) / std::log(error_by_halving));
+  return std::pow(8, std::clamp(halvings, 0.0, double(levels))) - 1;
+}
 
 /// Adds the points of one space: of a finger that only pushes, those of the pushed part.
 void add(const Lattice& lattice, std::vector<Shell>& shells) {
@@ -34,16 +54,18 @@ void add(const Lattice& lattice, std::vector<Shell>& shells) {
 /// As survival is estimated from patients of whom some leave the study (Kaplan and Meier): each
 /// shell has the share of ways that end in it among those that got to it, whatever becomes of the
 /// ways that were cut before. A shell that no way got to costs what the one before it does.
-void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
+void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
+          std::int32_t levels) {
   double going_on = ways.empty() ? 0 : 1;  // share of the ways
   double seconds_each = 0;
   for (std::size_t n = 0; n < shells.size(); ++n) {
-    double tried = 0, stopped = 0, too_strong = 0, seconds = 0;
+    double tried = 0, stopped = 0, too_strong = 0, seconds = 0, more = 0;
     for (const Way& way : ways) {
       if (n >= way.steps.size()) continue;
       const WayStep& step = way.steps[n];
       const bool last = n + 1 == way.steps.size();
       ++tried;
+      more += added(way, n, finger, levels);
       seconds += step.seconds * (step.reached ? 1 : tries_after_failure);
       stopped += step.reached ? 0 : 1;
       too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
@@ -53,6 +75,7 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
         tried > 0 ? stopped * (1 - reached_after_failure * (1 - stopped / tried)) : 0;
     if (tried > 0) seconds_each = seconds / tried;
     shells[n].seconds = going_on * seconds_each;
+    shells[n].more = tried > 0 ? going_on * more / tried : 0;
     shells[n].reached = tried > 0 ? going_on * (1 - failed / tried) : going_on;
     if (tried > 0) going_on *= 1 - (failed + too_strong) / tried;
   }
@@ -63,22 +86,24 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   const Lattice lattice = uniformLattice(problem.scene);
   PALPATE_ASSERT(lattice.size() > 0, "the lattice of a valid scene has the origin at least");
-  double n_spaces = 0, probes = 0, points = 0;
+  double probes = 0, points = 0;
   std::vector<Shell> shells;
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     probes += probesIn(problem.scene, s);
     if (problem.active[s].probe) continue;
-    ++n_spaces;
     add(uniformLattice(problem.scene, problem.active[s]), shells);
   }
   for (const Shell& shell : shells) points += shell.points;
-  fill(shells, measured.ways);
+  const Accuracy& accuracy = problem.scene.accuracy;
+  fill(shells, measured.ways, problem.active[0].finger.has_value(),
+       accuracy.adaptive() ? accuracy.levels : 0);
   BuildCost cost;
-  double seconds = 0, reached = 0;
+  double seconds = 0, reached = 0, more = 0;
   for (std::size_t n = 0; n < shells.size(); ++n) {
     const Shell& shell = shells[n];
     seconds += shell.points * shell.seconds;
     reached += shell.points * shell.reached;
+    more += shell.points * shell.more;
     if (shell.reached >= 0.5)
       cost.usual_reach = std::min(lattice.radius(), static_cast<double>(n + 1) * lattice.spacing());
   }
@@ -90,11 +115,8 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
     const double configurations = of_spaces + probes;
     return Estimate{configurations, configurations * seconds_each, of_spaces * bytes_each};
   };
-  cost.least = cost.most = estimate(points);
-  const double share = points / (n_spaces * lattice.size());  // of the balls
-  if (const Accuracy& accuracy = problem.scene.accuracy; accuracy.adaptive())
-    cost.most = estimate(points + share * n_spaces * static_cast<double>(cellsInBall(lattice)) *
-                                      std::pow(8, accuracy.levels));
+  cost.least = estimate(points);
+  cost.likely = estimate(points + more);
   return cost;
 }
 

@@ -15,7 +15,8 @@ struct Estimate {
 struct BuildCost {
   /// The uniform lattices and the probes: all there is of a build without accuracy.
   Estimate least;
-  Estimate most;  ///< when an adaptive build halves every cell as often as it may
+  /// With the points of the cells that an adaptive build will halve, as the ways tell (WayStep).
+  Estimate likely;
   /// Share of the lattice points that are reached: others lie beyond max_force or failures.
   double reached = 1;
   /// m: half of the ways got this far, rounded down to lattice spacings.

@@ -80,7 +80,7 @@ std::string sceneReportJson(const SceneReport& report) {
                        {"volume", report.volume_of[r]}});
     if (material.density) regions.back()["mass"] = *material.density * report.volume_of[r];
   }
-  const Estimate &least = report.cost.least, &most = report.cost.most;
+  const Estimate &least = report.cost.least, &likely = report.cost.likely;
   return nlohmann::ordered_json{{"scene", scene.name},
                                 {"problem", problemId(*report.problem).hex()},
                                 {"metres_per_unit", scene.metres_per_unit},
@@ -101,9 +101,9 @@ std::string sceneReportJson(const SceneReport& report) {
                                 {"configurations", least.configurations},
                                 {"core_seconds", least.seconds},
                                 {"dataset_bytes", least.bytes},
-                                {"most_configurations", most.configurations},
-                                {"most_core_seconds", most.seconds},
-                                {"most_dataset_bytes", most.bytes},
+                                {"likely_configurations", likely.configurations},
+                                {"likely_core_seconds", likely.seconds},
+                                {"likely_dataset_bytes", likely.bytes},
                                 {"measured",
                                  {{"transitions", report.measured.transitions},
                                   {"ways", report.measured.ways.size()},

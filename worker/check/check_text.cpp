@@ -134,18 +134,15 @@ bool isOfFingersThatPush(const Problem& problem) {
 void printCost(const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
   if (!measured.no_rest.empty()) return;  // a warning says so, and nothing can be estimated
-  const Estimate &least = report.cost.least, &most = report.cost.most;
+  const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
-  if (!report.problem->scene.accuracy.adaptive())
-    fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
-               duration(least.seconds), onAllCores(least), report.cores, least.bytes / 1e6);
-  else
+  fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
+             duration(likely.seconds), onAllCores(likely), report.cores, likely.bytes / 1e6);
+  if (report.problem->scene.accuracy.adaptive())
     fmt::print(
-        "cost       an estimate, since cells are split where the forces turn out to need it: "
-        "between {} (no cell is split) and {} (all are, to the last level) on one core, "
-        "{} and {} on the {} of this machine; dataset {:.3g} to {:.3g} MB\n",
-        duration(least.seconds), duration(most.seconds), onAllCores(least), onAllCores(most),
-        report.cores, least.bytes / 1e6, most.bytes / 1e6);
+        "           with the cells that the ways find too coarse halved: about {:.0f} "
+        "configurations; {} on one core when none is\n",
+        likely.configurations, duration(least.seconds));
   fmt::print(
       "           from {} transitions on {} ways from rest, solved in {} with {}; "
       "about {:.0f} % of the lattice points are reached\n",

@@ -34,11 +34,32 @@ Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part)
   return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;
 }
 
+/// The force half-way between two lattice points, as their forces and stiffnesses tell it.
+Eigen::Vector3d interpolated(const Equilibrium& from, const Equilibrium& to,
+                             const Eigen::Vector3d& step) {
+  return (from.force + to.force) / 2 + (from.stiffness - to.stiffness) * step / 8;
+}
+
+/// WayStep::error of the step to `to`, solved half-way from `start`; 0 where that fails, or a
+/// finger's force is more than is promised.
+double errorHalfWay(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
+                    const Start& start, const Equilibrium& from, const Equilibrium& to,
+                    const Eigen::Vector3d& at, const Eigen::Vector3d& step) {
+  const Outcome half = solver.reach(start, at - step / 2).outcome;
+  const double force = half.equilibrium.force.norm();
+  if (!half.converged || (active.finger && force > problem.scene.workspace.max_force)) return 0;
+  const Accuracy& accuracy = problem.scene.accuracy;
+  const double allowed = std::max(accuracy.force_error * force, accuracy.force_floor);
+  return (interpolated(from, to, step) - half.equilibrium.force).norm() / allowed;
+}
+
 /// The straight way from rest in this direction, until it ends, leaves the part of the ball that is
 /// computed, or the measurement is `over`.
-void walkOutward(TransitionSolver& solver, const Workspace& workspace, const PushedPart& part,
-                 const Eigen::Vector3d& direction, const std::function<bool()>& over,
-                 MeasuredWays& found) {
+void walkOutward(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
+                 const PushedPart& part, const Eigen::Vector3d& direction,
+                 const std::function<bool()>& over, MeasuredWays& found) {
+  const Workspace& workspace = problem.scene.workspace;
+  const bool adaptive = problem.scene.accuracy.adaptive();
   // The start belongs to the step: a worker makes it ready for every job too.
   double step_began = processorSeconds();
   Failure failure;
@@ -49,31 +70,32 @@ void walkOutward(TransitionSolver& solver, const Workspace& workspace, const Pus
   }
   PALPATE_ASSERT(workspace.spacing > 0, "a way of steps without length would not end");
   Way& way = found.ways.emplace_back();
+  const auto end = [&](WayEnd how) { way.end = how; };
+  Equilibrium before =
+      adaptive ? solver.reach(*start, Eigen::Vector3d::Zero()).outcome.equilibrium : Equilibrium{};
   for (double at = 0; at < workspace.radius;) {
-    if (over()) {
-      way.end = WayEnd::cut;
-      return;
-    }
+    if (over()) return end(WayEnd::cut);
+    const double from = at;
     // The rest of a spacing would be a transition of its own that no lattice has.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
-    if (!part.contains(at * direction, workspace.spacing / 2)) {
-      way.end = WayEnd::cut;
-      return;
-    }
+    if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);
     const Reached reached = start ? solver.reach(*start, at * direction) : Reached{};
     const Outcome& outcome = reached.outcome;
     way.steps.push_back({processorSeconds() - step_began, outcome.converged});
     ++found.transitions;
     if (!outcome.converged && way.steps.size() == 1 && found.no_first_step.empty())
       found.no_first_step = describe(outcome.failure);
-    if (outcome.converged && way.steps.size() == 1)
+    if (!outcome.converged) return end(WayEnd::failed);
+    if (way.steps.size() == 1)
       found.stiffness = std::max(found.stiffness, outcome.equilibrium.force.norm() / at);
-    if (!outcome.converged || outcome.equilibrium.force.norm() > workspace.max_force) {
-      way.end = outcome.converged ? WayEnd::max_force : WayEnd::failed;
-      return;
-    }
+    if (adaptive)
+      way.steps.back().error =
+          errorHalfWay(solver, problem, active, *start, before, outcome.equilibrium, at * direction,
+                       (at - from) * direction);
+    if (outcome.equilibrium.force.norm() > workspace.max_force) return end(WayEnd::max_force);
     step_began = processorSeconds();
+    before = outcome.equilibrium;
     start = solver.startFrom(outcome.fields, reached.end.state.displacement, failure);
   }
 }
@@ -94,10 +116,10 @@ MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) 
     const auto space =
         static_cast<std::size_t>(place[2] * static_cast<double>(problem.active.size()));
     solver.chooseTool(space);
-    const auto& finger = problem.active[space].finger;
-    const PushedPart part = finger ? finger->reach : PushedPart{};
-    walkOutward(solver, problem.scene.workspace, part,
-                pushed(directionAt(place[0], place[1]), part), over, found);
+    const ActivePatch& active = problem.active[space];
+    const PushedPart part = active.finger ? active.finger->reach : PushedPart{};
+    walkOutward(solver, problem, active, part, pushed(directionAt(place[0], place[1]), part), over,
+                found);
   }
   found.seconds = processorSeconds() - began;
   return found;

@@ -16,6 +16,9 @@ enum class WayEnd : std::uint8_t {
 struct WayStep {
   double seconds = 0;  ///< of the processor
   bool reached = false;
+  /// Error of the force half a spacing before the target, interpolated from both ends, as a share
+  /// of what an adaptive scene allows there; 0 where it was not measured.
+  double error = 0;
 };
 
 /// A straight way from rest outward, of a finger that only pushes in the part of its lattice. Step

@@ -30,11 +30,5 @@ TEST(LatticeCell, ThoseThatOnlyTouchTheSphereDoNotReachIntoTheBall) {
   EXPECT_FALSE(reachesIntoBall(lattice, {{6, 6, 6}, 1})) << "its lowest corner is at 2.6 of 2";
 }
 
-TEST(LatticeCell, CountsTheCellsInTheBall) {
-  EXPECT_EQ(cellsInBall(Lattice(0.1, 0.1)), 8);
-  EXPECT_EQ(cellsInBall(Lattice(0.1, 0.05)), 64) << "those at the corners reach in too";
-  EXPECT_EQ(cellsInBall(Lattice(0.1, 0.02)), 720);
-}
-
 }  // namespace
 }  // namespace palpate

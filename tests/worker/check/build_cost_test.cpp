@@ -73,14 +73,38 @@ TEST_F(BuildCosts, TakeWhatNoWayGotToForWhatLiesBeforeIt) {
   EXPECT_EQ(cut.reached, 1);
 }
 
-TEST_F(BuildCosts, OfAnAdaptiveBuildLieBetweenBounds) {
-  const BuildCost uniform = cost({way({{1, true}, {1, true}})});
-  EXPECT_EQ(uniform.most.configurations, uniform.least.configurations);
-  scene.accuracy = {.force_error = 0.03, .levels = 1, .probes = 10};
-  const BuildCost adaptive = cost({way({{1, true}, {1, true}})});
-  EXPECT_EQ(adaptive.least.configurations, 33 + 10);
-  EXPECT_EQ(adaptive.most.configurations, 33 + 10 + 8 * 64) << "64 cells reach into the ball";
-  EXPECT_NEAR(adaptive.most.seconds, uniform.least.seconds * (43 + 8 * 64) / 33, 1e-9);
+TEST_F(BuildCosts, OfAnAdaptiveBuildGrowWithTheErrorOfTheWays) {
+  const BuildCost uniform = cost({way({{1, true, 9}, {1, true, 9}})});
+  EXPECT_EQ(uniform.likely.configurations, uniform.least.configurations);
+  scene.accuracy = {.force_error = 0.03, .levels = 2, .probes = 10};
+  const auto likely = [&](double error) {
+    return cost({way({{1, true, error}, {1, true, error}})}).likely.configurations;
+  };
+  EXPECT_EQ(cost({way({{1, true, 0.01}, {1, true, 0.01}})}).least.configurations, 33 + 10);
+  EXPECT_EQ(likely(0.01), 33 + 10);
+  EXPECT_EQ(likely(1), 33 * 8 + 10) << "halved once, a point is eight";
+  EXPECT_EQ(likely(100), 33 * 64 + 10) << "no more often than levels allow";
+}
+
+TEST_F(BuildCosts, OfAnAdaptiveBuildCountTheCellsAtTheEndOfItsAnswers) {
+  scene.accuracy = {.force_error = 0.03, .levels = 2};
+  const Way whole = way({{1, true}, {1, true}}),
+            cut_off = way({{1, true}, {1, false}}, WayEnd::failed);
+  const double more = cost({whole, cut_off}).likely.configurations - 33;
+  EXPECT_NEAR(more, 26 * 0.5 * (7 + 4 * 7), 1e-9) << "half of the cells of the second shell";
+}
+
+/// Solves in earnest.
+TEST_F(BuildCosts, AreMeasuredWithTheErrorHalfWay) {
+  scene.accuracy = {.force_error = 0.03, .force_floor = 1e-9, .levels = 2};
+  cost({});
+  const MeasuredWays ways = measureWays(problem, {.seconds = 60, .transitions = 2});
+  scene.workspace.spacing = 0.01;
+  cost({});
+  const MeasuredWays finer = measureWays(problem, {.seconds = 60, .transitions = 2});
+  EXPECT_GT(ways.ways[0].steps[0].error, 4 * finer.ways[0].steps[0].error)
+      << "the same way in half the steps";
+  EXPECT_GT(finer.ways[0].steps[0].error, 0);
 }
 
 TEST_F(BuildCosts, AreNothingWithoutAWay) {
