@@ -9,8 +9,6 @@ namespace {
 /// What refinement adds, as a share of a uniform lattice, as long as little is known: spaces that
 /// are done early are those that grow most, so that this stays worth a share of all points.
 constexpr double usual_growth = 0.2, worth = 0.25;
-/// What comes after a round of refinement, as a share of all that came so far.
-constexpr double more_growth = 0.4;
 
 /// What became of the points of all uniform lattices so far.
 struct Fates {
@@ -124,8 +122,7 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
     if (plan.stage() == Stage::lattice)
       forecast.expected += sample.expectedOfLattice(plan, fates.share());
     if (plan.mayGrow())
-      forecast.expected += std::max(growth * plan.positions().uniformSize() - grown(plan),
-                                    more_growth * grown(plan));
+      forecast.expected += plan.laterPoints().value_or(growth * plan.positions().uniformSize());
   }
   forecast.expected += (fates.triesEach() - 1) * (forecast.ready + forecast.expected);
   return forecast;

@@ -17,8 +17,8 @@ inline constexpr std::int64_t most_forecast = 50000;
 
 /// An unknown point of a lattice counts as much as what lies on the straight way to it from rest
 /// lets it: not at all behind a point where the way ended, less and less the farther it is from the
-/// last one that is known. An adaptive scene is expected to grow as the spaces that have grown did
-/// (a fifth, as long as there are few), and one that grows by two fifths more.
+/// last one that is known. A space is expected to grow as those that have grown did (by a fifth, as
+/// long as there are few), and once its refinement has begun by what its cells want.
 ///
 /// Costs about 0.2 us an unknown point, of most_forecast at most: of more, evenly many are looked
 /// at, and each counts for those between.

@@ -32,6 +32,9 @@ constexpr double enough_of_finger = 0.99;
 /// splitting does as well.
 constexpr double reach_outside = 0.25;
 
+/// What the likely error is divided by when a cell is halved.
+constexpr double error_by_halving = 8;
+
 /// One look at a configuration space.
 class CellInspection {
  public:
@@ -58,9 +61,11 @@ class CellInspection {
     result.kept = samples_ > 0 ? kept_ / samples_ : 1;
     const bool is_enough = result.kept >= (space_.patch.finger ? enough_of_finger : enough);
     std::set<LatticePoint> points;
-    for (const std::int32_t leaf : poor_) {
+    double wanted = 0;
+    for (const auto& [leaf, ratio] : poor_) {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
+      wanted += pointsWanted(leaf, ratio);
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[at(leaf)];
@@ -73,6 +78,7 @@ class CellInspection {
     result.points.assign(points.begin(), points.end());
     std::ranges::sort(result.points, {},
                       [](const LatticePoint& p) { return std::pair(squaredNorm(p), p); });
+    result.later = std::max(0.0, wanted - static_cast<double>(points.size()));
     return result;
   }
 
@@ -94,13 +100,22 @@ class CellInspection {
       if (ratio <= 1) kept_ += volume;
       worst = std::max(worst, ratio);
     }
-    if (worst > 1 || endsBesideRest(leaf)) poor_.push_back(leaf);
+    if (worst > 1 || endsBesideRest(leaf)) poor_.emplace_back(leaf, worst);
   }
 
   /// Of a finger nothing is promised where it is not pushed to, or the force is too large.
   bool isPromised(const Eigen::Vector3d& displacement, double force) const {
     const auto& finger = space_.patch.finger;
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
+  }
+
+  /// What halving a leaf until it is good adds: all of it as often as the error asks for, or, where
+  /// answers end in it, to the last level what their border crosses, four of eight parts.
+  double pointsWanted(std::int32_t leaf, double ratio) const {
+    const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
+    if (hasFailedCorner(leaf)) return 7 * (std::pow(4, left) - 1) / 3;
+    const double halvings = std::ceil(std::log(ratio) / std::log(error_by_halving));
+    return std::pow(8, std::clamp(halvings, 0.0, double(left))) - 1;
   }
 
   const CellSlot& slot(std::int32_t number) const { return tree_.slots()[at(number)]; }
@@ -198,7 +213,8 @@ class CellInspection {
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
-  std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy, or end beside rest
+  /// Leaves that do not keep the accuracy, or end beside rest, and their worst error over it.
+  std::vector<std::pair<std::int32_t, double>> poor_;
   double kept_ = 0, samples_ = 0;
 };
 

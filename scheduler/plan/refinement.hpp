@@ -14,6 +14,9 @@ struct Refinement {
   /// Cells to split, sorted by (level, lowest): to be merged into SpaceTable::splits, together with
   /// the points.
   std::vector<LatticeCell> splits;
+  /// How many points the rounds after this one are likely to ask for; a forecast, of which nothing
+  /// that is built depends.
+  double later = 0;
   /// Share (0..1) of the ball in which the likely force error keeps the accuracy.
   double kept = 1;
   bool empty() const { return points.empty() && splits.empty(); }

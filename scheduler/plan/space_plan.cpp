@@ -268,6 +268,7 @@ void SpacePlan::beginCells() {
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
   std::ranges::sort(splits_, coarserFirst);
   may_grow_ = !refinement.empty();
+  later_points_ = refinement.later;
   // All parents are chosen before the first new point is there, so that their order is no matter.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
   for (const LatticePoint& position : refinement.points) {

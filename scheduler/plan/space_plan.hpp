@@ -73,6 +73,9 @@ class SpacePlan {
   std::int32_t openCount() const;
   /// More points may still be asked for.
   bool mayGrow() const { return may_grow_; }
+  /// How many points refinement is likely to ask for after those that it has asked for
+  /// (Refinement::later); nothing before it has asked the first time.
+  const std::optional<double>& laterPoints() const { return later_points_; }
 
   /// All positions: points of the lattice, then probes.
   const Lattice& positions() const { return positions_; }
@@ -129,6 +132,7 @@ class SpacePlan {
   int stages_begun_ = 0;
   int branch_round_ = 0;
   bool may_grow_;
+  std::optional<double> later_points_;
 };
 
 /// What a plan knows, as the rows of a dataset. `plan` must outlive it, and not change meanwhile.

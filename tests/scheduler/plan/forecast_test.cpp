@@ -52,14 +52,15 @@ struct ForecastTest : testing::Test {
     outcome.equilibrium.energy = energy.energy(p);
     return outcome;
   }
-  /// From a tenth of a build to where a twentieth is left.
-  static void expectHonest(const std::vector<Moment>& moments) {
+  /// From this share of a build to where a twentieth is left.
+  static void expectHonest(const std::vector<Moment>& moments, double from = 0.1,
+                           double factor = 1.5) {
     const double all = std::ssize(moments);
     for (const Moment& moment : moments) {
-      if (moment.results < all / 10 || moment.results > 0.95 * all) continue;
+      if (moment.results < from * all || moment.results > 0.95 * all) continue;
       const double ratio = moment.forecast / (all - moment.results);
-      EXPECT_GT(ratio, 1 / 1.5) << moment.results << " of " << all;
-      EXPECT_LT(ratio, 1.5) << moment.results << " of " << all;
+      EXPECT_GT(ratio, 1 / factor) << moment.results << " of " << all;
+      EXPECT_LT(ratio, factor) << moment.results << " of " << all;
     }
   }
 };
@@ -77,6 +78,16 @@ TEST_F(ForecastTest, LeavesOutWhatLiesBehindPointsWhereTheWayEnds) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.max_force = 1e6;
   expectHonest(build([](const Eigen::Vector3d& p) { return p.x() < 0.015; }));
+}
+
+TEST_F(ForecastTest, OfASpaceThatIsRefinedCountsWhatItsCellsWant) {
+  problem.scene.workspace.radius = 0.06;
+  problem.scene.workspace.spacing = 0.03;
+  problem.scene.workspace.max_force = 1e6;
+  problem.scene.accuracy = {.force_error = 0.003, .force_floor = 1e-3, .levels = 3};
+  const auto moments = build([](const Eigen::Vector3d&) { return true; });
+  EXPECT_GT(moments.size(), 150u) << "rounds of refinement";
+  expectHonest(moments, 0.2, 2);
 }
 
 TEST_F(ForecastTest, CountsProbesBeforeThereAreAny) {

@@ -178,6 +178,26 @@ TEST(Refinement, EndsWithTheAccuracyKept) {
       << "a uniform lattice of the finest spacing has 16 times as many";
 }
 
+TEST(Refinement, ForetellsThePointsOfLaterRounds) {
+  const RidgeEnergy energy;
+  for (const double force_error : {0.03, 0.01}) {
+    const Scene scene = adaptiveScene(force_error);
+    SpaceTable space = solvedStart(scene, energy);
+    Refinement next = nextRefinement(space, scene);
+    const double foretold = next.later;
+    space = refined(space, next, energy);
+    double asked = 0;
+    while (!(next = nextRefinement(space, scene)).empty()) {
+      asked += static_cast<double>(next.points.size());
+      space = refined(space, next, energy);
+    }
+    EXPECT_GT(asked, 100);
+    EXPECT_GT(foretold, asked / 2) << force_error;
+    EXPECT_LT(foretold, asked * 2) << force_error;
+    EXPECT_EQ(next.later, 0);
+  }
+}
+
 TEST(Refinement, IsAFunctionOfItsArguments) {
   const Scene scene = adaptiveScene(0.03);
   const SpaceTable space = solvedStart(scene, RidgeEnergy());
