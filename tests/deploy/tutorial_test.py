@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs/tutorial.md, command by command: as it stands with PALPATE_LONG_TESTS (five minutes), else with a coarser mesh.
-By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
+"""docs/tutorial.md and README's five minutes, command by command: as they stand with PALPATE_LONG_TESTS (ten minutes),
+else with a coarser mesh. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
 import os
 import pathlib
 import re
@@ -12,35 +12,48 @@ import unittest
 
 from small_datasets import BIN, ENVIRONMENT, ROOT, missing, palpate
 
-PAGE = ROOT / "docs/tutorial.md"
+SOME_POINTS_FAILED = 3  # of a build, which the pages say
 
 
-class TutorialPage(unittest.TestCase):
-    def testLeadsFromASurfaceToAPlotAsItStands(self):
+class FirstPages(unittest.TestCase):
+    def follow(self, page, made):
+        """Runs the blocks of shell and Python of a page, writes its scene, in an empty folder."""
         if palpate is None:
             self.skipTest(missing)
         if shutil.which("gmsh") is None:
-            self.skipTest("gmsh is not installed: the tutorial is NOT tested")
-        page = PAGE.read_text(encoding="utf-8")
+            self.skipTest("gmsh is not installed: the first pages are NOT tested")
         self.assertEqual(page.count("--nodes 500"), 1)
         if not os.environ.get("PALPATE_LONG_TESTS"):
             page = page.replace("--nodes 500", "--nodes 200")
-        blocks = re.findall(r"```(sh|python)\n(.*?)```", page, re.S)
+        blocks = re.findall(r"```(sh|python|toml)\n(.*?)```", page, re.S)
         self.assertGreater(len(blocks), 6)
         with tempfile.TemporaryDirectory() as folder:
-            bare = pathlib.Path(folder)
             environment = {**ENVIRONMENT, "PATH": f"{BIN}:/usr/bin:/bin", "MPLCONFIGDIR": folder}
             for language, text in blocks:
-                # As if it were installed.
+                if language == "toml":
+                    name = re.search(r'^name = "(.*)"', text, re.M)[1]
+                    pathlib.Path(folder, f"{name}.toml").write_text(text, encoding="utf-8")
+                    continue
+                # As if it were installed; README's are of the clone.
                 text = text.replace("/usr/share/palpate/scenes", str(ROOT / "deploy/scenes"))
                 text = text.replace("/usr/share/doc/palpate/examples", str(ROOT / "deploy/examples"))
-                words = ["bash", "-ec", text] if language == "sh" else [sys.executable, "-c", text]
-                done = subprocess.run(words, cwd=bare, env=environment, capture_output=True, text=True, check=False)
-                some_points_failed = 3  # which the page says
-                self.assertIn(done.returncode, (0, some_points_failed if text.startswith("palpate build") else 0),
-                              text + done.stdout + done.stderr)
-            for made in ("organ/scene.toml", "organ.h5", "stiffness.png", "curve.png", "press.pvd", "curve.csv"):
-                self.assertGreater((bare / made).stat().st_size, 500, made)
+                text = text.replace("cp deploy/", f"cp {ROOT}/deploy/")
+                for step in text.splitlines() if language == "sh" else [text]:
+                    words = ["bash", "-ec", step] if language == "sh" else [sys.executable, "-c", step]
+                    done = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+                    self.assertIn(done.returncode, (0, SOME_POINTS_FAILED if step.startswith("palpate build") else 0),
+                                  step + done.stdout + done.stderr)
+            for file in made:
+                self.assertGreater(pathlib.Path(folder, file).stat().st_size, 500, file)
+
+    def testTheTutorialLeadsFromASurfaceToAPlotAsItStands(self):
+        page = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+        self.follow(page, ("organ/scene.toml", "organ.h5", "stiffness.png", "curve.png", "press.pvd", "curve.csv"))
+
+    def testTheFiveMinutesOfReadmeLeadToForcesBothWays(self):
+        page = (ROOT / "README.md").read_text(encoding="utf-8")
+        begin, end = page.index("in five minutes\n"), page.index("\n## On many machines")
+        self.follow(page[begin:end], ("organ/scene.toml", "organ.h5", "organ.html", "touch.vtu", "side.h5"))
 
 
 if __name__ == "__main__":
