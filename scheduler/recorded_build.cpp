@@ -9,10 +9,21 @@ namespace palpate {
 RecordedBuild::RecordedBuild(std::filesystem::path directory)
     : directory_(std::move(directory)),
       journal_(directory_),
-      tables_(directory_),
-      problem_(decodeProblem(tables_.build().problem)) {
-  ReplayedJournal found =
-      replayJournal(directory_, problem_, tables_.build().build, tables_.keptOut());
+      tables_(std::in_place, directory_),
+      problem_(decodeProblem(tables_->build().problem)) {
+  std::vector<KeptOut> liars;
+  do {
+    liars = tables_->keptOut();
+    readJournal(liars);
+    // A scheduler notes a check before its result is in the journal. So tables that are opened
+    // after the journal was read hold every check of what was found, and who was found out
+    // meanwhile.
+    tables_.emplace(directory_);
+  } while (tables_->keptOut() != liars);
+}
+
+void RecordedBuild::readJournal(const std::vector<KeptOut>& liars) {
+  ReplayedJournal found = replayJournal(directory_, problem_, tables_->build().build, liars);
   for (const std::string& damage : found.recorded.damage)
     spdlog::warn("{}; what was recorded there will be computed again", damage);
   kernel_family_ = std::move(found.kernel_family);
@@ -21,7 +32,7 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
 }
 
 bool RecordedBuild::complete() {
-  return tables_.checks().empty() && std::ranges::all_of(plans_, &SpacePlan::complete);
+  return tables_->checks().empty() && std::ranges::all_of(plans_, &SpacePlan::complete);
 }
 
 std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {

@@ -5,7 +5,8 @@
 namespace palpate {
 
 /// What a state directory holds of a build as of now, only read: whether a scheduler works in it or
-/// not. What workers gave that are kept out is left out. One thread.
+/// not. Results of workers that are kept out are left out, and no open check of a result is missed,
+/// whatever a scheduler writes meanwhile. One thread.
 class RecordedBuild {
  public:
   /// Error (bad input) when it is no state directory, or one of another version; what is damaged in
@@ -15,7 +16,7 @@ class RecordedBuild {
   RecordedBuild& operator=(const RecordedBuild&) = delete;
 
   const Problem& problem() const { return problem_; }
-  StoredTables& tables() { return tables_; }
+  StoredTables& tables() { return *tables_; }
   /// One per active node.
   const std::vector<SpacePlan>& plans() const { return plans_; }
   /// Of every result; empty before the first.
@@ -27,11 +28,12 @@ class RecordedBuild {
   SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
+  void readJournal(const std::vector<KeptOut>& liars);
   std::optional<JournalRecord> find(const ResultKey& key) const;
 
   const std::filesystem::path directory_;
   JournalReader journal_;
-  StoredTables tables_;
+  std::optional<StoredTables> tables_;  ///< read after the journal
   const Problem problem_;
   ResultIndex where_;
   std::string kernel_family_;

@@ -1,6 +1,9 @@
 #include "scheduler/recorded_build.hpp"
 
 #include <gtest/gtest.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
 
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
@@ -9,6 +12,20 @@ namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// Does something when the first line is logged.
+class AtFirstLine : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ public:
+  explicit AtFirstLine(std::function<void()> then) : then_(std::move(then)) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& /*line*/) override {
+    if (then_) std::exchange(then_, {})();
+  }
+  void flush_() override {}
+
+  std::function<void()> then_;
+};
 
 struct RecordedBuildTest : testing::Test {
   test::BuildWorld world;
@@ -24,6 +41,30 @@ struct RecordedBuildTest : testing::Test {
       }
       world.pass(25ms);
     }
+  }
+
+  /// A complete build whose journal has a record that was dropped, and computed again.
+  void completeWithDamage() {
+    world.join("a", 1);
+    solveJobs(7);
+    const JournalPosition last = JournalReader(state).scan().records.back().where;
+    world.build().drop(DamagedRecord(last, "a test"));
+    world.restart();
+    world.join("a", 1);
+    world.finish({"a"});
+  }
+  /// Another process changes the tables between the journal, whose damage is told when it has been
+  /// read, and whatever is read then.
+  std::unique_ptr<RecordedBuild> readWhileTablesChange(const std::string& sql) const {
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "while", std::make_shared<AtFirstLine>([&] {
+          Database(StateDirectory::databaseIn(state), Database::Access::read_write_create)
+              .execute(sql);
+        })));
+    auto recorded = std::make_unique<RecordedBuild>(state);
+    spdlog::set_default_logger(before);
+    return recorded;
   }
 };
 
@@ -74,6 +115,24 @@ TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
   world.build().keepOut(LiarsFound({liar}));
   test::expectError(ExitCode::failed, [&] { RecordedBuild(state).seal(out); },
                     {"nothing is recorded there yet"});
+}
+
+/// A whole dataset was once sealed over a dispute that began while the journal was read.
+TEST_F(RecordedBuildTest, ACheckThatBeginsWhileTheJournalIsReadKeepsItFromBeingComplete) {
+  completeWithDamage();
+  ASSERT_TRUE(RecordedBuild(state).complete());
+  const auto recorded = readWhileTablesChange("INSERT INTO checks VALUES (0, 1, 0, 0, 0, 0, 0, 1)");
+  EXPECT_FALSE(recorded->complete());
+  recorded->seal(out);
+  EXPECT_TRUE(Dataset(out).isPartial());
+}
+
+TEST_F(RecordedBuildTest, WhoIsFoundOutWhileTheJournalIsReadIsLeftOutToo) {
+  completeWithDamage();
+  const auto recorded =
+      readWhileTablesChange("INSERT INTO kept_out VALUES ('machine', x'', 'here', x'', 'a test')");
+  EXPECT_EQ(recorded->kernelFamily(), "") << "nobody else gave a result";
+  EXPECT_FALSE(recorded->complete());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -54,6 +55,13 @@ class Disk {
   bool takeHurt() { return std::exchange(hurt_, false); }
   /// Nobody may have a file open. Everything that is there afterwards is on disk.
   void cutPower();
+  /// What others do before the process that calls this reads the names in a folder or opens a
+  /// segment of the journal for the n-th time from now. Once.
+  void beforeRead(int nth, std::function<void()> then) {
+    reads_left_ = nth;
+    before_read_ = std::move(then);
+  }
+  void reads();
   /// Flips a bit of what is on disk and of what readers see.
   void flip(const std::filesystem::path& file, std::uint64_t byte, int bit);
 
@@ -99,6 +107,8 @@ class Disk {
   std::map<int, NodePointer> open_;
   std::set<DiskFault> armed_;
   int changes_left_ = -1;  ///< -1: for ever
+  int reads_left_ = 0;
+  std::function<void()> before_read_;
   bool dead_ = false, full_ = false, hurt_ = false;
   std::map<DiskFault, std::uint64_t> felt_;
 };

@@ -92,6 +92,15 @@ int open64(const char* path, int flags, ...) {
   va_end(arguments);
   return openFile(path, flags, mode);
 }
+/// How the C++ library opens the folders that it lists.
+int openat(int folder, const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = modeOf(flags, arguments);
+  va_end(arguments);
+  if (Disk* const disk = Disk::mounted()) disk->reads();
+  return static_cast<int>(syscall(SYS_openat, folder, path, flags, mode));
+}
 int close(int file) {
   return either([&](Disk& disk) { return disk.close(file); }, [&] { return calls::close(file); });
 }

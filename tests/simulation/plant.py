@@ -13,6 +13,7 @@ JOURNAL = "scheduler/state/journal.cpp"
 STORE = "scheduler/state/job_store.cpp"
 RESULTS = "scheduler/state/recorded_results.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
+RECORDED = "scheduler/recorded_build.cpp"
 COORDINATOR = "scheduler/service/coordinator.cpp"
 WORKERS = "scheduler/service/coordinator_workers.cpp"
 CHECKS = "scheduler/service/spot_checks.cpp"
@@ -66,6 +67,8 @@ DEFECTS = [
      "  if (theirs.empty()) return;", "  if (@ || theirs.empty()) return;"),
     ("checks-forgotten", "a restart forgets what others are to solve again", COORDINATOR,
      "      due_checks_(store.tables().checks()),", "      due_checks_(@ ? std::map<ResultKey, bool>() : store.tables().checks()),"),
+    ("checks-before-results", "whoever seals beside a scheduler reads which checks are open before the results", RECORDED,
+     "    tables_.emplace(directory_);", "    if (!@) tables_.emplace(directory_);"),
     ("nothing-checked", "no result is solved again by another", CHECKS,
      "  ++results_;\n", "  ++results_;\n  if (@) return Picked::no;\n"),
     ("one-decides", "of two who differ the later one is right", CHECKS,

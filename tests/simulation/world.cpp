@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/base/whole_file.hpp"
+#include "scheduler/recorded_build.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -79,12 +80,19 @@ class World {
     for (std::size_t n = 0; n < workers; ++n)
       places_.push_back({.host = may_lie ? fmt::format("machine-{}", n) : "simulated",
                          .starts_at = random_.between(0, 3)});
+    Random sealer(seed ^ 0x7365616c);
+    sealer_comes_at_ = sealer.between(0, sealer.chance(0.5) ? 10 : 100);
+    sealer_waits_at_ = 1 + static_cast<int>(sealer.below(4));
   }
 
   Outcome run() {
     Outcome outcome;
     try {
-      while (!over()) step();
+      while (!over()) {
+        if (sealer_comes_at_ && now_ >= *sealer_comes_at_ && scheduler_.up() && !power_is_cut_)
+          sealBeside();
+        step();
+      }
       check(sameAsEver(), "the dataset that was sealed is another than undisturbed");
     } catch (const std::exception& error) {
       outcome.broken = fmt::format("at {:.3f} s: {}", now_, error.what());
@@ -301,6 +309,55 @@ class World {
     }
   }
 
+  // ---- Another process that reads ----
+
+  /// `palpate seal` at any time. While it reads, the others go on until every point is known.
+  void sealBeside() {
+    sealer_comes_at_.reset();
+    std::exception_ptr broken;  // the C++ library does not let it through
+    disk_.beforeRead(sealer_waits_at_, [&] {
+      try {
+        while (!over() && !everyPointIsKnown() && !filesAreTakenNext()) step();
+      } catch (...) {
+        broken = std::current_exception();
+      }
+    });
+    tell("palpate seal");
+    try {
+      const std::filesystem::path directory = scheduler_.stateDirectory();
+      RecordedBuild recorded(directory);
+      if (broken) std::rethrow_exception(broken);
+      disk_.beforeRead(0, {});
+      if (recorded.complete() && !ledger_.tables_hurt) checkSealedBeside(recorded);
+    } catch (const Error& error) {
+      tell(std::string("it does not: ") + error.what());
+    }
+    disk_.beforeRead(0, {});
+    if (broken) std::rethrow_exception(broken);
+  }
+
+  void checkSealedBeside(RecordedBuild& recorded) {
+    tell("it has the whole dataset");
+    check(StoredTables(scheduler_.stateDirectory()).checks().empty(),
+          "a dataset is taken for whole while a result is checked");
+    const std::filesystem::path file = folder_.parent_path() / "beside.h5";
+    recorded.seal(file);
+    check(ledger_.lies_heard > 0 || readText(file, "the dataset") == scenario_.sealed,
+          "a dataset that is sealed beside the scheduler is another than undisturbed");
+  }
+
+  bool everyPointIsKnown() {
+    return scheduler_.up() &&
+           std::ranges::all_of(scheduler_.coordinator().plans(), &SpacePlan::complete);
+  }
+
+  /// Before that whoever reads has to be gone.
+  bool filesAreTakenNext() const {
+    if (next_event_ == history_.size()) return false;
+    const Accident next = history_[next_event_].accident;
+    return next == Accident::power_cut || next == Accident::tables_lost;
+  }
+
   // ---- Workers and who replaces them ----
 
   void turnWorker(Place& place) {
@@ -489,7 +546,8 @@ class World {
   std::vector<Place> places_;
   Seconds now_ = 0, scheduler_starts_at_ = 0, patience_ = 0;
   std::size_t next_event_ = 0;
-  std::optional<Seconds> full_until_, sealed_at_;
+  std::optional<Seconds> full_until_, sealed_at_, sealer_comes_at_;
+  int sealer_waits_at_ = 0;  ///< of its reads (Disk::beforeRead)
   bool power_is_cut_ = false, tables_made_ = false;
   int deaths_ = 0, workers_started_ = 0;
   std::int64_t steps_ = 0;
