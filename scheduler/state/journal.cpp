@@ -21,11 +21,12 @@ constexpr std::uint32_t most_segments = 999999;
 
 /// What a record begins with; its header and its payload follow.
 struct Head {
-  static constexpr std::string_view whole = "PJR2", dropped = "PJRX";
+  static constexpr std::string_view whole = "PJR3", dropped = "PJRX";
+  static constexpr std::string_view older = "PJR2";  ///< not read any more
 
-  std::array<char, 4> magic = {'P', 'J', 'R', '2'};
+  std::array<char, 4> magic = {'P', 'J', 'R', '3'};
   std::uint32_t header_bytes = 0, payload_bytes = 0;
-  std::uint32_t header_crc = 0;  ///< over the two lengths and the header
+  std::uint32_t header_crc = 0;  ///< over the record's place, the two lengths and the header
   std::uint32_t payload_crc = 0;
 
   bool is(std::string_view kind) const {
@@ -42,16 +43,28 @@ std::uint32_t crcOf(std::string_view bytes, uLong before = 0) {
       crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-std::uint32_t headerCrcOf(const Head& head, std::string_view header) {
+std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
+  return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
+}
+
+/// `place`: placeCrcOf(); 0 in the older format, which leaves it out.
+std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
-  return crcOf(header, crcOf({reinterpret_cast<const char*>(lengths.data()), sizeof lengths}));
+  return crcOf(header, crcOf(lengths, place));
+}
+
+/// Because of it a copy of a record, in the payload of another one for instance, is no record.
+std::uint32_t placeCrcOf(std::uint32_t segment, std::uint64_t offset) {
+  const std::array<std::uint32_t, 3> place = {segment, static_cast<std::uint32_t>(offset),
+                                              static_cast<std::uint32_t>(offset >> 32)};
+  return crcOf(place);
 }
 
 /// A segment, open for reading.
 class SegmentFile {
  public:
-  explicit SegmentFile(std::filesystem::path path)
-      : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+  SegmentFile(std::filesystem::path path, std::uint32_t number)
+      : path_(std::move(path)), number_(number), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
     struct stat info {};
     if (file_ && fstat(file_.get(), &info) != 0)
       throw failure("{}: cannot look at: {}", path_.string(), errnoText());
@@ -63,6 +76,7 @@ class SegmentFile {
   bool exists() const { return static_cast<bool>(file_); }
   std::uint64_t size() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
+  std::uint32_t number() const { return number_; }
 
   /// Up to `length` bytes at `offset`; fewer at the end of the file. A sector that the disk cannot
   /// read any more is damage like any other: it reads as nothing.
@@ -82,20 +96,13 @@ class SegmentFile {
     return bytes;
   }
 
-  /// Of a record that begins at `offset`, its head and its header, when both are whole and the rest
-  /// fits into the file.
+  /// Head and header of the record that begins at `offset`, when both are whole and the rest fits
+  /// into the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
-    Head head;
-    const std::string_view bytes = peek(offset, sizeof head);
-    if (bytes.size() < sizeof head) return std::nullopt;
-    std::memcpy(&head, bytes.data(), sizeof head);
-    if (!head.is(Head::whole) && !head.is(Head::dropped)) return std::nullopt;
-    if (head.recordBytes() > bytes_ - offset) return std::nullopt;
-    const std::string_view header = peek(offset + sizeof head, head.header_bytes);
-    if (header.size() != head.header_bytes || headerCrcOf(head, header) != head.header_crc)
-      return std::nullopt;
-    return std::pair(head, std::string(header));
+    return headAt(offset, Head::whole, placeCrcOf(number_, offset));
   }
+  /// It begins with a record of the format before this one.
+  bool isOlder() const { return headAt(0, Head::older, 0).has_value(); }
   bool payloadIsWhole(std::uint64_t offset, const Head& head) const {
     const std::string_view payload =
         peek(offset + sizeof head + head.header_bytes, head.payload_bytes);
@@ -122,6 +129,20 @@ class SegmentFile {
   }
 
  private:
+  std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset, std::string_view whole,
+                                                     std::uint32_t place) const {
+    Head head;
+    const std::string_view bytes = peek(offset, sizeof head);
+    if (bytes.size() < sizeof head) return std::nullopt;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    if (!head.is(whole) && !head.is(Head::dropped)) return std::nullopt;
+    if (head.recordBytes() > bytes_ - offset) return std::nullopt;
+    const std::string_view header = peek(offset + sizeof head, head.header_bytes);
+    if (header.size() != head.header_bytes || headerCrcOf(head, header, place) != head.header_crc)
+      return std::nullopt;
+    return std::pair(head, std::string(header));
+  }
+
   /// As read(), until the next call. Who goes on where the last call ended is read ahead for: small
   /// records cost no call of the system each, and of large ones little more than the heads is read.
   std::string_view peek(std::uint64_t offset, std::uint64_t length) const {
@@ -140,6 +161,7 @@ class SegmentFile {
   }
 
   std::filesystem::path path_;
+  std::uint32_t number_;
   FileDescriptor file_;
   std::uint64_t bytes_ = 0;
   mutable std::string window_;  ///< what was read last
@@ -177,9 +199,10 @@ bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
          file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
 }
 
-void scanSegment(const SegmentFile& file, std::uint32_t number, bool last,
-                 const JournalReader::Visit& visit, JournalScan& found) {
+void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit& visit,
+                 JournalScan& found) {
   using Kind = JournalGap::Kind;
+  const std::uint32_t number = file.number();
   const auto gap = [&](Kind kind, std::uint64_t from, std::uint64_t to, const char* what) {
     found.gaps.push_back(
         {kind,
@@ -192,6 +215,11 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last,
     else
       gap(Kind::damaged, from, to, no_record);
   };
+  if (file.isOlder())
+    throw badInput(
+        "{}: was written by an older Palpate, whose records this one cannot read: go on with that "
+        "one, or use another --state directory",
+        file.path().string());
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
     auto record = file.headAt(at);
@@ -233,7 +261,7 @@ std::string markFor(const SegmentFile& file, const JournalPosition& position) {
     return std::string(Head::dropped.substr(0, position.length));
   Head head{.magic = {'P', 'J', 'R', 'X'},
             .payload_bytes = static_cast<std::uint32_t>(position.length - sizeof(Head))};
-  head.header_crc = headerCrcOf(head, "");
+  head.header_crc = headerCrcOf(head, "", placeCrcOf(position.segment, position.offset));
   return {reinterpret_cast<const char*>(&head), sizeof head};
 }
 
@@ -274,13 +302,13 @@ JournalScan JournalReader::scan(const Visit& visit) const {
                             {.segment = expected},
                             fmt::format("{}: is missing", segmentPath(expected).string())});
     ++expected;
-    scanSegment(SegmentFile(segmentPath(number)), number, number == numbers.back(), visit, found);
+    scanSegment(SegmentFile(segmentPath(number), number), number == numbers.back(), visit, found);
   }
   return found;
 }
 
 JournalRecord JournalReader::read(const JournalPosition& position) const {
-  const SegmentFile file(segmentPath(position.segment));
+  const SegmentFile file(segmentPath(position.segment), position.segment);
   auto record = file.headAt(position.offset);
   const auto damaged = [&](const char* what) {
     return DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged ({})",
@@ -298,7 +326,7 @@ JournalRecord JournalReader::read(const JournalPosition& position) const {
 }
 
 std::string JournalReader::readHeader(const JournalPosition& position) const {
-  const SegmentFile file(segmentPath(position.segment));
+  const SegmentFile file(segmentPath(position.segment), position.segment);
   auto record = file.headAt(position.offset);
   if (!record || !record->first.is(Head::whole) || record->first.recordBytes() != position.length)
     throw DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged",
@@ -339,7 +367,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
   Head head{.header_bytes = static_cast<std::uint32_t>(header.size()),
             .payload_bytes = static_cast<std::uint32_t>(payload.size()),
             .payload_crc = crcOf(payload)};
-  head.header_crc = headerCrcOf(head, header);
+  head.header_crc = headerCrcOf(head, header, placeCrcOf(end_.segment, end_.offset));
   const JournalPosition position{end_.segment, end_.offset,
                                  sizeof head + header.size() + payload.size()};
   pending_.append(reinterpret_cast<const char*>(&head), sizeof head);
@@ -386,7 +414,7 @@ void Journal::dropIn(std::uint32_t segment, std::span<const JournalPosition> pos
   struct stat info {};
   if (!file || fstat(file.get(), &info) != 0)
     throw failure("{}: cannot open: {}", path.string(), errnoText());
-  const SegmentFile reader(path);
+  const SegmentFile reader(path, segment);
   for (const JournalPosition& position : positions) {
     // Of a file that was cut off, nothing is left to be marked.
     if (std::cmp_less(info.st_size, position.offset + position.length)) continue;

@@ -77,8 +77,8 @@ struct JournalScan {
 };
 
 /// The journal in a directory, for reading: DIRECTORY/segment-000001.dat and so on. Layout of a
-/// record (docs/state.md): "PJR2", header bytes u32, payload bytes u32, CRC-32 u32 over the two
-/// lengths and the header, CRC-32 u32 over the payload; header; payload.
+/// record (docs/state.md): "PJR3", header bytes u32, payload bytes u32, CRC-32 u32 over the
+/// record's place, the two lengths and the header, CRC-32 u32 over the payload; header; payload.
 ///
 /// Reading depends on nothing but these files. It may go on while a scheduler appends.
 class JournalReader {
@@ -86,7 +86,7 @@ class JournalReader {
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
   /// Finds all records, whatever lies between them. Reads every header, and of the last segment,
-  /// where a crash leaves half a record, all.
+  /// where a crash leaves half a record, all. Error (bad input) when an older Palpate wrote them.
   JournalScan scan() const;
   /// The same without keeping the records: they may be more than fit into memory. A header is there
   /// as long as the call.

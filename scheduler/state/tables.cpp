@@ -95,7 +95,10 @@ void putPriority(Database& database, const std::string& name, std::int32_t prior
       .run(std::string(priority_of) + name, priority);
 }
 
-std::string thisProgram() { return std::string("palpate ") + version(); }
+/// With the state version, which may differ between programs of one version.
+std::string thisProgram() {
+  return fmt::format("palpate {}, state {}", version(), StoredTables::schema_version);
+}
 
 /// DamagedDatabase where two places contradict each other: a bit of one of them flipped.
 void checkVersion(Database& database) {

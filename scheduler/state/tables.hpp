@@ -43,7 +43,7 @@ using Counters = std::map<std::string, std::int64_t>;
 /// in the journal, and what the tables say of them is for people. One thread.
 class StoredTables {
  public:
-  static constexpr int schema_version = 5;
+  static constexpr int schema_version = 6;
 
   /// Error (bad input) when `directory` is not a state directory, or that of another version. It
   /// need not be writable; with Access::read_copy nothing in it is touched.

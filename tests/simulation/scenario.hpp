@@ -23,7 +23,8 @@ struct Scenario {
   Solver solve = nullptr;
   std::string sealed;  ///< the bytes of the dataset
 
-  /// Neighbours contradict each other, solves fail, branches are looked for.
+  /// Neighbours contradict each other, solves fail, branches are looked for, and payloads hold the
+  /// bytes of a record.
   static Scenario rough(const std::filesystem::path& folder);
   /// Every result follows from those beside it, as in tissue: what does not, looks odd.
   static Scenario smooth(const std::filesystem::path& folder);

@@ -129,7 +129,7 @@ std::size_t endOfRecords(const std::string& journal, std::size_t count) {
     std::memcpy(&header, journal.data() + at + 4, 4);
     std::memcpy(&payload, journal.data() + at + 8, 4);
     const std::size_t end = at + preamble + header + payload;
-    if (!journal.substr(at).starts_with("PJR2") || end > journal.size()) break;
+    if (!journal.substr(at).starts_with("PJR3") || end > journal.size()) break;
     at = end;
   }
   return at;

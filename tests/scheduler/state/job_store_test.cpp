@@ -302,6 +302,10 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); },
                        {"an older Palpate", "version 2", "go on with the older one"});
   test::expectBadInput([&] { const StoredTables tables{state}; }, {"an older Palpate"});
+  // Before there was a release.
+  alter("UPDATE meta SET value = 'palpate 0.1.0' WHERE key = 'made_by'");
+  alter("PRAGMA user_version = 5");
+  test::expectBadInput([&] { open(StateDirectory(state)); }, {"an older Palpate", "version 5"});
   alter("PRAGMA user_version = 99");
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"newer Palpate", "99"});
   alter("PRAGMA application_id = 1");

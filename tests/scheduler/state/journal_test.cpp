@@ -207,6 +207,43 @@ TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
   }
 }
 
+/// Such bytes once counted as a record when the head of the record around them was damaged.
+TEST_F(JournalTest, ACopyOfARecordInAPayloadIsNoRecordWhateverIsDamagedAroundIt) {
+  Journal journal = open();
+  journal.append("record", "payload");
+  journal.sync();
+  const JournalPosition around = journal.append("around", contentOf(first) + "more");
+  journal.append("after", "payload");
+  journal.sync();
+  const std::string whole = contentOf(first);
+  for (std::uint64_t byte = around.offset; byte < around.offset + around.length; ++byte) {
+    std::string damaged = whole;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 1);
+    writeFile(first, damaged);
+    EXPECT_THAT(headers(), ElementsAre("record", "after")) << byte;
+  }
+}
+
+TEST_F(JournalTest, ACopyOfASegmentUnderAnotherNumberHoldsNoRecord) {
+  {
+    Journal journal = open();
+    journal.append("record", "payload");
+    journal.sync();
+  }
+  fs::copy_file(first, directory / "segment-000002.dat");
+  fs::copy_file(first, directory / "segment-000003.dat");
+  EXPECT_THAT(headers(), ElementsAre("record"));
+  EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat")));
+}
+
+TEST_F(JournalTest, RefusesWhatAnOlderPalpateWroteAndKeepsIt) {
+  using std::string_literals::operator""s;
+  const std::string older = "PJR2\4\0\0\0\0\0\0\0\x90\xd4\x64\xfe\0\0\0\0head"s;
+  writeFile(first, older);
+  test::expectBadInput([&] { open(); }, {"segment-000001.dat", "older Palpate", "--state"});
+  EXPECT_EQ(contentOf(first), older);
+}
+
 TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDroppedWithoutWhatFollowsIt) {
   Journal journal = open();
   const JournalPosition before = journal.append("before", "payload");
