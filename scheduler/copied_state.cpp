@@ -7,7 +7,6 @@
 #include <sys/socket.h>
 
 #include <chrono>
-#include <fstream>
 #include <memory>
 
 #include "common/base/file_descriptor.hpp"
@@ -16,16 +15,6 @@
 
 namespace palpate {
 namespace {
-
-/// Where the scheduler listened that worked last in this directory, or in the one that it is a copy
-/// of.
-std::optional<StateDirectory::Address> lastAddress(const std::filesystem::path& state) {
-  std::ifstream file(state / "endpoint");
-  StateDirectory::Address address;
-  if (!std::getline(file, address.endpoint)) return std::nullopt;
-  if (std::string keys; std::getline(file, keys)) address.keys = keys;
-  return address;
-}
 
 bool connects(const addrinfo& address) {
   constexpr std::chrono::milliseconds patience{1000};
@@ -63,7 +52,7 @@ bool isSomebodyAt(const std::string& endpoint) {
 void refuseCopyOfLiving(const std::filesystem::path& state, const ContentId& build,
                         const std::optional<KeyFolder>& keys) {
   if (StateDirectory::holder(state)) return;  // who opens it is told
-  const auto address = lastAddress(state);
+  const auto address = StateDirectory::lastAddress(state);
   if (!address || !isSomebodyAt(address->endpoint)) return;
   const std::string& endpoint = address->endpoint;
   wire::Status status;
@@ -84,7 +73,7 @@ void refuseCopyOfLiving(const std::filesystem::path& state, const ContentId& bui
   throw failure(
       "{}: is a copy of the state directory of a scheduler that still works for this build at {}: "
       "end that one (palpate stop {}), copy again, since it went on meanwhile, and start again. To "
-      "compute it twice, remove {}",
+      "compute it twice, remove {}*",
       state.string(), endpoint, endpoint, (state / "endpoint").string());
 }
 

@@ -63,6 +63,16 @@ void writeSmallFile(const std::filesystem::path& file, const std::string& text) 
     throw failure("{}: cannot rename: {}", aside.string(), errnoText());
 }
 
+constexpr const char *endpoint_file = "endpoint", *last_endpoint_file = "endpoint.last";
+
+std::optional<StateDirectory::Address> addressIn(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  StateDirectory::Address address;
+  if (!std::getline(file, address.endpoint)) return std::nullopt;
+  if (std::string keys; std::getline(file, keys)) address.keys = keys;
+  return address;
+}
+
 }  // namespace
 
 const char* networkFileSystem(long type) {
@@ -93,14 +103,16 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   // is in a folder that has tables was promised to somebody.
   if (!std::filesystem::exists(database())) syncFolder(above);
   writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
-  std::filesystem::remove(path / "endpoint", error);
-  if (error) throw failure("{}: cannot remove: {}", (path / "endpoint").string(), error.message());
+  // Nobody listens there any more, unless this is a copy: lastAddress().
+  std::filesystem::rename(path / endpoint_file, path / last_endpoint_file, error);
+  if (error && error != std::errc::no_such_file_or_directory)
+    throw failure("{}: cannot rename: {}", (path / endpoint_file).string(), error.message());
 }
 
 void StateDirectory::announce(const Address& address) const {
   std::string text = address.endpoint + '\n';
   if (address.keys) text += std::filesystem::absolute(*address.keys).string() + '\n';
-  writeSmallFile(path_ / "endpoint", text);
+  writeSmallFile(path_ / endpoint_file, text);
 }
 
 void StateDirectory::checkPresence() const {
@@ -125,12 +137,13 @@ std::optional<std::string> StateDirectory::holder(const std::filesystem::path& d
 
 std::optional<StateDirectory::Address> StateDirectory::liveAddress(
     const std::filesystem::path& directory) {
-  if (!holder(directory)) return std::nullopt;
-  std::ifstream file(directory / "endpoint");
-  Address address;
-  if (!std::getline(file, address.endpoint)) return std::nullopt;
-  if (std::string keys; std::getline(file, keys)) address.keys = keys;
-  return address;
+  return holder(directory) ? addressIn(directory / endpoint_file) : std::nullopt;
+}
+
+std::optional<StateDirectory::Address> StateDirectory::lastAddress(
+    const std::filesystem::path& directory) {
+  const auto address = addressIn(directory / endpoint_file);
+  return address ? address : addressIn(directory / last_endpoint_file);
 }
 
 }  // namespace palpate

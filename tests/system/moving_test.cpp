@@ -92,6 +92,23 @@ TEST_F(MovingTest, WithOtherKeysWorkersSayWhatIsToBeDoneAndWaitForIt) {
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
 }
 
+TEST_F(MovingTest, WhateverIsChangedInACopyItIsStillKnownForOne) {
+  introduce("head");
+  auto original = serve("state", "head");
+  endpointIn("state");
+  copy("state", "copy.h5.state");
+  for (const char* change : {"pause copy.h5.state", "resume copy.h5.state",
+                             "priority copy.h5.state tip 1", "retry copy.h5.state"})
+    EXPECT_EQ(palpate(change).exit_code, 0) << change;
+  palpate("check copy.h5.state --repair");
+  for (int again = 0; again < 2; ++again) {
+    auto build = startBuild("copy.h5", "1");
+    EXPECT_EQ(build->wait(), 1);
+    EXPECT_THAT(build->output(), HasSubstr("copy.h5.state: is a copy"));
+  }
+  EXPECT_EQ(original->stop(SIGTERM), 130);
+}
+
 TEST_F(MovingTest, ACopyOfALivingOneIsRefusedUntilThatHasEnded) {
   introduce("head");
   auto original = serve("state", "head");
