@@ -30,14 +30,23 @@ void Asked::addTo(CLI::App& app) {
   keys.addTo(app, "Ask without a key, of a scheduler that asks for none");
 }
 
+NotListening::NotListening(const std::string& directory, const std::string& process)
+    : Error(
+          ExitCode::failed,
+          fmt::format("{}: process {} is starting there: it reads what is recorded, and cannot be "
+                      "asked yet; ask again in a while",
+                      directory, process)) {}
+
 std::optional<Reachable> schedulerOf(const Asked& asked) {
   const std::string& where = asked.where;
   if (where.starts_with("tcp://") || where.starts_with("ipc://"))
     return Reachable{where, asked.keys.keys()};
   if (!std::filesystem::is_directory(where))
     throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
+  const auto process = StateDirectory::holder(where);
+  if (!process) return std::nullopt;
   const auto address = StateDirectory::liveAddress(where);
-  if (!address) return std::nullopt;
+  if (!address) throw NotListening(where, *process);
   return Reachable{address->endpoint,
                    address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
 }

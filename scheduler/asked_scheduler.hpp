@@ -23,9 +23,16 @@ struct Reachable {
   std::optional<KeyFolder> keys;
 };
 
+/// A process works in a state directory and cannot be asked: it is starting, and reads or seals
+/// what is recorded.
+class NotListening : public Error {
+ public:
+  NotListening(const std::string& directory, const std::string& process);
+};
+
 /// The scheduler that is meant: that at tcp:// or ipc://, else the one which now works in the state
-/// directory, with the keys that it says; nothing when none does. Error (bad input) when it is
-/// neither.
+/// directory, with the keys that it says; nothing when none does. NotListening when it does not
+/// listen yet. Error (bad input) when it is neither.
 std::optional<Reachable> schedulerOf(const Asked& asked);
 
 /// Asks a scheduler one thing and waits for the answer. Error when none comes within 5 s, it does

@@ -63,17 +63,29 @@ wire::Status statusOfBuild(const Asked& asked) {
   return storedStatus(asked.where);
 }
 
+/// And as a page for people.
+std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
+  wire::Status status;
+  try {
+    status = statusOfBuild(asked);
+    return {status, describe(status)};
+  } catch (const NotListening& starting) {
+    status.set_state("starting");
+    return {status, std::string(starting.what()) + '\n'};
+  }
+}
+
 ExitCode showStatus(const StatusOptions& options) {
   catchInterrupts();
   const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
   for (;;) {
-    const wire::Status status = statusOfBuild(options.asked);
+    const auto [status, page] = lookAt(options.asked);
     if (options.json)
       fmt::print("{}\n", toJson(status));
     else if (redraw)
-      fmt::print("\x1b[H\x1b[2J{}", fitted(describe(status), sizeOf(STDOUT_FILENO)));
+      fmt::print("\x1b[H\x1b[2J{}", fitted(page, sizeOf(STDOUT_FILENO)));
     else
-      fmt::print("{}", describe(status));
+      fmt::print("{}", page);
     std::fflush(stdout);
     if (!options.watch || status.state() == "complete" || status.state() == "stopped")
       return ExitCode::done;

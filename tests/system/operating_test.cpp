@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -76,6 +77,33 @@ TEST_F(OperatingTest, WhatASchedulerRecordedIsToldWhereItEndsWhileItIsAsked) {
   EXPECT_EQ(serve->stop(SIGKILL), 128 + SIGKILL);
   EXPECT_EQ(status->wait(), 0);
   EXPECT_THAT(status->output(), AllOf(HasSubstr("cube"), HasSubstr("stopped")));
+}
+
+TEST_F(OperatingTest, ASchedulerThatReadsItsJournalIsNeitherCompleteNorStopped) {
+  auto build = startBuild("out.h5", "2");
+  expectFinished(*build);
+  // As one that was started again and does not listen yet.
+  const std::filesystem::path state = directory / "out.h5.state";
+  std::filesystem::remove(state / "endpoint");
+  std::ofstream(state / "lock") << "4711\n";
+  const int lock = open(state.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+  EXPECT_THAT(palpate("status out.h5.state").output,
+              AllOf(HasSubstr("process 4711"), HasSubstr("starting")));
+  for (const char* order : {"stop out.h5.state", "pause out.h5.state"}) {
+    const auto told = palpate(order);
+    EXPECT_EQ(told.exit_code, 1) << order;
+    EXPECT_THAT(told.output, AllOf(HasSubstr("process 4711"), HasSubstr("starting"))) << order;
+  }
+  auto watch = start("palpate-scheduler", {"status", "out.h5.state", "--watch", "--json"});
+  EXPECT_TRUE(test::eventually(
+      [&] { return std::ranges::count(watch->output(), '\n') >= 2 || !watch->running(); }));
+  EXPECT_TRUE(watch->running());
+  close(lock);
+  EXPECT_EQ(watch->wait(), 0);
+  const auto told = objects(watch->output());
+  EXPECT_EQ(told.front().at("state"), "starting");
+  EXPECT_EQ(told.back().at("state"), "complete");
 }
 
 TEST_F(OperatingTest, EventsAreFollowedWhileTheyHappen) {
