@@ -9,15 +9,12 @@ namespace {
 
 /// Of a directory in which nobody works.
 wire::Status ended(const std::string& directory) {
-  RecordedBuild build(directory);
-  if (!build.complete())
+  wire::Status status = progressIn(directory);
+  if (status.state() != "complete")
     throw failure(
         "{}: no scheduler is working there now: start palpate serve again, or, when it moved, this "
         "command with its new place",
         directory);
-  wire::Status status;
-  status.set_build(build.tables().build().build.hex());
-  status.set_state("complete");
   return status;
 }
 

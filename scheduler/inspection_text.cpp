@@ -53,29 +53,21 @@ std::string tablesText(const Inspection& found) {
                        "nothing of a build rests on them, they can be made again");
   if (found.tables == TableState::missing)
     return "tables     none; the next start of the build makes them from the journal\n";
-  if (found.scheduler) return "tables     whole; not compared with the journal, which grows\n";
-  if (found.wrong_rows > 0)
-    return fmt::format("tables     {} not what the journal says; they can be made again\n",
-                       countText(found.wrong_rows, "row"));
-  if (found.rows_behind > 0)
-    return fmt::format(
-        "tables     whole, {} behind the journal; the next start brings them up to date\n",
-        countText(found.rows_behind, "row"));
-  return "tables     whole, and say what the journal says\n";
+  return "tables     whole\n";
 }
 
 std::string costText(const Inspection& found) {
   std::string text;
-  if (!found.lost.empty()) {
+  if (const std::size_t lost = std::max(found.lost_results, found.lost.size()); lost > 0) {
     std::vector<std::string> points;
-    for (const Inspection::LostPoint& lost : found.lost) {
+    for (const Inspection::LostPoint& point : found.lost) {
       if (points.size() == most_told) break;
-      points.push_back(lost.active + ' ' + pointText(lost.point, lost.divisions));
+      points.push_back(point.active + ' ' + pointText(point.point, point.divisions));
     }
-    if (found.lost.size() > most_told)
-      points.push_back(fmt::format("{} more", found.lost.size() - most_told));
-    text = fmt::format("cost       {} computed again: {}\n", countText(found.lost.size(), "point"),
-                       fmt::join(points, ", "));
+    if (lost > points.size() && !points.empty())
+      points.push_back(fmt::format("{} more", lost - points.size()));
+    text = fmt::format("cost       {} computed again{}{}\n", countText(lost, "result"),
+                       points.empty() ? "" : ": ", fmt::join(points, ", "));
   }
   if (found.spare > 0)
     text += fmt::format("           {} nobody asks for {}\n", countText(found.spare, "result"),
@@ -139,27 +131,25 @@ std::string inspectionJson(const Inspection& found, const std::filesystem::path&
     lost.push_back({{"active", active},
                     {"point", {{"i", p[0]}, {"j", p[1]}, {"k", p[2]}}},
                     {"divisions", divisions}});
-  const nlohmann::ordered_json report = {{"directory", directory.string()},
-                                         {"scene", found.scene_name},
-                                         {"build", found.build ? found.build->hex() : ""},
-                                         {"whole", found.whole()},
-                                         {"scheduler", found.scheduler.value_or("")},
-                                         {"segments", found.segments},
-                                         {"records", found.records},
-                                         {"bytes", found.bytes},
-                                         {"unfinished_bytes", found.unfinished},
-                                         {"damaged", placesJson(found.damage)},
-                                         {"foreign", placesJson(found.foreign)},
-                                         {"dropped", found.dropped.size()},
-                                         {"tables",
-                                          {{"state", wordOf(found.tables)},
-                                           {"text", found.tables_text},
-                                           {"wrong_rows", found.wrong_rows},
-                                           {"rows_behind", found.rows_behind}}},
-                                         {"computed_again", lost},
-                                         {"spare_results", found.spare},
-                                         {"leftovers", found.leftovers},
-                                         {"repaired", repaired}};
+  const nlohmann::ordered_json report = {
+      {"directory", directory.string()},
+      {"scene", found.scene_name},
+      {"build", found.build ? found.build->hex() : ""},
+      {"whole", found.whole()},
+      {"scheduler", found.scheduler.value_or("")},
+      {"segments", found.segments},
+      {"records", found.records},
+      {"bytes", found.bytes},
+      {"unfinished_bytes", found.unfinished},
+      {"damaged", placesJson(found.damage)},
+      {"foreign", placesJson(found.foreign)},
+      {"dropped", found.dropped.size()},
+      {"tables", {{"state", wordOf(found.tables)}, {"text", found.tables_text}}},
+      {"lost_results", found.lost_results},
+      {"computed_again", lost},
+      {"spare_results", found.spare},
+      {"leftovers", found.leftovers},
+      {"repaired", repaired}};
   // Names of files need not be UTF-8.
   return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

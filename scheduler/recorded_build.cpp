@@ -49,4 +49,15 @@ SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
       !complete());
 }
 
+wire::Status progressIn(const std::filesystem::path& directory) {
+  if (const auto kept = StoredTables(directory).progress()) try {
+      return statusFromJson(kept->status);
+    } catch (const Error&) {
+      // Damaged: the journal tells it as well.
+    }
+  RecordedBuild build(directory);
+  return progressOf(build.problem(), build.tables().build().build, build.plans(),
+                    build.kernelFamily(), build.complete());
+}
+
 }  // namespace palpate

@@ -40,4 +40,9 @@ class RecordedBuild {
   std::vector<SpacePlan> plans_;
 };
 
+/// How far the build in `directory` is, as its last scheduler said (progressOf); if that did not,
+/// from the journal, which takes the time and memory of a start there. Error (bad input) when it is
+/// no state directory, or one of another version.
+wire::Status progressIn(const std::filesystem::path& directory);
+
 }  // namespace palpate

@@ -27,27 +27,24 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// From the tables of a directory in which nobody works.
+/// Of a directory in which nobody works.
 wire::Status storedStatus(const std::filesystem::path& directory) {
-  RecordedBuild build(directory);
-  StoredTables& tables = build.tables();
+  wire::Status status = progressIn(directory);
+  StoredTables tables(directory);
   std::vector<wire::WorkerStatus> servers = tables.servers();
   // What the tables last said; no scheduler runs that they could be idle or busy for.
   for (wire::WorkerStatus& row : servers)
     if (row.state() != "lost") row.set_state("left");
-  wire::Status status = statusOf(build.problem(), build.plans(), servers, tables.counters());
-  status.set_build(tables.build().build.hex());
+  addServers(status, servers, tables.counters());
   addKeptOut(status, tables.keptOut());
   addDisk(status, directory,
           JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max()));
   status.set_paused(tables.paused());
-  status.set_kernel_family(build.kernelFamily());
   setPriorities(status, tables.priorities());
   const std::map<ResultKey, bool> checks = tables.checks();
   status.set_checks_open(static_cast<std::int32_t>(checks.size()));
   status.set_disputed(static_cast<std::int32_t>(
       std::ranges::count_if(checks, [](const auto& check) { return check.second; })));
-  status.set_state(build.complete() ? "complete" : "stopped");
   return status;
 }
 
@@ -159,7 +156,7 @@ struct PriorityOptions {
 
 /// Of a directory in which nobody works.
 void setStoredPriority(const PriorityOptions& options) {
-  const wire::Status status = storedStatus(options.asked.where);
+  const wire::Status status = progressIn(options.asked.where);
   std::string names;
   for (const wire::SpaceStatus& row : status.spaces()) {
     if (row.name() == options.space)

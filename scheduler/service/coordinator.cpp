@@ -22,10 +22,6 @@ constexpr std::chrono::milliseconds newcomers_written_after{1};  // times:
 constexpr std::size_t workers_per_wait = 8;
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
-/// So many points that earlier runs found are shown in the tables before anything else is done, and
-/// so many now and then: ten million rows take a minute, a twentieth of the time until then.
-constexpr std::int32_t shown_at_once = 20000, shown_later = 500;
-constexpr std::chrono::milliseconds shown_every{50};
 /// Large answers to one peer in a turn: it has read none of them when it asks.
 constexpr int large_in_a_turn = 2;
 
@@ -93,7 +89,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   add(replayed.settled);
   openChecks();
   store_->tables().writeCounters(counters_);
-  showFound(shown_at_once, now);
+  writeProgress(now);
   finishIfComplete(now);
 }
 
@@ -282,7 +278,6 @@ void Coordinator::commitGroup(Time now) {
     for (const std::string& peer : member.senders) acknowledgement(peer, member.result.header);
     SpacePlan& plan = plans_[key.space];
     plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
-    noteChanged(key, now);
     ++recorded_;
     longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
@@ -294,22 +289,8 @@ void Coordinator::commitGroup(Time now) {
   }
   openChecks();
   finishIfComplete(now);
-}
-
-void Coordinator::noteChanged(const TransitionKey& key, Time now) {
-  if (changed_.empty()) changed_since_ = now;
-  changed_.push_back({key.space, key.target});
-}
-
-void Coordinator::showChanged() {
-  if (changed_.empty()) return;
-  store_->tables().show(plans_, changed_);
-  changed_.clear();
-}
-
-void Coordinator::showFound(std::int32_t most, Time now) {
-  if (store_->tables().showSome(plans_, *show_next_, most)) show_next_.reset();
-  show_at_ = now + shown_every;
+  // These may be the last of this run.
+  if (stopping_) writeProgress(now);
 }
 
 void Coordinator::add(const Settled& settled) {
@@ -342,10 +323,7 @@ void Coordinator::finishIfComplete(Time now) {
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
-  changed_.clear();
-  show_next_.reset();
   chronicle_.completed(recorded_, std::chrono::duration<double>(now - started_).count());
-  store_->tables().showAll(plans_);
   writeServers(now);
 }
 
@@ -360,8 +338,6 @@ void Coordinator::advance(Time now, bool all_read) {
   if (groupIsDue(now, all_read)) commitGroup(now);
   handOutJobs(now);
   giveUpChecks(now);
-  if (!changed_.empty() && now - changed_since_ >= settings_.tables_age) showChanged();
-  if (show_next_ && now >= show_at_) showFound(shown_later, now);
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
   work_pace_.note(now, recorded_);
@@ -372,8 +348,6 @@ void Coordinator::advance(Time now, bool all_read) {
 Coordinator::Time Coordinator::nextDeadline() const {
   Time deadline = serversDue();
   if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age_all_read);
-  if (!changed_.empty()) deadline = std::min(deadline, changed_since_ + settings_.tables_age);
-  if (show_next_) deadline = std::min(deadline, show_at_);
   // Not before there is a look at all of them.
   return std::min(deadline, std::max(silence_due_, look_round_at_));
 }
@@ -474,8 +448,18 @@ void Coordinator::writeServers(Time now) {
   store_->checkPresence();
   store_->tables().writeServers(rows);
   store_->tables().writeCounters(counters_);
+  if (complete() || stopping_ || now - progress_written_ >= servers_written_every)
+    writeProgress(now);
   servers_written_ = now;
   newcomers_ = false;
+}
+
+/// What is told of the directory when nobody works there.
+void Coordinator::writeProgress(Time now) {
+  store_->tables().writeProgress(
+      {store_->recorded(),
+       toJson(progressOf(*problem_, build_, plans_, registry_.kernelFamily(), complete()))});
+  progress_written_ = now;
 }
 
 wire::Message& Coordinator::send(const std::string& peer,

@@ -55,8 +55,6 @@ struct CoordinatorSettings {
   /// served sooner.
   std::chrono::milliseconds group_age{20}, group_age_all_read{5};
   std::size_t group_results = 256, group_bytes = std::size_t{16} << 20;
-  /// What plans know of points is in the tables, which are for people, so much later.
-  std::chrono::milliseconds tables_age{250};
   /// Bytes of start configurations that lie unread with workers; beyond it none is answered, and
   /// workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
@@ -240,10 +238,8 @@ class Coordinator {
 
   const std::string& recentStatus(Time now);
   Time serversDue() const;
-  void noteChanged(const TransitionKey& key, Time now);
-  void showChanged();
-  void showFound(std::int32_t most, Time now);
   void writeServers(Time now);
+  void writeProgress(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
   /// Says that the result is recorded, unless more is said.
@@ -283,12 +279,7 @@ class Coordinator {
   Time last_turn_;
   Time look_round_at_;              ///< not before, at all workers
   Time silence_due_ = Time::max();  ///< one of them has been silent for too long then, or later
-  Time servers_written_;
-  std::vector<Tables::Changed> changed_;  ///< and not in the tables yet
-  Time changed_since_;                    ///< of the first
-  /// Of what earlier runs found, this comes into the tables next; nothing when all is there.
-  std::optional<Tables::Changed> show_next_ = Tables::Changed{0, 0};
-  Time show_at_;
+  Time servers_written_, progress_written_;
   bool newcomers_ = false;     ///< since then
   std::string recent_status_;  ///< JSON
   Time recent_status_made_;

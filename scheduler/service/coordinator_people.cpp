@@ -110,7 +110,6 @@ void Coordinator::stop(Time now) {
   // Before the workers hear of it: their acknowledgements go out first.
   commitGroup(now);
   stopping_ = true;
-  showChanged();
   drainAll();
   writeServers(now);
 }

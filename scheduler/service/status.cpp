@@ -70,8 +70,10 @@ void setPriorities(wire::Status& status, const std::map<std::string, std::int32_
       row.set_priority(found->second);
 }
 
-wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
-                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters) {
+namespace {
+
+/// Points and attempts.
+wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
   PALPATE_ASSERT(plans.size() == problem.active.size(), "every active node has its plan");
   wire::Status status;
   status.set_scene(problem.scene.name);
@@ -96,6 +98,30 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     status.set_may_grow(status.may_grow() || plan.mayGrow());
     status.set_ready(status.ready() + plan.openCount());
   }
+  return status;
+}
+
+}  // namespace
+
+wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
+                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters) {
+  wire::Status status = statusOf(problem, plans);
+  addServers(status, servers, counters);
+  return status;
+}
+
+wire::Status progressOf(const Problem& problem, const ContentId& build,
+                        const std::vector<SpacePlan>& plans, const std::string& kernel_family,
+                        bool complete) {
+  wire::Status status = statusOf(problem, plans);
+  status.set_build(build.hex());
+  status.set_kernel_family(kernel_family);
+  status.set_state(complete ? "complete" : "stopped");
+  return status;
+}
+
+void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
+                const Counters& counters) {
   for (const wire::WorkerStatus& row : servers) {
     wire::WorkerStatus& worker = *status.add_workers();
     worker = row;
@@ -104,7 +130,6 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
   }
   for (const auto& [name, value] : counters)
     (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
-  return status;
 }
 
 void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out) {

@@ -14,6 +14,13 @@ void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord&
 /// and what only a running scheduler knows (recorded, seconds, rate, time left).
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
                       const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
+void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
+                const Counters& counters);
+/// The part of it that is kept for when no scheduler works there (Progress): points and attempts,
+/// `build`, `kernel_family` and, as `state`, "complete" or "stopped".
+wire::Status progressOf(const Problem& problem, const ContentId& build,
+                        const std::vector<SpacePlan>& plans, const std::string& kernel_family,
+                        bool complete);
 
 /// The row of a status that a space is counted in: its own, or that of all places where an area is
 /// measured.

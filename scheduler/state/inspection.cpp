@@ -30,7 +30,7 @@ class Inspector {
   }
 
   Inspection look() {
-    // The tables first: a scheduler writes them after the journal, so that what they know by now
+    // The tables first: a scheduler writes them after the journal, so that as much as they count
     // must be in the journal then.
     readTables();
     readJournal();
@@ -39,7 +39,8 @@ class Inspector {
                      directory_.string(),
                      found_.tables_text.empty() ? "no state.db" : found_.tables_text);
     if (!found_.problem) salvageProblem();
-    if (found_.problem) compare();
+    if (found_.problem) replay();
+    if (tables_ && !found_.scheduler) count();
     listLeftovers();
     return std::move(found_);
   }
@@ -181,9 +182,9 @@ class Inspector {
     }
   }
 
-  void compare() {
+  void replay() {
     const auto read = [&](const ResultKey& key) { return readRecorded(journal_, recorded_, key); };
-    Replay& replayed = replayed_.emplace(*found_.problem);
+    Replay replayed(*found_.problem);
     recorded_.forEach([&](const ResultKey& key, const JournalPosition&) {
       if (const auto result = read(key)) replayed.take(key, *result);
     });
@@ -192,62 +193,15 @@ class Inspector {
     for (const JournalDamage& damage : found_.damage)
       if (damage.key && damage.key->space < found_.problem->active.size())
         lost_.emplace(damage.key->space, damage.key->target);
-    if (tables_ && !found_.scheduler) compareTables();
     for (const auto& [space, point] : lost_)
       found_.lost.push_back({found_.problem->active[space].name, point,
-                             replayed_->plans[space].positions().divisions()});
+                             replayed.plans[space].positions().divisions()});
   }
 
-  void compareTables() {
-    std::size_t rows = 0;
-    try {
-      tables_->eachPoint([&](const PointRow& row) {
-        ++rows;
-        compareRow(row);
-      });
-    } catch (const DamagedDatabase& damage) {
-      return tablesAreDamaged(damage.what());
-    }
-    if (!std::ranges::all_of(found_.damage, [](const auto& damage) { return !!damage.key; }))
-      loseWhatIsAskedForAgain();
-    std::size_t expected = 0;
-    for (const SpacePlan& plan : replayed_->plans)
-      expected += static_cast<std::size_t>(plan.size());
-    if (expected > rows) found_.rows_behind += expected - rows;
-  }
-
-  void compareRow(const PointRow& row) {
-    if (row.space >= replayed_->plans.size()) {
-      ++found_.wrong_rows;
-      return;
-    }
-    if (row.tag != name(Tag::unknown)) told_.emplace(row.space, row.number);
-    const SpacePlan& plan = replayed_->plans[row.space];
-    const bool there = row.number >= 0 && row.number < plan.size();
-    const PointRow expected = there ? rowOf(row.space, row.number, plan) : PointRow();
-    if (there && row == expected) return;
-    const bool moved = there && row.position != expected.position;
-    const bool same_result = there && row.parent >= 0 && row.parent == expected.parent;
-    const bool wrong = moved || same_result;
-    if (!wrong && isAhead(row, plan))
-      lost_.emplace(row.space, row.position);
-    else
-      ++(wrong ? found_.wrong_rows : found_.rows_behind);
-  }
-
-  /// What the plans ask for of points that the tables knew was recorded once.
-  void loseWhatIsAskedForAgain() {
-    for (const TransitionKey& key : replayed_->settled.missing)
-      if (told_.contains({key.space, key.target}))
-        lost_.emplace(key.space, replayed_->plans[key.space].positions().point(key.target));
-  }
-
-  /// A row about a result that is not in the journal, which is written first.
-  bool isAhead(const PointRow& row, const SpacePlan& plan) const {
-    if (row.tag == name(Tag::unknown)) return false;
-    if (row.number < 0 || row.number >= plan.size() || row.parent >= plan.size()) return true;
-    if (row.parent < 0) return plan.points().tag(row.number) == Tag::unknown;
-    return !recorded_.contains({row.space, row.position, plan.positions().point(row.parent)});
+  void count() {
+    const auto progress = tables_->progress();
+    if (progress && progress->recorded > recorded_.size())
+      found_.lost_results = progress->recorded - recorded_.size();
   }
 
   void listLeftovers() {
@@ -262,17 +216,9 @@ class Inspector {
   JournalReader journal_;
   std::optional<StoredTables> tables_;
   ResultIndex recorded_;
-  std::optional<Replay> replayed_;
-  std::set<std::pair<std::uint32_t, std::int32_t>> told_;  ///< points that the tables know
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
   Inspection found_;
 };
-
-/// From the journal as it is now.
-void remakeTables(const StateDirectory& held, const Problem& problem) {
-  Tables tables(held, problem, encodeProblem(problem));
-  tables.showAll(replayJournal(held.path(), problem, problemId(problem), {}).replay.plans);
-}
 
 void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {
   if (found.foreign.empty()) return;
@@ -286,7 +232,7 @@ void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {
 
 bool Inspection::whole() const {
   const bool left_over = spare > 0 && dropped.empty();
-  return damage.empty() && foreign.empty() && lost.empty() && !left_over && wrong_rows == 0 &&
+  return damage.empty() && foreign.empty() && lost_results == 0 && !left_over &&
          tables != TableState::damaged;
 }
 
@@ -322,12 +268,13 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
     putTablesAside(held);
     done.push_back(fmt::format("{0} put aside as {0}.damaged", tables.string()));
   }
-  const bool stale = found.tables != TableState::whole || found.wrong_rows > 0 ||
-                     found.rows_behind > 0 || !found.lost.empty() || !found.damage.empty();
-  if (stale && found.problem) {
-    remakeTables(held, *found.problem);
-    done.push_back(fmt::format("{} made from the journal", tables.string()));
-  }
+  const bool stale =
+      found.tables != TableState::whole || found.lost_results > 0 || !found.damage.empty();
+  if (!stale || !found.problem) return done;
+  Tables(held, *found.problem, encodeProblem(*found.problem)).forgetProgress();
+  if (found.tables != TableState::whole) done.push_back(fmt::format("{} made", tables.string()));
+  if (found.lost_results > 0)
+    done.push_back(fmt::format("{} lost result(s) not counted any more", found.lost_results));
   return done;
 }
 

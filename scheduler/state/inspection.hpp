@@ -19,7 +19,7 @@ struct Inspection {
     missing,  ///< or empty: the next start of the build makes them
     damaged,  ///< likewise, once they are out of the way
   };
-  /// A point that is computed again, because what was recorded of it is lost.
+  /// A point of which something that was recorded is lost, and computed again.
   struct LostPoint {
     std::string active;  ///< name of the active node
     LatticePoint point = {};
@@ -27,7 +27,7 @@ struct Inspection {
   };
 
   /// Process number of the scheduler that works there meanwhile: the journal was read as far as it
-  /// was written then, and not compared with the tables. Nothing when none does.
+  /// was written then, and its records were not counted. Nothing when none does.
   std::optional<std::string> scheduler;
   std::optional<ContentId> build;  ///< nothing when neither tables nor journal can say
   std::string scene_name;          ///< empty when the tables do not say
@@ -43,10 +43,10 @@ struct Inspection {
   std::vector<JournalDamage> foreign;  ///< whole records of other builds
 
   TableState tables = TableState::whole;
-  std::string tables_text;      ///< what is wrong with them
-  std::size_t wrong_rows = 0;   ///< rows about a result that are not what the journal says of it
-  std::size_t rows_behind = 0;  ///< rows of before the last results, as a crash leaves them
-  std::vector<LostPoint> lost;  ///< by active node and point
+  std::string tables_text;  ///< what is wrong with them
+  /// Results that are computed again: that many less are in the journal than the tables say.
+  std::size_t lost_results = 0;
+  std::vector<LostPoint> lost;  ///< of them those that can be named, by active node and point
   /// Results that no plan asks for: they wait for what was lost. Where nothing is, another version
   /// of the program recorded them.
   std::size_t spare = 0;
@@ -57,17 +57,17 @@ struct Inspection {
 };
 
 /// Reads all of a state directory and changes nothing in it, which need not be writable: every
-/// record with both checksums and what it says, the replay of all of them, and whether the tables
-/// agree with it. While a scheduler works there, what was written when it began is read. Error (bad
-/// input) when it is no state directory, or that of another version.
+/// record with both checksums and what it says, the replay of all of them, and whether there are as
+/// many as the tables say. While a scheduler works there, what was written when it began is read.
+/// Error (bad input) when it is no state directory, or that of another version.
 Inspection inspect(const std::filesystem::path& directory);
 /// The same for whoever holds it.
 Inspection inspect(const StateDirectory& held);
 
-/// Drops what is damaged, and makes the tables again from the journal where they are damaged or say
-/// something else; returns what was done, for people. The next start of the build computes what was
-/// lost. Ended anywhere it does no harm, and done again it does the rest. Error when the directory
-/// holds records of several builds: nothing is changed then.
+/// Drops what is damaged, and makes the tables again where they are damaged or missing; returns
+/// what was done, for people. The next start of the build computes what was lost. Ended anywhere it
+/// does no harm, and done again it does the rest. Error when the directory holds records of several
+/// builds: nothing is changed then.
 std::vector<std::string> repair(const StateDirectory& held, const Inspection& found);
 
 }  // namespace palpate

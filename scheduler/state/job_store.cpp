@@ -32,7 +32,14 @@ void JobStore::dropWhatLiarsGave() {
       fmt::format("{} results are of workers that are kept out", theirs.size()));
 }
 
+void JobStore::drop(const JournalPosition& damaged) {
+  tables_.forgetProgress();
+  journal_.drop(damaged);
+}
+
 void JobStore::drop(const std::vector<ResultKey>& keys) {
+  if (keys.empty()) return;
+  tables_.forgetProgress();
   std::vector<JournalPosition> positions;
   for (const ResultKey& key : keys) {
     const auto where = found_.recorded.where.find(key);

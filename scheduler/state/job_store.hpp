@@ -44,6 +44,7 @@ class JobStore {
   /// Makes all that was appended durable.
   void commit();
 
+  std::size_t recorded() const { return found_.recorded.where.size(); }  ///< so many results
   bool knows(const ResultKey& key) const { return found_.recorded.where.contains(key); }
   /// A recorded result; nothing when there is none with this key. DamagedRecord when it cannot be
   /// read any more.
@@ -52,7 +53,7 @@ class JobStore {
   /// told (log).
   std::optional<StoredResult> read(const ResultKey& key) const;
   /// The next scheduler computes this record again.
-  void drop(const JournalPosition& damaged) { journal_.drop(damaged); }
+  void drop(const JournalPosition& damaged);
   /// Recorded results that are to be computed again: they are not recorded any more.
   void drop(const std::vector<ResultKey>& keys);
 

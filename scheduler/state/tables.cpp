@@ -36,12 +36,6 @@ CREATE TABLE checks (
   space INTEGER, i INTEGER, j INTEGER, k INTEGER, from_i INTEGER, from_j INTEGER, from_k INTEGER,
   disputed INTEGER NOT NULL,
   PRIMARY KEY (space, i, j, k, from_i, from_j, from_k)) STRICT, WITHOUT ROWID;
-CREATE TABLE spaces (space INTEGER PRIMARY KEY, name TEXT NOT NULL) STRICT;
-CREATE TABLE configurations (
-  space INTEGER, point INTEGER, i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,
-  tag TEXT NOT NULL CHECK (tag IN ('unknown', 'expandable', 'terminating', 'failed')),
-  cause TEXT NOT NULL, parent INTEGER NOT NULL, force REAL, factorizations INTEGER NOT NULL,
-  PRIMARY KEY (space, point)) STRICT, WITHOUT ROWID;
 )sql";
 
 constexpr std::size_t secret_bytes = 32;
@@ -150,11 +144,7 @@ void requireWhole(Database& database, const char* pragma) {
 /// DamagedDatabase when they contradict each other, or say nothing of a build although they are
 /// ours, or name another build than `wanted` which they do not hold.
 void checkPages(Database& database, const ContentId& wanted) {
-  // Whether `tag` is one of four words takes four fifths of the time, and all rows of
-  // `configurations` are written again when a build goes on.
-  database.execute("PRAGMA ignore_check_constraints = ON");
   requireWhole(database, "PRAGMA quick_check(1)");
-  database.execute("PRAGMA ignore_check_constraints = OFF");
   // The file is ours to write; what SQLite goes by is a byte in it.
   if (database.isReadOnly())
     throw DamagedDatabase(database.file(), "it says that nobody may write");
@@ -164,8 +154,6 @@ void checkPages(Database& database, const ContentId& wanted) {
   if (!build) throw DamagedDatabase(database.file(), "no build id in it");
   if (*build != wanted && !isOfItsProblem(database, *build))
     throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
-  requireWhole(database, "PRAGMA quick_check(kept_out)");
-  requireWhole(database, "PRAGMA quick_check(servers)");
 }
 
 /// The tables in the directory for writing. What SQLite finds damaged is put aside first: all that
@@ -215,24 +203,10 @@ void StoredTables::readBuild() {
 
 void StoredTables::verify() { requireWhole(database_, "PRAGMA integrity_check(1)"); }
 
-void StoredTables::eachPoint(const std::function<void(const PointRow&)>& visit) {
-  Statement query(database_,
-                  "SELECT space, point, i, j, k, tag, cause, parent, force, factorizations "
-                  "FROM configurations ORDER BY space, point");
-  using Number = std::int32_t;
-  while (query.step()) {
-    PointRow row{
-        .space = query.integer<std::uint32_t>(0),
-        .number = query.integer<Number>(1),
-        .position = {query.integer<Number>(2), query.integer<Number>(3), query.integer<Number>(4)},
-        .tag = query.text(5),
-        .cause = query.text(6),
-        .parent = query.integer<Number>(7),
-        .force = std::nullopt,
-        .factorizations = query.integer<Number>(9)};
-    if (!query.null(8)) row.force = query.real(8);
-    visit(row);
-  }
+std::optional<Progress> StoredTables::progress() {
+  Statement query(database_, "SELECT value FROM meta WHERE key = 'recorded'");
+  if (!query.step()) return std::nullopt;
+  return Progress{counted<std::size_t>(query, 0), meta(database_, "status")};
 }
 
 std::vector<wire::WorkerStatus> StoredTables::servers() {
@@ -319,8 +293,6 @@ Tables::Tables(const StateDirectory& directory, const Problem& problem,
         "use another --state directory, or remove that one if its results are not needed",
         directory.path().string(), build_.build.shortHex(), build_.scene_name, wanted.shortHex(),
         problem.scene.name);
-  write_point_.emplace(
-      database_, "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
 }
 
 void Tables::create(const Problem& problem, const std::string& problem_bytes,
@@ -336,61 +308,19 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes,
     put_meta.run("problem", Blob{problem_bytes});
     put_meta.run("made_by", thisProgram());
     put_meta.run("secret", Blob{randomBytes(secret_bytes)});
-    Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
-    for (std::size_t space = 0; space < problem.active.size(); ++space)
-      add_space.run(space, problem.active[space].name);
   });
 }
 
-void Tables::show(std::span<const SpacePlan> plans, std::span<const Changed> changed) {
+void Tables::writeProgress(const Progress& progress) {
   inTransaction(database_, [&] {
-    for (const auto& [space, point] : changed) writePoint(rowOf(space, point, plans[space]));
+    Statement& put = prepared(write_progress_, "INSERT OR REPLACE INTO meta VALUES (?, ?)");
+    put.run("recorded", progress.recorded);
+    put.run("status", progress.status);
   });
 }
 
-void Tables::showAll(std::span<const SpacePlan> plans) {
-  constexpr std::int32_t all = std::numeric_limits<std::int32_t>::max();
-  for (Changed next = {0, 0}; !showSome(plans, next, all);) {
-  }
-}
-
-bool Tables::showSome(std::span<const SpacePlan> plans, Changed& next, std::int32_t most) {
-  inTransaction(database_, [&] {
-    for (; next.space < plans.size() && most > 0; next = {next.space + 1, 0}) {
-      const SpacePlan& plan = plans[next.space];
-      for (; next.point < plan.size() && most > 0; ++next.point, --most)
-        writePoint(rowOf(next.space, next.point, plan));
-      if (next.point < plan.size()) return;
-      // Of a run that knew more.
-      Statement(database_,
-                "DELETE FROM configurations WHERE space = ? AND (point >= ? OR point < 0)")
-          .run(next.space, plan.size());
-    }
-    if (next.space >= plans.size())  // damage alone makes these, which readers cut to their types
-      Statement(database_, "DELETE FROM configurations WHERE space >= ? OR space < 0")
-          .run(plans.size());
-  });
-  return next.space >= plans.size();
-}
-
-PointRow rowOf(std::uint32_t space, std::int32_t number, const SpacePlan& plan) {
-  const CompactPoints& points = plan.points();
-  PointRow row{.space = space,
-               .number = number,
-               .position = plan.positions().point(number),
-               .tag = std::string(name(points.tag(number))),
-               .cause = std::string(name(points.cause(number))),
-               .parent = points.parent(number),
-               .force = std::nullopt,
-               .factorizations = points.factorizations(number)};
-  if (isSolved(points.tag(number))) row.force = points.equilibrium(number).force.norm();
-  return row;
-}
-
-void Tables::writePoint(const PointRow& row) {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  write_point_->run(row.space, row.number, row.position[0], row.position[1], row.position[2],
-                    row.tag, row.cause, row.parent, row.force.value_or(none), row.factorizations);
+void Tables::forgetProgress() {
+  durably([&] { database_.execute("DELETE FROM meta WHERE key IN ('recorded', 'status')"); });
 }
 
 Statement& Tables::prepared(std::optional<Statement>& statement, const char* sql) {

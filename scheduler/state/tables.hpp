@@ -21,19 +21,11 @@ struct StoredBuild {
   std::string problem;  ///< encodeProblem
 };
 
-/// What the tables say of one point.
-struct PointRow {
-  std::uint32_t space = 0;
-  std::int32_t number = 0;
-  LatticePoint position = {};
-  std::string tag, cause;
-  std::int32_t parent = -1;
-  std::optional<double> force;  ///< its length, N; of a solved point
-  std::int32_t factorizations = 0;
-  bool operator==(const PointRow&) const = default;
+/// How far a build is, as its scheduler says now and then.
+struct Progress {
+  std::size_t recorded = 0;  ///< results in the journal; it may hold more by now
+  std::string status;        ///< for people: a wire::Status as JSON (progressOf)
 };
-/// What they should say of a point of `plan`, which is that of `space`.
-PointRow rowOf(std::uint32_t space, std::int32_t number, const SpacePlan& plan);
 
 /// Counters of a build by name (docs/state.md).
 using Counters = std::map<std::string, std::int64_t>;
@@ -53,8 +45,8 @@ class StoredTables {
   const StoredBuild& build() const { return build_; }
   /// DamagedDatabase when what is in the file contradicts itself. Reads all of it.
   void verify();
-  /// Every row about a point, by space and number.
-  void eachPoint(const std::function<void(const PointRow&)>& visit);
+  /// What was written last; nothing when something was dropped from the journal since.
+  std::optional<Progress> progress();
   /// The workers, each named by its whole id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
@@ -77,8 +69,8 @@ class StoredTables {
 
 /// The same tables for their one writer, which owns the StateDirectory. Nothing that an
 /// acknowledgement promises rests on them, so they are not synced with every group: after a power
-/// cut they are those of some moment before, and showAll(), or showSome(), brings them up to date.
-/// Errors of the database are fatal for the scheduler. One thread.
+/// cut they are those of some moment before. Errors of the database are fatal for the scheduler.
+/// One thread.
 class Tables : public StoredTables {
  public:
   /// Opens the tables in `directory`, or makes them. `problem_bytes` is encodeProblem(problem).
@@ -86,17 +78,9 @@ class Tables : public StoredTables {
   /// Tables that SQLite finds damaged are put aside (state.db.damaged) and made anew.
   Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes);
 
-  /// Shows these points (by number) of a space as its plan has them.
-  struct Changed {
-    std::uint32_t space = 0;
-    std::int32_t point = -1;
-  };
-  void show(std::span<const SpacePlan> plans, std::span<const Changed> changed);
-  /// Every point of every space, and nothing else: rows of other points go, which damage may leave.
-  void showAll(std::span<const SpacePlan> plans);
-  /// The same in parts, for whoever has something else to do meanwhile: of `most` points from
-  /// `next` on, which is moved behind them. Whether it was the last part.
-  bool showSome(std::span<const SpacePlan> plans, Changed& next, std::int32_t most);
+  void writeProgress(const Progress& progress);
+  /// Before something is dropped from the journal; synced when it returns.
+  void forgetProgress();
 
   /// Of workers that went without any result, the latest so many keep their rows.
   static constexpr std::int64_t most_idle_departed = 1000;
@@ -126,14 +110,13 @@ class Tables : public StoredTables {
   Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes,
          const ContentId& wanted);
   void create(const Problem& problem, const std::string& problem_bytes, const ContentId& build);
-  void writePoint(const PointRow& row);
   /// As a rule these tables may lose their last moments. Not this: synced when it returns.
   void durably(const std::function<void()>& change);
   /// What is run again and again is read by SQLite once.
   Statement& prepared(std::optional<Statement>& statement, const char* sql);
 
-  std::optional<Statement> write_point_;  ///< once the tables are there
-  std::optional<Statement> write_server_, forget_idle_, write_counter_;  ///< once they are wanted
+  /// Once they are wanted.
+  std::optional<Statement> write_server_, forget_idle_, write_counter_, write_progress_;
 };
 
 /// Renames damaged tables to state.db.damaged, so that the next ones are made anew; one that is

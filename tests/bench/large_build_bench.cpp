@@ -156,13 +156,10 @@ Json make(const Problem& problem, const std::filesystem::path& directory) {
   std::vector<TransitionKey> origins;
   for (std::uint32_t space = 0; space < plans.size(); ++space) origins.push_back({space, 0, 0});
   const std::int64_t results = record(problem, store, plans, origins, held_back);
-  const auto tables = Clock::now();
-  store.tables().showAll(plans);
   return {{"results", results},
           {"journal_bytes", store.journalBytes()},
           {"journal_bytes_per_result",
            static_cast<double>(store.journalBytes()) / static_cast<double>(results)},
-          {"tables_seconds", secondsSince(tables)},
           {"seconds", secondsSince(began)}};
 }
 

@@ -117,6 +117,33 @@ TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
                     {"nothing is recorded there yet"});
 }
 
+TEST_F(RecordedBuildTest, TellsHowFarItIsWithoutReadingTheJournalAndFromThatWhereNothingIsSaid) {
+  const auto expectAsTheSchedulerSays = [&](const wire::Status& told) {
+    const wire::Status said = world.coordinator().status(world.now);
+    EXPECT_EQ(told.build(), said.build());
+    EXPECT_EQ(told.scene(), said.scene());
+    EXPECT_EQ(told.kernel_family(), said.kernel_family());
+    ASSERT_EQ(told.spaces_size(), said.spaces_size());
+    for (int n = 0; n < said.spaces_size(); ++n)
+      EXPECT_EQ(told.spaces(n).ShortDebugString(), said.spaces(n).ShortDebugString());
+    EXPECT_EQ(told.ready(), said.ready());
+    EXPECT_EQ(told.state(), said.state() == "complete" ? "complete" : "stopped");
+  };
+  world.join("a", 1);
+  solveJobs(7);
+  world.pass(6s);
+  expectAsTheSchedulerSays(progressIn(state));
+  world.finish({"a"});
+  expectAsTheSchedulerSays(progressIn(state));
+  const std::filesystem::path copy = world.directory / "copy";
+  std::filesystem::copy(state, copy);
+  std::filesystem::remove(copy / "segment-000001.dat");
+  expectAsTheSchedulerSays(progressIn(copy));
+  Database(StateDirectory::databaseIn(state), Database::Access::read_write_create)
+      .execute("DELETE FROM meta WHERE key = 'recorded'");
+  expectAsTheSchedulerSays(progressIn(state));
+}
+
 /// A whole dataset was once sealed over a dispute that began while the journal was read.
 TEST_F(RecordedBuildTest, ACheckThatBeginsWhileTheJournalIsReadKeepsItFromBeingComplete) {
   completeWithDamage();

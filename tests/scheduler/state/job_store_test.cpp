@@ -160,7 +160,7 @@ TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
   }
 }
 
-TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamageUnlessItIsWrittenAgain) {
+TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamage) {
   recordThree();
   const auto damage = [&](const char* sql) {
     Database tables(state / "state.db", Database::Access::read_write_create);
@@ -176,14 +176,6 @@ TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamageUnlessItIsWrittenAgain)
   EXPECT_TRUE(putAside()) << "who was kept out is needed";
   damage("INSERT INTO servers VALUES ('0a', 'node1', 1, 'avx2', 'asleep', 0, 0)");
   EXPECT_TRUE(putAside());
-  damage("INSERT INTO configurations VALUES (0, 0, 0, 0, 0, 'expendable', 'none', 0, 0, 1)");
-  EXPECT_FALSE(putAside());
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  std::vector<SpacePlan> plans;
-  plans.emplace_back(problem, 0u);
-  store.tables().showAll(plans);
-  StoredTables(state).verify();
 }
 
 TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
@@ -220,26 +212,18 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   }
 }
 
-TEST_F(JobStoreTest, ShowsPeopleWhatAPointIsAndWhereItCameFrom) {
+/// What it says would be of results that are there no more.
+TEST_F(JobStoreTest, ForgetsHowFarItWasWhenSomethingIsDropped) {
+  recordThree();
   const StateDirectory held(state);
   JobStore store = open(held);
-  std::vector<SpacePlan> plans;
-  plans.emplace_back(problem, 0u);
-  plans[0].takeReady();
-  store.tables().showAll(plans);
-  const auto rows = [&](const std::string& condition) {
-    Database database(held.database(), Database::Access::read_only);
-    Statement count(database, "SELECT COUNT(*) FROM configurations WHERE " + condition);
-    EXPECT_TRUE(count.step());
-    return count.integer(0);
-  };
-  EXPECT_EQ(rows("tag = 'unknown'"), plans[0].size());
-  const auto [header, payload] = result(0, {}, {});
-  plans[0].record({0, 0}, *fromWire(header), fieldsOf(header));
-  store.tables().show(plans, std::vector<Tables::Changed>{{0, 0}});
-  EXPECT_EQ(
-      rows("tag = 'expandable' AND point = 0 AND parent = 0 AND force = 0 AND cause = 'none'"), 1);
-  EXPECT_EQ(rows("tag = 'unknown' AND parent = -1 AND force IS NULL"), plans[0].size() - 1);
+  EXPECT_EQ(store.recorded(), 3u);
+  store.tables().writeProgress({store.recorded(), "complete"});
+  store.drop(std::vector<ResultKey>());
+  EXPECT_TRUE(StoredTables(state).progress());
+  store.drop(std::vector<ResultKey>{{0, {}, {}}});
+  EXPECT_EQ(store.recorded(), 2u);
+  EXPECT_FALSE(StoredTables(state).progress());
 }
 
 TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
