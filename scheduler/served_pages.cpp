@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "common/base/error.hpp"
+#include "common/base/shell_word.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/explanation.hpp"
 #include "scheduler/service/status.hpp"
@@ -19,6 +20,8 @@ namespace {
 /// A scheduler that reads or seals has no time for longer: then its last word is given.
 constexpr std::chrono::milliseconds patience{2000};
 constexpr std::size_t most_events = 1000, usual_events = 100;
+/// A point takes about a kilobyte and a few microseconds, in the scheduler's own process.
+constexpr std::int64_t most_points_explained = 100'000;
 
 std::string valueIn(const HttpQuery& query, const char* name) {
   const auto found = query.find(name);
@@ -126,6 +129,14 @@ HttpAnswer ServedPages::events(const HttpQuery& query) {
 HttpAnswer ServedPages::explain(const HttpQuery& query) {
   const Eigen::Vector3d point(numberIn<double>(query, "i"), numberIn<double>(query, "j"),
                               numberIn<double>(query, "k"));
+  std::int64_t points = 0;
+  for (const wire::SpaceStatus& space : snapshot().status->spaces()) points += space.points();
+  if (points > most_points_explained)
+    return httpError(
+        413, fmt::format("{} points are too many to be read beside the scheduler; ask instead: "
+                         "palpate explain {} --active {} {:g} {:g} {:g}",
+                         points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
+                         point[0], point[1], point[2]));
   // It takes as long as a start, and as much memory: one at a time.
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return httpError(503, "something else is being read: ask again");

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {

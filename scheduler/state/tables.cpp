@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/base/random_bytes.hpp"
