@@ -118,8 +118,7 @@ struct BuildOrder {
   std::string state;                     ///< the state directory; empty: OUT.state
   bool force = false;                    ///< replace `out` when it holds something else
   std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
-  /// Of all results, solved again by another worker.
-  double spot_checks_percent = 100 * SpotCheckSettings{}.share;
+  double spot_checks_percent = 0;        ///< of all results, solved again by other machines
   std::string kernels;  ///< name of a CpuFamily; empty: those of the first result decide
 };
 
@@ -161,11 +160,6 @@ void addOptions(CLI::App& app, BuildOrder& order) {
          "A worker whose solve takes longer than so many seconds ends, and another is asked "
          "[30 times the longest so far, 120 at least]")
       ->check(CLI::Range(1U, 7U * 24 * 3600));
-  app.add_option("--spot-checks", order.spot_checks_percent,
-                 "Percent of the results that another worker solves again, beside those that look "
-                 "odd; 0: none")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0));
   app.add_option("--kernels", order.kernels,
                  "Instruction set that all workers compute with, newer machines too [that of the "
                  "first result]")
@@ -211,7 +205,6 @@ void allowAsManyPeers() {
 struct Listening {
   std::string endpoint;
   bool own_keys = false;          ///< those of the state directory, which the server's workers get
-  bool nobody_else = false;       ///< there is one worker, and no other will come
   std::optional<KeyFolder> keys;  ///< else; nothing: for everybody
 };
 
@@ -289,9 +282,8 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   const auto began = Clock::now();
   CoordinatorSettings settings;
   settings.keys_tell_who = !where.own_keys;
-  settings.spot_checks = SpotCheckSettings::ofShare(order.spot_checks_percent / 100);
+  settings.spot_checks.share = order.spot_checks_percent / 100;
   if (where.keys) settings.spot_checks.trusted_key = where.keys->ownOrNew().open();
-  if (where.nobody_else) settings.checks_wait = milliseconds(0);
   settings.kernel_family = chosenKernels(order.kernels);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
   EventLog events(state);
@@ -404,11 +396,7 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
   return [options] {
-    return carryOut(options->order,
-                    {.endpoint = "tcp://127.0.0.1:*",
-                     .own_keys = true,
-                     .nobody_else = options->workers == 1,
-                     .keys = {}},
+    return carryOut(options->order, {.endpoint = "tcp://127.0.0.1:*", .own_keys = true, .keys = {}},
                     [&](Server& server, Build& build, const std::function<void()>& seal) {
                       return compute(server, build, seal, options->workers);
                     });
@@ -457,6 +445,11 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
       "Directory for unfinished work, on a local disk");
   app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
       ->capture_default_str();
+  options->order.spot_checks_percent = 100 * SpotCheckSettings{}.share;
+  app.add_option("--spot-checks", options->order.spot_checks_percent,
+                 "Percent of the results that another machine solves again; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
   options->keys.addTo(app,
                       "Ask for no keys: whoever reaches the port takes and delivers work, and "
                       "stops the build");
@@ -472,10 +465,7 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
     manager.mayTake(longest_pause, "reading what is recorded");
     const ExitCode code =
         carryOut(options->order,
-                 {.endpoint = options->endpoint,
-                  .own_keys = false,
-                  .nobody_else = false,
-                  .keys = options->keys.keys()},
+                 {.endpoint = options->endpoint, .own_keys = false, .keys = options->keys.keys()},
                  [&](Server& server, Build& build, const std::function<void()>& seal) {
                    try {
                      return serve(server, build, seal, manager, pages);

@@ -77,7 +77,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   found_ = store_->found();
   longest_solve_ = store_->longestSolve();
   // Their workers may come back any moment.
-  for (const std::string& key : store_->givers()) keys_heard_[key] = now;
+  for (const auto& [key, host] : store_->givers()) heard_.add(key, host);
   Replay replayed = store_->takeReplay();
   plans_ = std::move(replayed.plans);
   spare_ = std::move(replayed.spare);
@@ -231,12 +231,10 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
   if (!stored.header.start_id().empty())
     *stored.header.mutable_start_parent() =
         toWire(plan.positions().point(plan.point(key.parent).parent));
-  const SpotChecks::Picked picked =
-      checks_.pick(resultKeyOf(key), worker.results, lookOf(key, stored.outcome));
+  const bool picked = checks_.pick(resultKeyOf(key), lookOf(key, stored.outcome));
   group_.add(key, std::move(stored), incoming.payload, now);
   ResultGroup::Member& member = *group_.find(key);
-  member.is_checked = picked != SpotChecks::Picked::no;
-  member.is_odd = picked == SpotChecks::Picked::as_odd;
+  member.is_checked = picked;
   member.senders.insert(worker.peer);
   if (group_.size() >= settings_.group_results || group_.bytes() >= settings_.group_bytes)
     commitGroup(now);
@@ -271,7 +269,8 @@ void Coordinator::commitGroup(Time now) {
   // Plans that hold what was dropped must not come to an end.
   if (group_.size() == 0 || !begins_anew_.empty()) return;
   // Before they are durable, or one that is killed in between would never be checked.
-  for (const auto& [key, member] : group_.members()) noteChecks(member);
+  for (const auto& [key, member] : group_.members())
+    if (member.is_checked) noteCheck(palpate::keyOf(member.result.header), member.is_disputed);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
   for (const auto& [key, member] : durable) {

@@ -59,11 +59,8 @@ struct CoordinatorSettings {
   /// workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
-  /// Checks that none of the workers that are there may do are given up after this, when all else
-  /// is done: others may come back. 0 where nobody else will.
+  /// When all else is done, checks wait so long for another machine that was here to come back.
   std::chrono::milliseconds checks_wait{15000};
-  /// A key that was not heard of for so long is not reckoned with.
-  std::chrono::minutes keys_remembered{10};
   /// Keys are those of people and machines, and not of this run alone.
   bool keys_tell_who = true;
   /// With which all results are computed (arithmeticOf); empty: those of the first result decide.
@@ -86,8 +83,8 @@ class FailuresRetried : public Error {
 /// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
 /// on. Construction replays what is recorded, so a restart goes on where the last run was.
 ///
-/// Some results are solved again by other workers (SpotChecks). Plans do not wait for that, only
-/// the end of the build does.
+/// Some results are solved again by other machines (SpotChecks), as soon as there are two. Plans do
+/// not wait for that, only the end of the build does.
 ///
 /// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
 /// cannot be read any more, LiarsFound where some were wrong, FailuresRetried where an operator
@@ -191,7 +188,6 @@ class Coordinator {
   void finishIfComplete(Time now);
 
   // What other workers solve again (coordinator_checks.cpp).
-  void noteChecks(const ResultGroup::Member& member);
   void noteCheck(const ResultKey& key, bool disputed);
   void openChecks();
   bool openCheck(const ResultKey& key, bool disputed);
@@ -203,7 +199,9 @@ class Coordinator {
                Time now);
   LiarsFound contradiction(const Worker& worker, const wire::Result& result);
   void conclude(const ResultKey& key, const SpotChecks::Verdict& verdict);
-  LiarsFound liarsFound(std::vector<KeptOut> liars);
+  LiarsFound liarsFound(const SpotChecks::Verdict& verdict, const std::string& reason);
+  bool isOneMachine() const { return heard_.machines.size() < 2; }
+  bool othersMayCome() const;
   std::map<TransitionKey, Apart> wantedOfChecks() const;
   bool mayCheck(const TransitionKey& key, const Worker& worker, Apart wanted) const;
   void giveUpChecks(Time now);
@@ -263,7 +261,7 @@ class Coordinator {
   std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
   /// To be opened, as soon as they are recorded and there is room; whether they are disputed.
   std::map<ResultKey, bool> due_checks_;
-  std::map<std::string, Time> keys_heard_;  ///< of workers, when they came and when they went
+  Crowd heard_;  ///< workers of this run, and those whose results are recorded
   WorkerRegistry registry_;
   Allotment allotment_;
   /// Of workers that went without a word and did not come back, the latest last: their processes
@@ -300,7 +298,6 @@ class Coordinator {
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
   bool stopping_ = false, paused_ = false, complete_ = false, dismissed_ = false;
   std::optional<Time> only_checks_left_;  ///< since then
-  bool checks_relaxed_ = false;           ///< since checks_wait: whoever asks for work will do
   bool checks_hopeless_ = false;          ///< nobody came who could do them
 };
 

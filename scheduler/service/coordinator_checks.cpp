@@ -40,15 +40,6 @@ SpotChecks::Look Coordinator::lookOf(const TransitionKey& key, const Outcome& ou
   return {.oddness = oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium, way)};
 }
 
-void Coordinator::noteChecks(const ResultGroup::Member& member) {
-  const wire::Result& header = member.result.header;
-  if (member.is_checked) noteCheck(palpate::keyOf(header), member.is_disputed);
-  if (!member.is_odd || !header.has_start_parent()) return;
-  if (const ResultKey start = solverOfStart(header);
-      !due_checks_.contains(start) && checks_.pickStart(start))
-    noteCheck(start, false);
-}
-
 /// Whatever happens from now on, it is opened once it is recorded.
 void Coordinator::noteCheck(const ResultKey& key, bool disputed) {
   due_checks_[key] = disputed;
@@ -56,10 +47,10 @@ void Coordinator::noteCheck(const ResultKey& key, bool disputed) {
 }
 
 void Coordinator::openChecks() {
-  // Disputes are few, and the end waits for them.
   std::erase_if(due_checks_, [&](const auto& due) {
     const auto& [key, disputed] = due;
-    return (disputed || checks_.hasRoom()) && openCheck(key, disputed);
+    // Disputes are few, the end waits for them, and one machine may settle them.
+    return (disputed || (!isOneMachine() && checks_.hasRoom())) && openCheck(key, disputed);
   });
 }
 
@@ -89,12 +80,14 @@ bool Coordinator::isRecordedInPlan(const ResultKey& key) const {
          !group_.has(*known);
 }
 
-/// When all is solved: of results that no plan asked for in the end. Damaged ones are found before
-/// the seal, and checked when they are computed again.
+/// When all is solved: checks of results that no plan asked for in the end, and all of them where
+/// no second machine ever came. Damaged results are found before the seal, and checked when they
+/// are computed again.
 void Coordinator::forgetChecksOfNothing() {
-  if (!checks_.hasRoom()) return;
+  if (!isOneMachine() && !checks_.hasRoom()) return;
   std::erase_if(due_checks_, [&](const auto& due) {
-    if (!isRecordedInPlan(due.first)) store_->tables().forgetCheck(due.first);
+    const auto& [key, disputed] = due;
+    if ((isOneMachine() && !disputed) || !isRecordedInPlan(key)) store_->tables().forgetCheck(key);
     return true;
   });
 }
@@ -143,20 +136,11 @@ void Coordinator::differs(const Worker& worker, const wire::Result& first,
 LiarsFound Coordinator::contradiction(const Worker& worker, const wire::Result& result) {
   const std::string reason =
       fmt::format("it gave two results of {}", textOf(palpate::keyOf(result)));
-  // Who shares its machine, and its key, may have nothing to do with it; but who has a key of his
-  // own comes back under as many names as he likes.
+  // Other workers of its machine, and of its key, may have nothing to do with it.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
-  SpotChecks::Verdict verdict = {.right = {neighbour}, .wrong = {worker.provenance}};
-  std::vector<KeptOut> liars = keptOutBy(verdict, store_->keptOut(), reason);
-  constexpr std::ptrdiff_t of_a_key = 4;
-  const auto before = std::ranges::count_if(store_->keptOut(), [&](const KeptOut& other) {
-    return other.who.key() == worker.provenance.key();
-  });
-  const auto& trusted = settings_.spot_checks.trusted_key;
-  if (worker.key && worker.key != trusted && before >= of_a_key)
-    liars.front().kind = KeptOut::Kind::key;
-  return liarsFound(std::move(liars));
+  const SpotChecks::Verdict verdict = {.right = {neighbour}, .wrong = {worker.provenance}};
+  return liarsFound(verdict, reason);
 }
 
 void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verdict) {
@@ -170,10 +154,12 @@ void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verd
   // not be kept out, because this is killed, somebody finds them once more.
   const std::string reason = fmt::format("its result of {} differs from what {} others found",
                                          textOf(key), verdict.right.size());
-  throw liarsFound(keptOutBy(verdict, store_->keptOut(), reason));
+  throw liarsFound(verdict, reason);
 }
 
-LiarsFound Coordinator::liarsFound(std::vector<KeptOut> liars) {
+LiarsFound Coordinator::liarsFound(const SpotChecks::Verdict& verdict, const std::string& reason) {
+  std::vector<KeptOut> liars =
+      keptOutBy(verdict, store_->keptOut(), reason, settings_.spot_checks.trusted_key);
   counters_["wrong_results"] += std::ssize(liars);
   store_->tables().writeCounters(counters_);
   for (const KeptOut& liar : liars) {
@@ -184,21 +170,20 @@ LiarsFound Coordinator::liarsFound(std::vector<KeptOut> liars) {
   return LiarsFound(std::move(liars));
 }
 
-/// How far a worker has to be from those who solved what waits to be solved again: as far as
-/// somebody is, or was a while ago.
+/// Machines that were here are reckoned with until nothing but checks was left for checks_wait.
+bool Coordinator::othersMayCome() const {
+  return !only_checks_left_ || last_turn_ - *only_checks_left_ < settings_.checks_wait;
+}
+
 std::map<TransitionKey, Apart> Coordinator::wantedOfChecks() const {
   std::map<TransitionKey, Apart> wanted;
   if (leases_.waitingChecks().empty()) return wanted;
-  Crowd crowd;
-  for (const auto& [key, heard] : keys_heard_)
-    if (!checks_relaxed_ && last_turn_ - heard < settings_.keys_remembered) crowd.keys.insert(key);
-  for (const auto& [id, worker] : registry_.all()) {
-    if (checks_relaxed_ && !asksForWork(worker)) continue;
-    crowd.keys.insert(worker.provenance.key());
-    crowd.machines.emplace(worker.provenance.key(), worker.provenance.host());
-  }
+  Crowd at_work;
+  for (const auto& [id, worker] : registry_.all())
+    if (asksForWork(worker)) at_work.add(worker.provenance.key(), worker.provenance.host());
+  const Crowd& may_come = othersMayCome() ? heard_ : at_work;
   for (const TransitionKey& key : leases_.waitingChecks())
-    wanted.emplace(key, checks_.wanted(resultKeyOf(key), crowd));
+    wanted.emplace(key, checks_.wanted(resultKeyOf(key), at_work, may_come));
   return wanted;
 }
 
@@ -207,19 +192,15 @@ bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker, Apart
   return apart != Apart::same_process && apart >= wanted;
 }
 
-/// The build is done but for checks that nobody does: for want of another worker, or because those
-/// that are there do not ask for work, or do not do what they were given.
+/// The build is done but for checks that nobody does: for want of another machine, or because its
+/// workers do not ask for work, or do not do what they were given.
 void Coordinator::giveUpChecks(Time now) {
   checks_hopeless_ = false;
-  if (!handsOut() || group_.size() > 0 || checks_.openCount() == 0 || !leases_.onlyChecksLeft()) {
-    checks_relaxed_ = false;
+  if (!handsOut() || group_.size() > 0 || checks_.openCount() == 0 || !leases_.onlyChecksLeft())
     return only_checks_left_.reset();
-  }
   if (!only_checks_left_) only_checks_left_ = now;
-  const auto waited = now - *only_checks_left_;
-  checks_hopeless_ = waited >= settings_.worker_lost;
-  checks_relaxed_ = waited >= settings_.checks_wait;
-  if (!checks_relaxed_) return;
+  checks_hopeless_ = now - *only_checks_left_ >= settings_.worker_lost;
+  if (othersMayCome()) return;
   for (auto& [id, worker] : registry_.all())
     if (const auto last = leases_.lastOf(id);
         last && allotment_.isOverdue(worker, last->attempts, now))

@@ -56,7 +56,9 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
                  worker.kernel_family);
   chronicle_.joined(worker, now);
   newcomers_ = true;
-  keys_heard_[worker.provenance.key()] = now;
+  const bool was_one_machine = isOneMachine();
+  heard_.add(worker.provenance.key(), worker.provenance.host());
+  if (was_one_machine) openChecks();
 
   wire::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_incarnation(incarnation_);
@@ -70,7 +72,6 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
   peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host, reason);
   chronicle_.left(worker, reason, now);
   leases_.giveBack(worker.id);
-  keys_heard_[worker.provenance.key()] = now;
   registry_.remove(worker, "left", now);
 }
 
@@ -218,7 +219,6 @@ void Coordinator::lose(const Worker& worker, Time now) {
   departed_.emplace_back(worker.id, leases_.suspectsOf(worker.id, worker.solving));
   if (departed_.size() > most_departed) departed_.pop_front();
   leases_.giveBack(worker.id);
-  keys_heard_[worker.provenance.key()] = now;
   if (!everybodyIsToLeave()) ++counters_["lost_workers"];
   registry_.remove(worker, everybodyIsToLeave() ? "left" : "lost", now);
 }

@@ -21,7 +21,7 @@ constexpr double odd_at_first = 3;
 Apart apartFrom(const wire::Provenance& a, const wire::Provenance& b) {
   if (a.worker() == b.worker()) return Apart::same_process;
   if (a.key() != b.key()) return Apart::other_key;
-  return a.host() == b.host() ? Apart::same_machine : Apart::same_key;
+  return a.host() == b.host() ? Apart::same_machine : Apart::other_machine;
 }
 
 bool isOfOneMachine(const wire::Provenance& a, const wire::Provenance& b) {
@@ -64,32 +64,32 @@ SpotChecks::SpotChecks(const SpotCheckSettings& settings, std::string secret)
     // The same secret serves others: what they make of it tells nothing of the lots.
     : settings_(settings), secret_("spot checks" + std::move(secret)), odd_from_(odd_at_first) {}
 
-SpotChecks::Picked SpotChecks::pick(const ResultKey& key, std::int64_t nth, const Look& look) {
-  PALPATE_ASSERT(nth > 0, "results are counted from 1");
+bool SpotChecks::pick(const ResultKey& key, const Look& look) {
   ++results_;
-  const bool odd = !look.failed && isOdd(look.oddness);
-  const double share =
-      std::max(settings_.share, settings_.share_of_first / static_cast<double>(nth));
-  if (lotOf(key, secret_) < share) return Picked::by_lot;
-  if (odd && pickOdd()) return Picked::as_odd;
-  if (look.failed &&
-      pickWithin(settings_.share_of_failed, settings_.failed_at_least, failed_picked_))
-    return Picked::as_failed;
-  return Picked::no;
+  if (settings_.share <= 0) return false;
+  if (isSuspect(look)) return true;
+  const auto results = static_cast<double>(results_);
+  const auto suspects = static_cast<double>(failed_picked_ + odd_picked_);
+  // What suspects leave of the share goes to the others, and half of it whatever they leave.
+  const double left = (settings_.share * results - suspects) / (results - suspects);
+  return lotOf(key, secret_) < std::max(settings_.share / 2, left);
 }
 
-bool SpotChecks::pickStart(const ResultKey& key) { return !begun_.contains(key) && pickOdd(); }
-
-bool SpotChecks::pickWithin(double share, std::int64_t at_least, std::int64_t& picked) const {
-  const auto most = static_cast<std::int64_t>(share * static_cast<double>(results_));
-  if (picked >= std::max(at_least, most)) return false;
+/// And there is room for one more of its kind: a body where much fails, or looks odd, is not solved
+/// twice, and what fails takes nothing from what looks odd.
+bool SpotChecks::isSuspect(const Look& look) {
+  if (!look.failed && !isOdd(look.oddness)) return false;
+  std::int64_t& picked = look.failed ? failed_picked_ : odd_picked_;
+  const double most = std::max(static_cast<double>(settings_.suspects_at_least),
+                               settings_.share / 4 * static_cast<double>(results_));
+  if (static_cast<double>(picked) + 1 > most) return false;
   ++picked;
   return true;
 }
 
-/// Beside the latest of this build: what is odd for one organ is not for another.
+/// Beside the latest of this build: what is odd for one organ is not for another. Half as many as
+/// may be picked, so that there is room when somebody lies.
 bool SpotChecks::isOdd(double oddness) {
-  if (settings_.share_of_odd <= 0) return false;
   const bool odd = oddness > odd_from_;
   if (oddness_.size() < remembered_looks)
     oddness_.push_back(oddness);
@@ -98,10 +98,11 @@ bool SpotChecks::isOdd(double oddness) {
   next_ = (next_ + 1) % remembered_looks;
   if (oddness_.size() >= looks_to_judge_by && next_ % looks_between == 0) {
     std::vector<double> sorted = oddness_;
-    const auto rank = static_cast<std::ptrdiff_t>((1 - settings_.share_of_odd) *
-                                                  static_cast<double>(sorted.size()));
-    std::ranges::nth_element(sorted, sorted.begin() + rank);
-    odd_from_ = sorted[static_cast<std::size_t>(rank)];
+    const auto rank = std::min(
+        static_cast<std::size_t>((1 - settings_.share / 8) * static_cast<double>(sorted.size())),
+        sorted.size() - 1);
+    std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(rank));
+    odd_from_ = sorted[rank];
   }
   return odd;
 }
@@ -116,7 +117,6 @@ void SpotChecks::open(const ResultKey& key, Opinion first, Start start, bool dis
   const bool fresh =
       open_.emplace(key, Check{{std::move(first)}, std::move(start), disputed}).second;
   PALPATE_ASSERT(fresh, "a result is checked once at a time");
-  begun_.insert(key);
 }
 
 std::size_t SpotChecks::disputedCount() const {
@@ -131,17 +131,26 @@ Apart SpotChecks::apart(const ResultKey& key, const wire::Provenance& worker) co
   return least;
 }
 
-Apart SpotChecks::wanted(const ResultKey& key, const Crowd& crowd) const {
-  std::set<std::string> keys;
-  std::set<std::pair<std::string, std::string>> machines;
+/// Those of the crowd who gave an opinion.
+Crowd SpotChecks::giversAmong(const ResultKey& key, const Crowd& crowd) const {
+  Crowd givers;
   for (const Opinion& opinion : open_.at(key).opinions) {
     const wire::Provenance& giver = opinion.giver;
-    if (crowd.keys.contains(giver.key())) keys.insert(giver.key());
+    if (crowd.keys.contains(giver.key())) givers.keys.insert(giver.key());
     if (crowd.machines.contains({giver.key(), giver.host()}))
-      machines.emplace(giver.key(), giver.host());
+      givers.machines.emplace(giver.key(), giver.host());
   }
-  if (keys.size() < crowd.keys.size()) return Apart::other_key;
-  return machines.size() < crowd.machines.size() ? Apart::same_key : Apart::same_machine;
+  return givers;
+}
+
+bool SpotChecks::hasOtherMachine(const ResultKey& key, const Crowd& crowd) const {
+  return giversAmong(key, crowd).machines.size() < crowd.machines.size();
+}
+
+Apart SpotChecks::wanted(const ResultKey& key, const Crowd& at_work, const Crowd& may_come) const {
+  if (giversAmong(key, at_work).keys.size() < at_work.keys.size()) return Apart::other_key;
+  return isDisputed(key) && !hasOtherMachine(key, may_come) ? Apart::same_machine
+                                                            : Apart::other_machine;
 }
 
 bool SpotChecks::contradicts(const ResultKey& key, const Opinion& opinion) const {
@@ -175,29 +184,42 @@ bool SpotChecks::isDecided(const Verdict& verdict) const {
          std::ranges::none_of(wrong, differ);
 }
 
-std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
-                               const std::vector<KeptOut>& before, const std::string& reason) {
+namespace {
+
+KeptOut::Kind kindKeptOut(const wire::Provenance& liar, const SpotChecks::Verdict& verdict,
+                          const std::vector<KeptOut>& before,
+                          const std::optional<PublicKey>& trusted_key) {
   using Kind = KeptOut::Kind;
   constexpr std::size_t machines_of_a_key = 2;
-  constexpr std::ptrdiff_t processes_of_a_machine = 2;
+  constexpr std::ptrdiff_t processes_of_a_machine = 2, any_of_a_key = 4;
+  std::set<std::string> machines;
+  for (const KeptOut& other : before)
+    if (other.kind == Kind::machine && other.who.key() == liar.key() &&
+        other.who.host() != liar.host())
+      machines.insert(other.who.host());
+  const auto of_key = std::ranges::count_if(
+      before, [&](const KeptOut& other) { return other.who.key() == liar.key(); });
+  const bool is_trusted = trusted_key && PublicKey::fromBytes(liar.key()) == trusted_key;
+  const bool has_key = !liar.key().empty() && !is_trusted;
+  const bool nobody_is_right = !hasKeyOfOneOf(liar, verdict.right);
+  if (has_key &&
+      (of_key >= any_of_a_key || (machines.size() >= machines_of_a_key && nobody_is_right)))
+    return Kind::key;
+  const bool machine_is_right = std::ranges::any_of(
+      verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
+  const auto processes = std::ranges::count_if(
+      before, [&](const KeptOut& other) { return isOfOneMachine(other.who, liar); });
+  return machine_is_right && processes < processes_of_a_machine ? Kind::process : Kind::machine;
+}
+
+}  // namespace
+
+std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
+                               const std::vector<KeptOut>& before, const std::string& reason,
+                               const std::optional<PublicKey>& trusted_key) {
   std::vector<KeptOut> kept_out;
-  for (const wire::Provenance& liar : verdict.wrong) {
-    std::set<std::string> others;
-    for (const KeptOut& other : before)
-      if (other.kind == Kind::machine && other.who.key() == liar.key() &&
-          other.who.host() != liar.host())
-        others.insert(other.who.host());
-    const bool machine_is_right = std::ranges::any_of(
-        verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
-    const auto processes = std::ranges::count_if(
-        before, [&](const KeptOut& other) { return isOfOneMachine(other.who, liar); });
-    const bool one_of_many = machine_is_right && processes < processes_of_a_machine;
-    Kind kind = one_of_many ? Kind::process : Kind::machine;
-    if (!liar.key().empty() && others.size() >= machines_of_a_key &&
-        !hasKeyOfOneOf(liar, verdict.right))
-      kind = Kind::key;
-    kept_out.push_back({kind, liar, reason});
-  }
+  for (const wire::Provenance& liar : verdict.wrong)
+    kept_out.push_back({kindKeptOut(liar, verdict, before, trusted_key), liar, reason});
   return kept_out;
 }
 

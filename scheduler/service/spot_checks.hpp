@@ -12,42 +12,16 @@
 namespace palpate {
 
 struct SpotCheckSettings {
-  /// Of all results.
+  /// Share of all results that are solved again, by whomever they were given: a quarter of it may
+  /// go to failures, a quarter to results that look odd, and what these leave goes by lot. 0: none.
   double share = 0.01;
-  /// Of a worker's nth result: this / n, so that one that is broken from the start is found at
-  /// once.
-  double share_of_first = 0.25;
-  /// Of all results, those that look oddest (oddnessBeside).
-  double share_of_odd = 0.003;
-  /// They, and what they were reached from, are left out beyond this share of all results, or a
-  /// few: solving twice costs as much as solving.
-  double most_odd = 0.0065;
-  std::int64_t odd_at_least = 8;
-  /// Failures, as long as they are fewer than this share of all results, or a few: what costs the
-  /// dataset a point is not taken from one worker alone.
-  double share_of_failed = 0.0025;
-  std::int64_t failed_at_least = 8;
+  /// Failures, and odd results, that are solved again even if that is more than their quarter: a
+  /// small build has few results, and one of them may be wrong.
+  std::int64_t suspects_at_least = 8;
   /// More at once are not begun: work goes first.
   std::size_t most_open = 64;
-  /// Under which nobody lies on purpose: the scheduler's own.
+  /// Key under which nobody lies on purpose: the scheduler's own.
   std::optional<PublicKey> trusted_key = std::nullopt;
-
-  /// Of all results; 0: none, whatever they look like.
-  static SpotCheckSettings ofShare(double share) {
-    SpotCheckSettings settings = share > 0 ? SpotCheckSettings{} : none();
-    settings.share = share;
-    return settings;
-  }
-  static SpotCheckSettings none() {
-    return {.share = 0,
-            .share_of_first = 0,
-            .share_of_odd = 0,
-            .most_odd = 0,
-            .odd_at_least = 0,
-            .share_of_failed = 0,
-            .failed_at_least = 0,
-            .most_open = 0};
-  }
 };
 
 /// What one worker found for a transition: two that found the same bits have the same digest.
@@ -58,14 +32,19 @@ struct Opinion {
 /// The one that a result is; `giver` is told by those who took it.
 Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver);
 
-/// How far a worker is from all that found a result. Whom a host belongs to is what it says itself,
-/// a key is proved.
-enum class Apart : std::uint8_t { same_process, same_machine, same_key, other_key };
+/// How independent a worker is of those who found a result, the most independent last. A machine is
+/// a key and a host: a host is a worker's word, a key is proved.
+enum class Apart : std::uint8_t { same_process, same_machine, other_machine, other_key };
 
-/// Keys and machines (key and host) of the workers that a check can reckon with.
+/// The keys and the machines of some workers.
 struct Crowd {
   std::set<std::string> keys;
-  std::set<std::pair<std::string, std::string>> machines;
+  std::set<std::pair<std::string, std::string>> machines;  ///< key and host
+
+  void add(const std::string& key, const std::string& host) {
+    keys.insert(key);
+    machines.emplace(key, host);
+  }
 };
 
 /// Which results are solved again by other workers, and what these found. Two that agree are right
@@ -84,11 +63,8 @@ class SpotChecks {
     bool failed = false;
     double oddness = 0;  ///< of an equilibrium: oddnessBeside what it was reached from
   };
-  /// Why a result is checked, the `nth` of its worker, from 1. To be asked once of every result.
-  enum class Picked : std::uint8_t { no, by_lot, as_failed, as_odd };
-  Picked pick(const ResultKey& key, std::int64_t nth, const Look& look);
-  /// Whether the result that an odd one was reached from is checked too: it may be what is wrong.
-  bool pickStart(const ResultKey& key);
+  /// Whether a result is solved again. To be asked once of every result.
+  bool pick(const ResultKey& key, const Look& look);
   /// There is room for one more.
   bool hasRoom() const { return open_.size() < settings_.most_open; }
 
@@ -112,8 +88,11 @@ class SpotChecks {
 
   /// From all who gave an opinion; same_process: it gave one itself.
   Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
-  /// How far a worker has to be: as far as one of the crowd may be.
-  Apart wanted(const ResultKey& key, const Crowd& crowd) const;
+  /// Whether a machine of the crowd gave no opinion yet.
+  bool hasOtherMachine(const ResultKey& key, const Crowd& crowd) const;
+  /// How independent the next worker has to be: of another key if one is at work, else of another
+  /// machine. If no other machine may come either, another process settles a dispute.
+  Apart wanted(const ResultKey& key, const Crowd& at_work, const Crowd& may_come) const;
   /// It says now what it did not say before.
   bool contradicts(const ResultKey& key, const Opinion& opinion) const;
 
@@ -134,20 +113,17 @@ class SpotChecks {
     bool disputed = false;
   };
   bool isOdd(double oddness);
-  /// Counts one more of `picked`, as long as they are fewer than that share of all results, or
-  /// `at_least`.
-  bool pickWithin(double share, std::int64_t at_least, std::int64_t& picked) const;
-  bool pickOdd() { return pickWithin(settings_.most_odd, settings_.odd_at_least, odd_picked_); }
+  bool isSuspect(const Look& look);
+  Crowd giversAmong(const ResultKey& key, const Crowd& crowd) const;
   bool isDecided(const Verdict& verdict) const;
 
   SpotCheckSettings settings_;
   std::string secret_;
   std::map<ResultKey, Check> open_;
-  std::set<ResultKey> begun_;
   std::int64_t results_ = 0, odd_picked_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< of the latest results, in a ring
   std::size_t next_ = 0;         ///< to be overwritten
-  double odd_from_;              ///< the share of them that is odder is share_of_odd
+  double odd_from_;              ///< an eighth of the share of them is odder
 };
 
 /// Results were wrong, and those who gave them are to be kept out (JobStore::keepOut); the next
@@ -163,9 +139,12 @@ class LiarsFound : public Error {
 };
 
 /// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
-/// right, unless two of it are kept out already, else the machine; and the key, where two other
-/// machines of it are kept out already and nobody with that key was right. `reason` is for people.
+/// right, unless two of it are kept out already, else the machine. The key goes, unless it is the
+/// trusted one, where two other machines of it are kept out already and nobody with that key was
+/// right; and the fifth time, whoever was right: its owner may be any number of machines. `reason`
+/// is for people.
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
-                               const std::vector<KeptOut>& before, const std::string& reason);
+                               const std::vector<KeptOut>& before, const std::string& reason,
+                               const std::optional<PublicKey>& trusted_key = std::nullopt);
 
 }  // namespace palpate

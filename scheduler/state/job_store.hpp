@@ -27,8 +27,8 @@ class JobStore {
   /// The results that earlier runs left, in plans. May be taken once.
   Replay takeReplay() { return std::move(found_.replay); }
   std::size_t found() const { return found_.results; }  ///< so many
-  /// The keys of those who gave them.
-  const std::set<std::string>& givers() const { return found_.givers; }
+  /// The machines of those who gave them: key and host.
+  const auto& givers() const { return found_.givers; }
   double longestSolve() const { return found_.longest_solve; }  ///< of them, s
   /// Some of what earlier runs left was lost or dropped.
   bool damaged() const { return !found_.recorded.damage.empty(); }

@@ -101,7 +101,7 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
     }
     if (found.results++ == 0) found.kernel_family = result.header.kernel_family();
     found.longest_solve = std::max(found.longest_solve, result.outcome.cost.seconds);
-    if (!found.givers.contains(giver.key())) found.givers.insert(giver.key());
+    found.givers.emplace(giver.key(), giver.host());
     found.replay.take(key, result);
   };
   found.recorded = readResults(directory, build, take);

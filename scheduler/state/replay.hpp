@@ -53,9 +53,9 @@ struct ReplayedJournal {
   std::vector<ResultKey> of_liars;  ///< left out
   // Of all that was not left out.
   std::size_t results = 0;
-  std::string kernel_family;     ///< empty without any
-  double longest_solve = 0;      ///< s
-  std::set<std::string> givers;  ///< their keys (Provenance)
+  std::string kernel_family;                             ///< empty without any
+  double longest_solve = 0;                              ///< s
+  std::set<std::pair<std::string, std::string>> givers;  ///< their machines: key and host
 };
 /// Reads the journal in `directory`. Errors are those of readResults().
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,

@@ -21,7 +21,6 @@ class ResultGroup {
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
     bool is_checked = false;        ///< others solve it again
     bool is_disputed = false;       ///< another found something else
-    bool is_odd = false;            ///< and what it was reached from
   };
   using Members = std::map<TransitionKey, Member>;
 

@@ -128,7 +128,7 @@ void addCounters(Exposition& out, const wire::Status& status) {
        {"unwanted_results", "Results that nobody asked for."},
        {"bad_messages", "Messages that were dropped."},
        {"checked_results", "Results that others confirmed or refuted."},
-       {"unchecked_results", "Checks that were given up for want of another worker."},
+       {"unchecked_results", "Checks that were given up for want of another machine."},
        {"wrong_results", "Those who were found to lie."},
        {"overdue_targets", "Targets that were given to others while somebody held them."},
        {"closed_connections", "Connections that were closed because they cost too much."},

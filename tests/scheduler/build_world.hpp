@@ -38,7 +38,7 @@ class BuildWorld {
   /// Nothing is solved twice, so that tests say who solves what.
   static CoordinatorSettings withoutChecks() {
     CoordinatorSettings settings;
-    settings.spot_checks = SpotCheckSettings::none();
+    settings.spot_checks.share = 0;
     AllotmentSettings& allotment = settings.allotment;
     allotment.overdue_at_least = allotment.overdue_without_any = std::chrono::hours(24 * 365);
     return settings;

@@ -45,16 +45,12 @@ constexpr std::int64_t most_steps = 1'000'000;
 /// Of the disk, before somebody who is killed there is dead.
 constexpr double most_changes = 40;
 
-/// More in every second history. What looks odd is left out where nobody lies, since everything
-/// does in that table.
+/// More in every second history; none in the others, where nobody lies.
 SpotCheckSettings checksOf(std::uint64_t seed) {
   constexpr double more = 0.05;
   SpotCheckSettings checks;
   if (seed % 2 == 0) checks.share = more;
-  if (mayHaveLiar(seed)) return checks;
-  if (seed % 2 != 0) return SpotCheckSettings::none();
-  checks.share_of_odd = checks.share_of_failed = 0;
-  checks.failed_at_least = 0;
+  if (seed % 2 != 0 && !mayHaveLiar(seed)) checks.share = 0;
   return checks;
 }
 
@@ -78,8 +74,7 @@ class World {
     const bool may_lie = mayHaveLiar(seed);
     const std::size_t workers = may_lie ? 3 + random_.below(2) : 1 + random_.below(4);
     for (std::size_t n = 0; n < workers; ++n)
-      places_.push_back({.host = may_lie ? fmt::format("machine-{}", n) : "simulated",
-                         .starts_at = random_.between(0, 3)});
+      places_.push_back({.host = fmt::format("machine-{}", n), .starts_at = random_.between(0, 3)});
     Random sealer(seed ^ 0x7365616c);
     sealer_comes_at_ = sealer.between(0, sealer.chance(0.5) ? 10 : 100);
     sealer_waits_at_ = 1 + static_cast<int>(sealer.below(4));

@@ -111,9 +111,7 @@ class Fleet : private Transport {
 
   static CoordinatorSettings coordinatorSettings(const FleetSettings& settings) {
     CoordinatorSettings all;
-    // As `build` has it: nobody else comes who could do what one worker may not.
-    if (settings.workers == 1) all.checks_wait = std::chrono::milliseconds(0);
-    if (!settings.spot_checks) all.spot_checks = SpotCheckSettings::none();
+    if (!settings.spot_checks) all.spot_checks.share = 0;
     return all;
   }
   static Coordinator::Time timeOf(double seconds) {

@@ -258,7 +258,7 @@ TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBi
   unsetenv("OPENBLAS_CORETYPE");
   auto serve = start("palpate-scheduler",
                      {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state",
-                      "-o", "out.h5", "--kernels", "baseline", "--spot-checks", "20"});
+                      "-o", "out.h5", "--kernels", "baseline"});
   const std::string endpoint = endpointIn("state");
   auto newer = start("palpate-worker", {"work", "--connect", endpoint});
   ASSERT_TRUE(journalGrows(*serve, "state", 5000)) << newer->output();

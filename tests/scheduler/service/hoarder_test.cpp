@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 CoordinatorSettings usual() {
   CoordinatorSettings settings;
-  settings.spot_checks = SpotCheckSettings::none();
+  settings.spot_checks.share = 0;
   return settings;
 }
 
@@ -104,7 +104,12 @@ TEST_F(HoarderTest, OfAChecksHoldsTheEndUpForAMinuteAtMost) {
   checked.join("a", 2);
   int seconds = 0;
   for (; seconds < 200 && !checked.coordinator().complete(); ++seconds) {
-    if (seconds == 2) checked.join("hoarder", 64);
+    if (seconds == 2) {
+      wire::Message hello = test::helloOf("hoarder");
+      hello.mutable_hello()->set_host("elsewhere");
+      checked.send("hoarder", hello);
+      checked.request("hoarder", 64);
+    }
     for (int n = 0; n < 20; ++n) {
       for (const wire::Job& job : checked.takeJobs("a")) {
         checked.deliver("a", job);

@@ -184,18 +184,62 @@ TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-TEST_F(LiarTest, AWorkerAloneIsNotCheckedAndTheBuildSaysSo) {
+TEST_F(LiarTest, OneMachineAloneIsNotCheckedAndItsBuildWaitsForNobody) {
   CoordinatorSettings settings;
   settings.spot_checks.share = 0.2;
   LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
-  world.finish({"a"});
-  EXPECT_GT(world.counter("unchecked_results"), 0);
+  world.joinFrom("machine-a", "b");
+  const auto began = world.now;
+  world.finish({"a", "b"});
+  EXPECT_LT(world.now - began, settings.checks_wait);
+  EXPECT_EQ(world.counter("checked_results"), 0);
+  EXPECT_EQ(world.counter("unchecked_results"), 0);
+  EXPECT_EQ(world.coordinator().status(world.now).checks_open(), 0);
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
 /// Workers that take no more work, or hoard it, hold no build up at its end.
-TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUpAfterAMinute) {
+TEST_F(LiarTest, WhatASecondMachineFindsToCheckIsNotForgotten) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  world.joinFrom("machine-a", "a");
+  const wire::Job first = world.takeJobs("a").at(0);
+  world.deliver("a", first);
+  world.pass(25ms);
+  world.joinFrom("machine-b", "b");
+  const wire::Job check = world.takeJobs("b").at(0);
+  EXPECT_EQ(fromWire(check.targets(0).point()), fromWire(first.targets(0).point()));
+}
+
+/// A memory that fails now and then: the others of its machine are right.
+TEST_F(LiarTest, ADisputeOfOneMachineIsSettledByAThirdProcessOfIt) {
+  LiarWorld world(test::BuildWorld::withoutChecks());
+  for (const std::string peer : {"a", "b", "c"}) world.joinFrom("machine", peer);
+  const wire::Job job = world.takeJobs("a").at(0);
+  world.send("a", test::helloOf("a"));  // it has forgotten the job, and finishes it all the same
+  world.pass(25ms);
+  const wire::Job again = world.takeJobs("c").at(0);
+  world.falsify = [](const std::string& peer, wire::Result& result, std::string&) {
+    if (peer == "c") result.mutable_cost()->set_steps(77);
+  };
+  world.deliver("c", again);
+  world.pass(25ms);
+  world.deliver("a", job);
+  EXPECT_EQ(world.coordinator().disputedCount(), 1u);
+  world.request("b", 4);
+  try {
+    for (const wire::Job& check : world.takeJobs("b")) world.deliver("b", check);
+    FAIL() << "nobody minds";
+  } catch (const LiarsFound& found) {
+    ASSERT_EQ(found.liars().size(), 1u);
+    EXPECT_EQ(found.liars()[0].kind, KeptOut::Kind::process);
+    EXPECT_EQ(found.liars()[0].who.worker(), "c");
+  }
+}
+
+TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUp) {
   CoordinatorSettings settings;
   settings.spot_checks.share = 0.2;
   LiarWorld world(settings);
@@ -272,6 +316,7 @@ TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
   settings.spot_checks.share = 0.2;
   LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
+  world.send("b", test::helloOf("b"));
   world.workAlone("a");
   ASSERT_GT(world.coordinator().status(world.now).checks_open(), 0);
   world.coordinator().pause(true);
@@ -291,6 +336,9 @@ TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
   CoordinatorSettings settings;
   settings.spot_checks.share = 1;
   LiarWorld world(settings);
+  world.joinFrom("machine-b", "b");
+  const wire::Job first = world.takeJobs("b").at(0);
+  world.deliver("b", first);
   world.joinFrom("machine-a", "a");
   world.workAlone("a");
   ASSERT_FALSE(world.coordinator().complete());
