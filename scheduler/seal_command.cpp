@@ -11,6 +11,14 @@
 namespace palpate {
 namespace {
 
+/// What a dataset lacks whose build goes on.
+const char* whatIsMissing(const SpaceRowsList& spaces) {
+  for (const auto& space : spaces)
+    for (std::int32_t n = 0; n < space->points(); ++n)
+      if (space->tag(n) == Tag::unknown) return "where points are unknown it gives no force";
+  return "some of its points may still be solved again";
+}
+
 struct SealOptions {
   std::string state, out;
   bool force = false;
@@ -26,7 +34,7 @@ ExitCode sealNow(const SealOptions& options) {
   const bool partial = !build.complete();
   const SpaceRowsList rows = build.seal(options.out);
   fmt::print("{}\n{}: sealed{}\n", summaryOf(rows, build.problem().scene, partial), options.out,
-             partial ? ", partial: where points are unknown it gives no force" : "");
+             partial ? fmt::format(", partial: {}", whatIsMissing(rows)) : "");
   return ExitCode::done;
 }
 
