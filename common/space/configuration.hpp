@@ -82,7 +82,7 @@ struct Cost {
   std::int32_t newton_iterations = 0;
   std::int32_t factorizations = 0;
   std::int32_t steps = 0;  ///< accepted continuation steps
-  double seconds = 0;      ///< wall time on the worker; never part of a dataset
+  double seconds = 0;      ///< processor time of the worker; never part of a dataset
 
   Cost& operator+=(const Cost& other) {
     newton_iterations += other.newton_iterations;

@@ -1,12 +1,16 @@
 #include "worker/solver/transition.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <atomic>
 #include <optional>
+#include <thread>
 
 #include "tests/support/body_models.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 
@@ -394,6 +398,21 @@ TEST_F(TransitionTest, EqualOrderPressureConvergesAlthoughItsTangentIsSingular) 
   EXPECT_FALSE(solver_->system().expectedNegativePivots());
   const Equilibrium here = equilibriumAt({0, 0.01, 0});
   EXPECT_TRUE(here.force.allFinite());
+}
+
+/// Schedulers judge by it when a solve hangs.
+TEST_F(TransitionTest, ASolveDuringWhichItsProcessStoodStillTookNoLonger) {
+  clamp(mooneyRivlinScene());
+  std::atomic<bool> over = false;
+  std::jthread stops_us([&] {
+    test::runCommand(
+        fmt::format("sleep 0.1; kill -STOP {0}; sleep 2; kill -CONT {0}; sleep 0.1", getpid()));
+    over = true;
+  });
+  double longest = 0;
+  while (!over) longest = std::max(longest, reach({0, 0.01, 0}).cost.seconds);
+  EXPECT_GT(longest, 0);
+  EXPECT_LT(longest, 1);
 }
 
 }  // namespace
