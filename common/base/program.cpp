@@ -103,6 +103,11 @@ bool logIsJson() { return log_is_json; }
 
 const char* version() { return PALPATE_VERSION; }
 
+std::string buildName() {
+  const std::string_view of = commit();
+  return of == "unknown" ? version() : fmt::format("{} ({})", version(), of);
+}
+
 std::filesystem::path programBeside(const std::string& name) {
   std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;

@@ -36,6 +36,12 @@ bool logIsJson();
 
 /// The program's version, "0.1.0".
 const char* version();
+/// The commit that it was built from, "1a2b3c4", or "1a2b3c4+changed" where its sources were
+/// edited; "unknown" where they were in no git repository.
+const char* commit();
+/// Version and commit, if that is known: "0.1.0 (1a2b3c4)". Programs of two builds may differ in
+/// the last bits of what they compute.
+std::string buildName();
 
 /// The program of this name that is installed beside the running one, for instance
 /// "palpate-worker". Error when it is not there.

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "commit.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
 #include "common/base/program.hpp"
@@ -174,7 +173,7 @@ int run(std::vector<std::string> arguments) {
   }
   if (asks_for_help) arguments = {arguments[1], "--help"};
   if (arguments[0] == "--version") {
-    fmt::print("palpate {}\ncommit {}, {}\n{}\n", version(), commit, PALPATE_BUILD_TYPE,
+    fmt::print("palpate {}\ncommit {}, {}\n{}\n", version(), commit(), PALPATE_BUILD_TYPE,
                PALPATE_BUILT_WITH);
     return static_cast<int>(ExitCode::done);
   }

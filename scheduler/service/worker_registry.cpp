@@ -42,6 +42,12 @@ std::string hexOfId(std::string_view id) {
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
+bool isSameBuild(std::string_view a, std::string_view b) {
+  const std::string_view version_a = a.substr(0, a.find(' ')), version_b = b.substr(0, b.find(' '));
+  const bool both_know = a.size() > version_a.size() && b.size() > version_b.size();
+  return version_a == version_b && (!both_know || a == b);
+}
+
 void WorkerRegistry::addCredit(Worker& worker, std::uint64_t jobs) {
   worker.credit =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, worker.credit + jobs));
@@ -64,12 +70,12 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
         "this scheduler speaks protocol {}, the worker protocol {}: "
         "install the same Palpate on both",
         protocol_version, hello.protocol());
-  // Versions may differ in the last bits of a solve, which two machines must not.
-  if (hello.version() != version())
+  // Builds may differ in the last bits of a solve, which two machines must not.
+  if (!isSameBuild(hello.version(), buildName()))
     return fmt::format(
         "this scheduler is palpate {}, the worker palpate {}: "
-        "results of two versions may differ, so install the same on both",
-        version(), printable(hello.version()));
+        "results of two builds may differ, so install the same on both",
+        buildName(), printable(hello.version()));
   if (hello.worker().empty() || hello.worker().size() > longest_id)
     return "its id is missing or too long";
   if (hello.kernel_family().empty()) return "it does not say which kernel family it uses";

@@ -43,6 +43,10 @@ struct Worker {
 /// A worker's id as people see it.
 std::string hexOfId(std::string_view id);
 
+/// Whether two programs are of one build, as they name it (buildName): of one version, and of one
+/// commit where both know theirs.
+bool isSameBuild(std::string_view a, std::string_view b);
+
 /// Who is there: the workers that said Hello and neither left nor were lost, by id and by peer.
 /// What they hold is for Leases to know. One thread; references to workers last until they are
 /// removed.
@@ -64,7 +68,7 @@ class WorkerRegistry {
   void setKernelFamily(const std::string& family) { kernel_family_ = family; }
 
   /// Why this worker may not join, as a clause that says what to do; empty when it may. All workers
-  /// must give the same bits: same protocol, version and kernels.
+  /// must give the same bits: same protocol, build and kernels.
   std::string objectionTo(const wire::Hello& hello, const std::optional<PublicKey>& key) const;
   /// It may join with other kernels, which it has too.
   bool wouldChangeKernels(const wire::Hello& hello) const;

@@ -55,7 +55,7 @@ void WorkerSession::sayHello(Time now) {
   wire::Message message;
   wire::Hello& hello = *message.mutable_hello();
   hello.set_protocol(protocol_version);
-  hello.set_version(version());
+  hello.set_version(buildName());
   hello.set_worker(options_.worker_id);
   for (const std::string& ended : options_.ended) hello.add_ended(ended);
   hello.set_host(options_.host);

@@ -46,6 +46,21 @@ TEST_F(WorkerRegistryTest, AWorkerWithoutAnIdOrKernelsMayNotJoin) {
   }
 }
 
+TEST_F(WorkerRegistryTest, AWorkerOfAnotherVersionOrCommitMayNotJoin) {
+  EXPECT_EQ(registry.objectionTo(hello("a"), {}), "") << "it knows no commit";
+  wire::Hello named = hello("a");
+  named.set_version(buildName());
+  EXPECT_EQ(registry.objectionTo(named, {}), "");
+  named.set_version("0.0.7 (1a2b3c4)");
+  EXPECT_THAT(registry.objectionTo(named, {}), testing::HasSubstr("0.0.7 (1a2b3c4)"));
+
+  EXPECT_TRUE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (1a2b3c4)"));
+  EXPECT_FALSE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (9f8e7d6)"));
+  EXPECT_FALSE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (1a2b3c4+changed)"));
+  EXPECT_TRUE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0")) << "made from sources without git";
+  EXPECT_FALSE(isSameBuild("0.1.0", "0.2.0"));
+}
+
 TEST_F(WorkerRegistryTest, WhatAWorkerCallsItselfCannotMoveACursor) {
   wire::Hello escaping = hello("a");
   escaping.set_host("\x1b[2Jnode\n7 " + std::string(1000, 'x'));

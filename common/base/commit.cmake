@@ -1,7 +1,8 @@
-# Writes HEADER with the commit of SOURCE_DIR, for `palpate --version`, when it changed.
+# Writes SOURCE with the commit of SOURCE_DIR (program.hpp), when it changed.
 execute_process(COMMAND git -C ${SOURCE_DIR} describe --always --dirty=+changed --exclude=* OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)
   set(commit unknown)
 endif()
-file(CONFIGURE OUTPUT ${HEADER} CONTENT "#pragma once\nconstexpr const char* commit = \"${commit}\";\n")
+file(CONFIGURE OUTPUT ${SOURCE} CONTENT
+  "#include \"common/base/program.hpp\"\nconst char* palpate::commit() { return \"${commit}\"; }\n")
