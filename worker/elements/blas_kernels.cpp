@@ -126,7 +126,7 @@ void chooseBlasKernels(char** argv) {
   const std::vector<std::string> wanted = fastestFirst();
   const auto next = static_cast<std::size_t>(tried == nullptr ? 0 : std::atoi(tried));
   const std::string& meant = wanted[std::min(next == 0 ? 0 : next - 1, wanted.size() - 1)];
-  if (levelOf(blasKernels()) >= levelOf(meant) && blasComputesRight()) return;
+  if (strcasecmp(blasKernels().c_str(), meant.c_str()) == 0 && blasComputesRight()) return;
   // Wrong to the last: prepareBlas says so when something is to be computed.
   if (next >= wanted.size()) return;
   std::error_code error;

@@ -8,10 +8,13 @@
 /// OPENBLAS_CORETYPE, read at that moment, overrules it.
 namespace palpate {
 
-/// Call first thing in main(). When OpenBLAS chose slower kernels than this CPU runs, or kernels
-/// that compute wrong products here, starts the program anew, in the same process and with the same
-/// arguments, with OPENBLAS_CORETYPE set to the fastest that are right; returns in the process that
-/// is to go on. A value that the user set stays.
+/// Call first thing in main(). When OpenBLAS chose other kernels than those of this CPU's family
+/// (blasKernelsOf), or kernels that compute wrong products here, starts the program anew, in the
+/// same process and with the same arguments, with OPENBLAS_CORETYPE set to the fastest that are
+/// right; returns in the process that is to go on. A value that the user set stays.
+///
+/// Kernels that are as fast have other bits (Cooperlake and SkylakeX in single precision), so all
+/// machines of a family take the same ones.
 void chooseBlasKernels(char** argv);
 
 /// What OpenBLAS calls them: "SkylakeX".
