@@ -3,10 +3,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <thread>
 
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
+#include "common/base/machine.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/keys/key_options.hpp"
@@ -346,7 +346,7 @@ constexpr int deaths_at_the_start = 3;
 
 struct BuildOptions {
   BuildOrder order;
-  int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  int workers = static_cast<int>(coreCount());
 };
 
 ExitCode compute(Server& server, Build& build, const std::function<void()>& seal, int workers) {

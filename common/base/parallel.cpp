@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/machine.hpp"
+
 namespace palpate {
 
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
@@ -22,8 +24,7 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& task)
   {
     // The braces join them before the error is looked at.
     std::vector<std::jthread> threads;
-    const std::size_t wanted =
-        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
+    const std::size_t wanted = std::min<std::size_t>(count, coreCount());
     while (threads.size() + 1 < wanted) threads.emplace_back(work);
     work();
   }

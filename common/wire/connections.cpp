@@ -18,6 +18,8 @@
 
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
+#include "common/base/file_descriptor.hpp"
+#include "common/base/machine.hpp"
 
 namespace palpate {
 namespace {
@@ -96,13 +98,11 @@ PeerLimits PeerLimits::forMessagesOf(std::size_t message_bytes, std::size_t queu
   const std::size_t unread = (queue_length + 2) * message_bytes + beside;
   // So that a hall full of workers is no flood while the disk stands still for some seconds.
   constexpr std::size_t share_of_memory = 16;
-  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-  const std::size_t memory =
-      pages > 0 && page > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(page) : 0;
-  return {.unread = unread,
-          .unread_in_all = std::max<std::size_t>(64 << 20, memory / share_of_memory),
-          // Workers ask for the starts of two jobs at once.
-          .behind = std::max<std::size_t>(65536, 2 * message_bytes)};
+  return {
+      .unread = unread,
+      .unread_in_all = std::max<std::size_t>(64 << 20, memoryBytes().value_or(0) / share_of_memory),
+      // Workers ask for the starts of two jobs at once.
+      .behind = std::max<std::size_t>(65536, 2 * message_bytes)};
 }
 
 Connections::Connections(zmq::context_t& context, zmq::socket_t& router, const PeerLimits& limits)

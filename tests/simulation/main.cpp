@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/base/machine.hpp"
 #include "tests/simulation/planted.hpp"
 #include "tests/simulation/world.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 struct Options {
   std::uint64_t seeds = 1000, first = 1;
-  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+  unsigned jobs = coreCount();
   std::vector<std::size_t> only;  ///< accidents of the history, by number
   bool json = false, list_planted = false, story = false;
   std::string planted;

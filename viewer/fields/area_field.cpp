@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <thread>
 
 #include "common/base/error.hpp"
 #include "common/base/farthest_points.hpp"
+#include "common/base/machine.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/jet_sums.hpp"
 #include "viewer/fields/wendland.hpp"
@@ -132,7 +132,7 @@ std::vector<std::optional<SiteJets>> makeSites(const std::vector<const SpaceTabl
                                                const std::function<void()>& site_done) {
   std::vector<std::optional<SiteJets>> parts(spaces.size());
   // As many parts as threads, each with fits of its own.
-  const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t n_parts = coreCount();
   inParallel(n_parts, [&](std::size_t part) {
     SiteFits fits(spaces.front()->lattice.unit());
     for (std::size_t s = part; s < spaces.size(); s += n_parts) {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "common/base/assertion.hpp"
+#include "common/base/machine.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
@@ -83,7 +83,7 @@ SceneReport reportOf(const Problem& problem) {
   }
   report.measured = measureWays(problem);
   report.cost = buildCost(problem, report.measured);
-  report.cores = std::max(1u, std::thread::hardware_concurrency());
+  report.cores = coreCount();
   report.arithmetic = arithmetic(chooseKernels());
   report.warnings = warningsOf(problem);
   if (const std::string why = whyBlasIsSlow(); !why.empty()) report.warnings.push_back(why);

@@ -34,6 +34,7 @@ namespace palpate {
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   for (std::size_t n = 0; n < count; ++n) task(n);
 }
+unsigned coreCount() { return 1; }
 #endif
 
 namespace {
