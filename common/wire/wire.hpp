@@ -18,13 +18,13 @@
 namespace palpate {
 
 /// Raised with every incompatible change; Hello carries it and the scheduler refuses another one.
-inline constexpr std::uint32_t protocol_version = 3;
+inline constexpr std::uint32_t protocol_version = 4;
 
 /// So many messages of one connection wait in a ROUTER; then the others have to.
 inline constexpr int router_queue_length = 16;
 
-/// Payload frames are at most this long: libzmq's heartbeat takes one large frame on a slow link
-/// for silence.
+/// Payload frames are at most this long. libzmq takes memory for a frame when its length comes in,
+/// so a ROUTER refuses longer frames than honest peers send.
 inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
 
 /// A payload longer than this is refused on receipt (a mesh of 10 million nodes does not fit;

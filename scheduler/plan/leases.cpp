@@ -45,15 +45,15 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
     // A suspect is handed out alone, so that the next death names it.
     const bool alone = entry.losses.suspected >= losses_before_alone;
     if (alone && !job.empty()) break;
-    handout.targets.push_back(lease(key, worker, handout.job));
+    lease(key, worker, handout.job);
+    handout.targets.push_back(key.target);
     if (alone || job.size() == limit) break;
   }
   PALPATE_ASSERT(!job.empty(), "a start is among the waiting ones as long as a target is");
   return handout;
 }
 
-Handout::Target Leases::lease(const TransitionKey& key, const std::string& worker,
-                              std::uint64_t job) {
+void Leases::lease(const TransitionKey& key, const std::string& worker, std::uint64_t job) {
   takeFromWaiting(key);
   Entry& entry = entries_.at(key);
   entry.worker = worker;
@@ -64,7 +64,6 @@ Handout::Target Leases::lease(const TransitionKey& key, const std::string& worke
   ++held.targets;
   ++leased_count_;
   leased_checks_ += entry.is_check;
-  return {key.target, entry.losses.attempts};
 }
 
 void Leases::addCheck(const TransitionKey& key) {
@@ -78,8 +77,8 @@ std::optional<Handout> Leases::handOutCheck(const std::string& worker, const May
   const auto found = std::ranges::find_if(waiting_checks_, may);
   if (found == waiting_checks_.end()) return std::nullopt;
   const TransitionKey key = *found;
-  Handout handout{++last_job_, key.space, key.parent, {}};
-  handout.targets.push_back(lease(key, worker, handout.job));
+  Handout handout{++last_job_, key.space, key.parent, {key.target}};
+  lease(key, worker, handout.job);
   return handout;
 }
 

@@ -20,15 +20,10 @@ struct TransitionKey {
 
 /// A start configuration and the targets to reach from it, on their way to one worker.
 struct Handout {
-  struct Target {
-    std::int32_t point = -1;
-    /// Number of this hand-out of the transition, from 1: the fencing token.
-    std::uint32_t attempt = 0;
-  };
   std::uint64_t job = 0;
   std::uint32_t space = 0;
   std::int32_t parent = -1;
-  std::vector<Target> targets;
+  std::vector<std::int32_t> targets;  ///< lattice numbers
 };
 
 /// A job carries at most as many targets as a point has neighbours.
@@ -52,7 +47,7 @@ struct Losses {
 };
 
 /// Ready transitions and who is solving them. A transition is waiting, then leased to one worker,
-/// then finished; a lost worker's leases wait again under the next attempt number. One that workers
+/// then finished; a lost worker's leases wait again. One that workers
 /// died on is set aside: it is handed out no more until retry(), but a result of it is still
 /// welcome. Grouping into jobs depends on timing; results must not.
 ///
@@ -153,7 +148,7 @@ class Leases {
   }
   Start startOf(std::uint32_t space, std::int32_t parent) const;
   void putBack(const TransitionKey& key, Entry& entry);
-  Handout::Target lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
+  void lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
   void takeFromWaiting(const TransitionKey& key);
   void noteEnd(Held& held, const Entry& entry);
   Jobs endLeases(const std::string& worker);

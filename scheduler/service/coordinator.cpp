@@ -410,19 +410,17 @@ void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
   job.set_space(handout.space);
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   // Whatever goes to several targets is none of the rest state, which has a job of its own.
-  const TransitionKey first = {handout.space, handout.targets.front().point, handout.parent};
+  const TransitionKey first = {handout.space, handout.targets.front(), handout.parent};
   const bool is_check = checks_.isOpen(resultKeyOf(first));
   job.set_start_id(is_check ? checks_.startOf(resultKeyOf(first)).id
                             : startIdOf(plan, {first.target, first.parent}));
-  for (const Handout::Target& target : handout.targets) {
+  for (const std::int32_t target : handout.targets) {
     wire::Target& entry = *job.add_targets();
-    *entry.mutable_point() = toWire(plan.positions().point(target.point));
-    entry.set_attempt(target.attempt);
-    const ResultKey key = resultKeyOf({handout.space, target.point, handout.parent});
+    *entry.mutable_point() = toWire(plan.positions().point(target));
+    const ResultKey key = resultKeyOf({handout.space, target, handout.parent});
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
-    entry.set_steps(is_check
-                        ? checks_.startOf(key).steps
-                        : static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
+    entry.set_steps(is_check ? checks_.startOf(key).steps
+                             : static_cast<std::uint32_t>(plan.stepsOf({target, handout.parent})));
   }
 }
 

@@ -129,9 +129,9 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {
-  // Who asked for it and how long it took depends on timing, everything else on the scene.
-  result.clear_job();
-  result.clear_attempt();
+  // Who was asked for it and how long it took depends on timing, everything else on the scene.
+  // Fields that are not known are those of older records, which only told the former.
+  result.GetReflection()->MutableUnknownFields(&result)->Clear();
   result.clear_lease();
   result.clear_given_by();
   result.clear_steps();

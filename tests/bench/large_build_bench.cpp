@@ -71,8 +71,6 @@ class LinearBody {
   explicit LinearBody(const Problem& problem) : problem_(problem) {
     header_.set_build(std::string(problemId(problem).bytes()));
     header_.set_kernel_family("avx2/Haswell");
-    header_.set_job(std::uint64_t{1} << 32);
-    header_.set_attempt(1);
     wire::Provenance& giver = *header_.mutable_given_by();
     giver.set_worker(std::string(16, 'w'));
     giver.set_host("compute-17.cluster");

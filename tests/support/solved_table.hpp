@@ -56,8 +56,6 @@ inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std
 /// Says in a result what it has to say of the job that asked for it, and how: in so many steps it
 /// comes to other bits.
 inline void answer(const wire::Job& job, const wire::Target& target, wire::Result& result) {
-  result.set_job(job.id());
-  result.set_attempt(target.attempt());
   result.set_start_id(job.start_id());
   result.set_lease(target.lease());
   result.mutable_cost()->set_steps(static_cast<std::int32_t>(target.steps()));

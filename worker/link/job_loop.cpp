@@ -70,8 +70,6 @@ class ProblemSolver {
     result.set_space(job.space());
     *result.mutable_target() = target.point();
     *result.mutable_parent() = job.start();
-    result.set_job(job.id());
-    result.set_attempt(target.attempt());
     result.set_start_id(job.start_id());
     result.set_lease(target.lease());
     result.set_kernel_family(arithmetic(solver_.system().kernels()));

@@ -136,7 +136,6 @@ TEST_F(CoordinatorTest, GivesASilentWorkersTargetToAnotherAndTakesTheLateAnswer)
   world.pass(2s);
   const auto again = world.takeJobs("b");
   ASSERT_EQ(again.size(), 2u);
-  EXPECT_EQ(again[0].targets(0).attempt(), 2u);
   // It was not dead: it is asked for its name, and its answer is the first.
   world.deliver("a", lost[0]);
   world.join("a", 0);
@@ -213,7 +212,6 @@ TEST_F(CoordinatorTest, TakesBackWhatAnIdleWorkerNeverGot) {
   world.settle();
   const auto jobs = world.takeJobs("a");
   ASSERT_EQ(jobs.size(), 2u);
-  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
 }
 
 TEST_F(CoordinatorTest, AWorkerThatSaysGoodbyeHandsItsWorkBack) {
@@ -234,7 +232,6 @@ TEST_F(CoordinatorTest, AWorkerThatIntroducesItselfAgainHasForgottenItsJobs) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
   ASSERT_EQ(jobs.size(), 2u);
-  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
 }
 
 TEST_F(CoordinatorTest, APeerThatTakesAnotherNameGivesUpTheFirst) {
@@ -245,7 +242,6 @@ TEST_F(CoordinatorTest, APeerThatTakesAnotherNameGivesUpTheFirst) {
   world.request("a", 2);
   const auto jobs = world.takeJobs("a");
   ASSERT_EQ(jobs.size(), 2u);
-  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
 }
 
 TEST_F(CoordinatorTest, ASolveIsHungThirtyTimesTheLongestOneLater) {

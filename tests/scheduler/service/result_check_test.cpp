@@ -112,6 +112,20 @@ TEST(ResultCheck, RefusesFailuresThatCannotBe) {
   EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_negative_pivots(-1); }), "");
 }
 
+/// Records of older programs name the job and the hand-out that asked for them.
+TEST(ResultCheck, FieldsThatAreNotKnownMakeNoOtherResult) {
+  wire::Result result, with_another_field;
+  result.set_fields_id("id");
+  with_another_field.CopyFrom(result);
+  constexpr int beyond_all = 1000;
+  with_another_field.GetReflection()
+      ->MutableUnknownFields(&with_another_field)
+      ->AddVarint(beyond_all, 7);
+  EXPECT_TRUE(ResultCheck::agree(with_another_field, result));
+  result.set_fields_id("another");
+  EXPECT_FALSE(ResultCheck::agree(with_another_field, result));
+}
+
 TEST(Oddness, OfForcesAndEnergiesThatFollowFromEachOtherIsSmallAndOfOthersLarge) {
   const Problem problem = test::cubeProblem();
   const auto at = [&](const LatticePoint& point) {

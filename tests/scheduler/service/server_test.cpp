@@ -262,7 +262,8 @@ TEST_F(ServerTest, HandsTheWorkOfAWorkerThatIsGoneToAnother) {
   build.coordinator().workerProcessEnded(1, std::chrono::steady_clock::now());
   request(second, 2);
   const wire::Job again = expect(second, Message::kJob).message.job();
-  EXPECT_EQ(again.targets(0).attempt(), lost.targets(0).attempt() + 1);
+  EXPECT_EQ(fromWire(again.targets(0).point()), fromWire(lost.targets(0).point()));
+  EXPECT_EQ(again.space(), lost.space());
 }
 
 TEST_F(ServerTest, AnswersPeopleBesideWorkers) {
