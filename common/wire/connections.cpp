@@ -1,6 +1,7 @@
 #include "common/wire/connections.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
@@ -17,9 +18,9 @@
 #include <tuple>
 
 #include "common/base/error.hpp"
-#include "common/wire/wire.hpp"
 #include "common/base/file_descriptor.hpp"
 #include "common/base/machine.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
@@ -68,13 +69,14 @@ std::uint64_t cookieOf(int descriptor) {
   return readOption(descriptor, SOL_SOCKET, SO_COOKIE, cookie) ? cookie : 0;
 }
 
-/// Nothing when it has ended.
-std::optional<Connections::Traffic> trafficOf(int descriptor) {
+/// Of the connection with this cookie; nothing when it has ended, whoever has its descriptor.
+std::optional<Connections::Traffic> trafficOf(int descriptor, std::uint64_t cookie) {
   tcp_info info{};
   socklen_t size = sizeof info;
   int unread = 0;
   if (getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
-      size < offsetof(tcp_info, tcpi_segs_out) || ioctl(descriptor, FIONREAD, &unread) != 0)
+      size < offsetof(tcp_info, tcpi_segs_out) || ioctl(descriptor, FIONREAD, &unread) != 0 ||
+      cookieOf(descriptor) != cookie)
     return std::nullopt;
   // What is still with the system is not in this process.
   const auto received = static_cast<std::int64_t>(info.tcpi_bytes_received) - unread;
@@ -172,12 +174,14 @@ bool Connections::isSame(int descriptor) const {
 void Connections::accepted(int descriptor) {
   if (isSame(descriptor)) return;
   forget(descriptor);
+  const std::uint64_t cookie = cookieOf(descriptor);
   const auto address = addressOf(descriptor);
-  if (!address) return;
+  // Another one came between: its own event tells.
+  if (!address || cookieOf(descriptor) != cookie) return;
   flooded_before_.erase(descriptor);
   Connection& connection = connections_[descriptor];
   connection.address = *address;
-  connection.cookie = cookieOf(descriptor);
+  connection.cookie = cookie;
   connection.flooded = isShutOut(*address);
   if (connection.flooded) return shut(descriptor, connection);
   if (!isFullOfEnded()) return;
@@ -202,8 +206,8 @@ void Connections::forget(int descriptor) {
 void Connections::look(Seconds since_last) {
   std::vector<int> gone;
   for (auto& [descriptor, connection] : connections_) {
-    const auto traffic = trafficOf(descriptor);
-    if (!traffic || cookieOf(descriptor) != connection.cookie) {
+    const auto traffic = trafficOf(descriptor, connection.cookie);
+    if (!traffic) {
       gone.push_back(descriptor);
       continue;
     }
@@ -307,7 +311,11 @@ void Connections::close(int descriptor, Connection& connection, const std::strin
 /// ZeroMQ's thread finds it ended, drops the message that is not whole, and closes the descriptor.
 void Connections::shut(int descriptor, Connection& connection) {
   connection.closing = true;
-  shutdown(descriptor, SHUT_RDWR);  // where it fails, it has ended
+  // That thread may have closed it, and accepted another connection there: a copy stays what it is.
+  const FileDescriptor copy(fcntl(descriptor, F_DUPFD_CLOEXEC, 0));
+  const int its_own = copy ? copy.get() : descriptor;
+  if (cookieOf(its_own) == connection.cookie)
+    shutdown(its_own, SHUT_RDWR);  // where it fails, it has ended
 }
 
 void Connections::note(std::string line) {
@@ -334,7 +342,7 @@ bool Connections::received(int connection, const std::string& peer, std::size_t 
     of_peer_.erase(before);
   from.peer = peer;
   from.given = 0;
-  const auto traffic = trafficOf(connection);
+  const auto traffic = trafficOf(connection, from.cookie);
   from.acknowledged_before = traffic ? traffic->acknowledged : 0;
   of_peer_[peer] = connection;
   return true;
@@ -355,7 +363,7 @@ bool Connections::isBehind(const std::string& peer) {
   const std::lock_guard lock(mutex_);
   Connection* const to = ofPeer(peer);
   if (to == nullptr || owed(*to) <= limits_.behind) return false;
-  if (const auto traffic = trafficOf(of_peer_.at(peer)))
+  if (const auto traffic = trafficOf(of_peer_.at(peer), to->cookie))
     to->latest.acknowledged = traffic->acknowledged;
   return owed(*to) > limits_.behind;
 }
