@@ -343,6 +343,8 @@ void serveUntilDone(Server& server, Coordinator& coordinator,
 constexpr int deaths_without_progress = 20;
 /// So many when none of them ever said hello: then it is not the work, it is the program.
 constexpr int deaths_at_the_start = 3;
+/// When none of them said hello by then, the program hangs.
+constexpr std::chrono::minutes first_word_limit{2};
 
 struct BuildOptions {
   BuildOrder order;
@@ -355,6 +357,7 @@ ExitCode compute(Server& server, Build& build, const std::function<void()>& seal
   constexpr milliseconds drain_limit{15000};
   WorkerPool pool({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
                    "--keys", build.directory().keys().string(), "--alone", "--quiet"});
+  const auto started = Clock::now();
   for (int n = 0; n < workers; ++n) pool.start();
 
   std::int64_t recorded = 0;
@@ -364,6 +367,11 @@ ExitCode compute(Server& server, Build& build, const std::function<void()>& seal
     if (coordinator.recorded() > recorded) deaths = 0;
     recorded = coordinator.recorded();
     joined = joined || coordinator.workers() > 0;
+    if (!joined && Clock::now() - started > first_word_limit)
+      throw failure(
+          "no worker said a word within {} min: see whether palpate-worker kernels answers on this "
+          "machine, and raise limits of memory (ulimit -v)",
+          first_word_limit.count());
     for (const WorkerPool::Ended& ended : pool.reap()) {
       if (coordinator.complete() || coordinator.stopping()) continue;
       coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());

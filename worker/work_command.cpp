@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/keys/key_options.hpp"
+#include "worker/elements/blas_kernels.hpp"
 #include "worker/link/job_loop.hpp"
 #include "worker/link/scheduler_link.hpp"
 #include "worker/verbs.hpp"
@@ -57,6 +58,7 @@ class SolverThread {
 
 ExitCode runOneWorker(const WorkOptions& options) {
   catchInterrupts();
+  prepareBlas();  // a worker that cannot solve says so before it is given work
   const ElementKernels& kernels = chooseKernels();
   std::string wanted_kernels;
   {

@@ -155,6 +155,9 @@ int become(const Route& route, std::vector<std::string> arguments) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
+  // Read while OpenBLAS is loaded. On many cores its threads would not let palpate-worker, which
+  // sees to it too, come to its first line where address space is limited.
+  setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
   const char* hint = errno == ENOENT
                          ? "; install the package palpate-viewer, or build all programs with "

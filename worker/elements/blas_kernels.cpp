@@ -2,16 +2,20 @@
 
 #include <cblas.h>
 #include <strings.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/cpu_family.hpp"
@@ -24,6 +28,13 @@ constexpr const char* core_type = "OPENBLAS_CORETYPE";
 /// Set with it by chooseBlasKernels: how many of fastestFirst() were tried. Without it, a value of
 /// core_type is the user's.
 constexpr const char* tried_variable = "PALPATE_OPENBLAS_TRIED";
+
+/// Read while OpenBLAS is loaded: each of its threads takes `workspace` at once.
+constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
+/// What a thread's first product takes, bytes: 128 MiB and its alignment.
+constexpr std::size_t workspace = (128u << 20) + (64u << 10);
+/// The first products take milliseconds; OpenBLAS may wait for ever in them.
+constexpr unsigned first_products_limit_s = 60;
 
 /// What this CPU runs, by the names of OpenBLAS.
 std::vector<std::string> fastestFirst() {
@@ -97,15 +108,62 @@ bool computesRight(int n) {
   return true;
 }
 
+/// Whether the system grants the workspace. Where it does not, OpenBLAS asks again for ever.
+bool workspaceIsGranted() {
+  static const bool granted = [] {
+    void* const room =
+        mmap(nullptr, workspace, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return room != MAP_FAILED && munmap(room, workspace) == 0;
+  }();
+  return granted;
+}
+
+/// What keeps the workspace from this process, and the remedy.
+std::string whyNotGranted() {
+  for (const auto& [resource, option] :
+       {std::pair{RLIMIT_AS, "-v"}, std::pair{RLIMIT_DATA, "-d"}}) {
+    struct rlimit limit {};
+    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+      return fmt::format("its limit is {} MiB (ulimit {}): raise it to 1000 MiB or more",
+                         limit.rlim_cur >> 20, option);
+  }
+  return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
+}
+
+[[noreturn]] void onSilence(int) {
+  constexpr std::string_view sentence =
+      "OpenBLAS did not compute its first product within a minute: give this process more memory, "
+      "or update OpenBLAS\n";
+  if (write(STDERR_FILENO, sentence.data(), sentence.size()) < 0) _exit(125);
+  _exit(1);
+}
+
 /// Small matrices have kernels of their own; the others fill blocks and leave edges.
-bool blasComputesRight() {
+bool firstProductsAreRight() {
   constexpr std::array sizes = {5, 48, 97};
-  openblas_set_num_threads(1);  // what prepareBlas() promises, too
-  static const bool right = std::all_of(sizes.begin(), sizes.end(), [](int n) {
+  std::signal(SIGALRM, onSilence);
+  alarm(first_products_limit_s);
+  const bool right = std::all_of(sizes.begin(), sizes.end(), [](int n) {
     return computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n) &&
            computesRight<Eigen::MatrixXd, cblas_dgemm, cblas_dtrsm>(n);
   });
+  alarm(0);
   return right;
+}
+
+/// Call after workspaceIsGranted().
+bool blasComputesRight() {
+  openblas_set_num_threads(1);  // what prepareBlas() promises, too
+  static const bool right = firstProductsAreRight();
+  return right;
+}
+
+/// Puts this program into its process again, with the environment as it is now. Returns when that
+/// fails.
+void startAnew(char** argv) {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) execv(program.c_str(), argv);
 }
 
 }  // namespace
@@ -121,20 +179,22 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 }
 
 void chooseBlasKernels(char** argv) {
+  const char* threads = std::getenv(threads_variable);
+  if ((threads == nullptr || threads != std::string_view("1")) &&
+      setenv(threads_variable, "1", 1) == 0)
+    startAnew(argv);
   const char* tried = std::getenv(tried_variable);
-  if (!blasKernelsMayBeChosen()) return;
+  // Without workspace prepareBlas says so when something is to be computed.
+  if (!blasKernelsMayBeChosen() || !workspaceIsGranted()) return;
   const std::vector<std::string> wanted = fastestFirst();
   const auto next = static_cast<std::size_t>(tried == nullptr ? 0 : std::atoi(tried));
   const std::string& meant = wanted[std::min(next == 0 ? 0 : next - 1, wanted.size() - 1)];
   if (strcasecmp(blasKernels().c_str(), meant.c_str()) == 0 && blasComputesRight()) return;
   // Wrong to the last: prepareBlas says so when something is to be computed.
   if (next >= wanted.size()) return;
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return;
   if (setenv(core_type, wanted[next].c_str(), 1) == 0 &&
       setenv(tried_variable, std::to_string(next + 1).c_str(), 1) == 0)
-    execv(program.c_str(), argv);
+    startAnew(argv);
   // Not replaced, so this process goes on with the kernels it has, and nobody chose them.
   unsetenv(core_type);
   unsetenv(tried_variable);
@@ -158,6 +218,9 @@ std::string whyBlasIsSlow() {
 }
 
 void prepareBlas() {
+  if (!workspaceIsGranted())
+    throw failure("OpenBLAS needs {} MiB more than the system grants this process: {}",
+                  workspace >> 20, whyNotGranted());
   if (!blasComputesRight())
     throw failure(
         "OpenBLAS computes wrong products with its {} kernels on this CPU: choose others with {}, "

@@ -8,10 +8,12 @@
 /// OPENBLAS_CORETYPE, read at that moment, overrules it.
 namespace palpate {
 
-/// Call first thing in main(). When OpenBLAS chose other kernels than those of this CPU's family
-/// (blasKernelsOf), or kernels that compute wrong products here, starts the program anew, in the
-/// same process and with the same arguments, with OPENBLAS_CORETYPE set to the fastest that are
-/// right; returns in the process that is to go on. A value that the user set stays.
+/// Call first thing in main(). Starts the program anew, in the same process and with the same
+/// arguments: with OPENBLAS_NUM_THREADS=1 when it was loaded without, because each of its threads
+/// takes 128 MiB of address space; and, when OpenBLAS chose other kernels than those of this CPU's
+/// family (blasKernelsOf), or kernels that compute wrong products here, with OPENBLAS_CORETYPE set
+/// to the fastest that are right. Returns in the process that is to go on. A core type that the
+/// user set stays.
 ///
 /// Kernels that are as fast have other bits (Cooperlake and SkylakeX in single precision), so all
 /// machines of a family take the same ones.
@@ -30,7 +32,8 @@ void chooseBlasKernelsOfNext(const std::string& kernels);
 std::string whyBlasIsSlow();
 
 /// For what is to compute with OpenBLAS in this process, on any thread: holds it to one thread.
-/// Error when its products are wrong, which is checked once.
+/// Error when the system refuses the memory that it needs, or its products are wrong; both are
+/// checked once. Ends the process (exit 1) when OpenBLAS computes no product within a minute.
 void prepareBlas();
 
 }  // namespace palpate

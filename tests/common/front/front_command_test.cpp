@@ -37,6 +37,11 @@ TEST_F(FrontCommand, StartsTheProgramBesideItAndReturnsItsExitCode) {
   EXPECT_EQ(palpate("check x").output, "palpate-worker:check x\n");
 }
 
+TEST_F(FrontCommand, HoldsOpenBlasToOneThreadBeforeItIsLoaded) {
+  std::ofstream(directory / "palpate-worker") << "#!/bin/sh\necho $OPENBLAS_NUM_THREADS\n";
+  EXPECT_EQ(palpate("check x").output, "1\n");
+}
+
 TEST_F(FrontCommand, AsksTheSchedulerToCheckADirectoryAndTheWorkerToCheckAScene) {
   std::filesystem::create_directory(directory / "x.h5.state");
   std::filesystem::create_directory(directory / "check");

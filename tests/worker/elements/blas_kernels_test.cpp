@@ -50,6 +50,24 @@ TEST(BlasKernels, AreTriedOneAfterTheOtherAndNotForEver) {
               HasSubstr("/Prescott\n"));
 }
 
+/// `palpate-worker kernels` where so much address space is allowed. 124: it had to be ended.
+test::CommandResult kernelsWithin(int kilobytes) {
+  return test::runCommand(
+      fmt::format("ulimit -v {}; timeout 60 env -u OPENBLAS_NUM_THREADS {}/palpate-worker kernels",
+                  kilobytes, PALPATE_BIN_DIR));
+}
+
+TEST(BlasKernels, WhereMemoryIsLimitedOneThreadTakesItOrTheLimitIsNamed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
+#endif
+  const test::CommandResult enough = kernelsWithin(300000);
+  EXPECT_EQ(enough.exit_code, 0) << enough.output;
+  const test::CommandResult too_little = kernelsWithin(200000);
+  EXPECT_EQ(too_little.exit_code, 1) << too_little.output;
+  EXPECT_THAT(too_little.output, HasSubstr("ulimit -v"));
+}
+
 TEST(BlasKernels, ArePartOfTheWordThatADatasetRecords) {
   EXPECT_THAT(arithmetic(chooseKernels()), EndsWith("/" + blasKernels()));
   EXPECT_NO_THROW(prepareBlas());
