@@ -60,7 +60,8 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   socket.set(zmq::sockopt::immediate, false);
   if (scheduler.keys) proveAsClient(socket, *scheduler.keys, endpoint);
   HandshakeWatch handshakes(context, socket);
-  connectDealer(socket, endpoint);
+  if (const std::string trouble = connectDealer(socket, endpoint); !trouble.empty())
+    throw failure("{}: {}", endpoint, trouble);
   if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (std::chrono::steady_clock::now() < deadline) {

@@ -1,5 +1,7 @@
 #include "common/wire/wire.hpp"
 
+#include <net/if.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -59,9 +61,57 @@ zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
   return socket;
 }
 
-/// Where the address is one of IPv6; otherwise names would be looked up there first.
-void useIPv6(zmq::socket_t& socket, std::string_view endpoint) {
-  socket.set(zmq::sockopt::ipv6, endpoint.starts_with("tcp://["));
+/// What a host's name was found to be.
+struct HostAddress {
+  std::string text = {};     ///< as endpoints have it: "127.0.0.1", "[::1]"; empty when not found
+  std::string trouble = {};  ///< why not
+
+  bool isOfIPv6() const { return text.starts_with('['); }
+};
+
+/// The first address of IPv4, or else of IPv6: who listens at 127.0.0.1 is called localhost, which
+/// is both.
+HostAddress lookUp(const std::string& host) {
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* all = nullptr;
+  int error = getaddrinfo(host.c_str(), nullptr, &wanted, &all);
+  std::array<char, NI_MAXHOST> text{};
+  bool of_ipv6 = false;
+  if (error == 0) {
+    const addrinfo* chosen = all;
+    while (chosen != nullptr && chosen->ai_family != AF_INET) chosen = chosen->ai_next;
+    of_ipv6 = chosen == nullptr;
+    if (of_ipv6) chosen = all;
+    error = getnameinfo(chosen->ai_addr, chosen->ai_addrlen, text.data(), text.size(), nullptr, 0,
+                        NI_NUMERICHOST);
+    freeaddrinfo(all);
+  }
+  if (error != 0)
+    return {.trouble = fmt::format("the host {} is not found ({}): check its name", host,
+                                   error == EAI_SYSTEM ? errnoText() : gai_strerror(error))};
+  return {.text = of_ipv6 ? fmt::format("[{}]", text.data()) : text.data()};
+}
+
+/// HOST and :PORT of tcp://HOST:PORT; the brackets of an address of IPv6 are left out.
+std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
+  const std::string address = endpoint.substr(std::string_view("tcp://").size());
+  const std::size_t colon = address.rfind(':');
+  std::string host = address.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return {host, address.substr(colon)};
+}
+
+/// `endpoint` with the address of its host, which libzmq does not look up for those who listen.
+/// Error when the host is not found.
+std::string withAddress(const std::string& endpoint) {
+  if (!endpoint.starts_with("tcp://")) return endpoint;
+  const auto [host, port] = hostAndPort(endpoint);
+  // * is every address of IPv4, and an interface (eth0) has addresses that libzmq finds.
+  if (host == "*" || if_nametoindex(host.c_str()) != 0) return endpoint;
+  const HostAddress found = lookUp(host);
+  if (!found.trouble.empty()) throw failure("cannot listen on {}: {}", endpoint, found.trouble);
+  return "tcp://" + found.text + port;
 }
 
 /// What nobody of this protocol wrote, and would be kept and handed on.
@@ -291,14 +341,10 @@ void checkEndpoint(const std::string& endpoint) {
 
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
   checkEndpoint(endpoint);
-  // A name is looked up by those who connect only.
-  constexpr std::string_view by_name = "tcp://localhost:";
-  const std::string address = endpoint.starts_with(by_name)
-                                  ? "tcp://127.0.0.1:" + endpoint.substr(by_name.size())
-                                  : endpoint;
+  const std::string address = withAddress(endpoint);
   refuseTakenPath(address);
   try {
-    useIPv6(socket, address);
+    socket.set(zmq::sockopt::ipv6, address.starts_with("tcp://["));
     socket.bind(address);
   } catch (const zmq::error_t& error) {
     if (error.num() == EADDRINUSE)
@@ -310,14 +356,19 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
   return socket.get(zmq::sockopt::last_endpoint);
 }
 
-void connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
+std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
   checkEndpoint(endpoint);
+  HostAddress found;
+  if (endpoint.starts_with("tcp://")) found = lookUp(hostAndPort(endpoint).first);
   try {
-    useIPv6(socket, endpoint);
+    // With it libzmq takes an address of IPv6 wherever there is one.
+    socket.set(zmq::sockopt::ipv6, found.isOfIPv6());
+    // By name, so that it is looked up again when the connection is lost.
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     throw badInput("cannot connect to {}: {}", endpoint, error.what());
   }
+  return found.trouble;
 }
 
 bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up) {

@@ -103,12 +103,15 @@ zmq::socket_t makeDealer(zmq::context_t& context);
 void checkEndpoint(const std::string& endpoint);
 
 /// Binds, and turns "address already in use" and the like into an Error that names the endpoint and
-/// what to do; a socket file at which nobody listens any more is replaced. Returns the endpoint
-/// with the port that the system chose (for tcp://127.0.0.1:*).
+/// what to do; a socket file at which nobody listens any more is replaced. A host's name is looked
+/// up, which may take seconds. Returns the endpoint with the host's address and the port that the
+/// system chose (for tcp://localhost:*: tcp://127.0.0.1:40211).
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 
-/// Connects, in the background. Error (bad input) when the endpoint makes no sense.
-void connectDealer(zmq::socket_t& socket, const std::string& endpoint);
+/// Connects, in the background and again whenever the connection is lost, after it has looked the
+/// host's name up, which may take seconds. Returns why the name is not found, empty when it is: it
+/// may be later, for whoever waits. Error (bad input) when the endpoint makes no sense.
+[[nodiscard]] std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint);
 
 /// Waits at most `longest` until a message is there, or the descriptor `wake_up` is readable. False
 /// when a signal came first. Error on any other ZeroMQ failure.

@@ -46,7 +46,8 @@ class IdleWorker {
     // As SchedulerLink makes it.
     if (keys) proveAsClient(socket_, *keys, endpoint);
     socket_.set(zmq::sockopt::routing_id, "w" + options.worker_id);
-    connectDealer(socket_, endpoint);
+    if (const auto trouble = connectDealer(socket_, endpoint); !trouble.empty())
+      throw failure("{}", trouble);
     const auto add = [this](wire::Message message, std::string_view payload) {
       outbox_.add(std::move(message), payload);
     };

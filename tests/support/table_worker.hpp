@@ -92,7 +92,8 @@ class TableWorker {
     const std::string id = fmt::format("table-worker-{:04}", number);
     socket_.set(zmq::sockopt::routing_id, id);
     if (keys) proveAsClient(socket_, *keys, endpoint);
-    connectDealer(socket_, endpoint);
+    if (const auto trouble = connectDealer(socket_, endpoint); !trouble.empty())
+      throw failure("{}", trouble);
     hello_ = Clock::now() - std::chrono::hours(1);
     wire::Hello& hello = *introduction_.mutable_hello();
     hello.set_protocol(protocol_version);

@@ -38,7 +38,8 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
       max_force_(options_.fallback.max_force) {
   traits_.profile = options_.fallback;
   if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
-  connectDealer(socket_, options_.endpoint);
+  if (const std::string trouble = connectDealer(socket_, options_.endpoint); !trouble.empty())
+    throw failure("{}: {}", options_.endpoint, trouble);
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
   tellTrouble();

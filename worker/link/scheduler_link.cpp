@@ -54,12 +54,12 @@ void SchedulerLink::connect() {
   handshakes_.emplace(context_, socket_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
   socket_.set(zmq::sockopt::routing_id, "w" + options_.worker_id);
-  connectDealer(socket_, options_.endpoint);
+  tellTrouble(connectDealer(socket_, options_.endpoint));
 }
 
-/// Once: it is tried again, since a key may be let in while this worker waits.
-void SchedulerLink::tellHandshakeTrouble() {
-  std::string trouble = handshakes_->trouble();
+/// Once: it is tried again, since a key may be let in, or the host get its name, while this worker
+/// waits.
+void SchedulerLink::tellTrouble(std::string trouble) {
   if (trouble.empty() || trouble == told_) return;
   spdlog::warn("{} is not reached: {}; trying again", options_.endpoint, trouble);
   told_ = std::move(trouble);
@@ -80,7 +80,7 @@ ExitCode SchedulerLink::run() {
   WorkerSession session(mailbox_, sessionOf(options_, kernels_), add, Clock::now());
   for (bool draining = false;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
-    tellHandshakeTrouble();
+    tellTrouble(handshakes_->trouble());
     while (const auto incoming = inbox_.next(socket_, false))
       session.receive(*incoming, Clock::now());
     if (interrupted() && !std::exchange(draining, true)) {

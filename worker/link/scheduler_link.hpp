@@ -41,7 +41,7 @@ class SchedulerLink {
  private:
   void connect();
   void send();
-  void tellHandshakeTrouble();
+  void tellTrouble(std::string trouble);
 
   zmq::context_t& context_;
   Mailbox& mailbox_;
@@ -51,7 +51,7 @@ class SchedulerLink {
   Inbox inbox_;
   Bundler outbox_;
   std::optional<HandshakeWatch> handshakes_;  ///< behind the socket: it goes first
-  std::string told_;                          ///< of them
+  std::string told_;                          ///< of what keeps it from the scheduler
   std::string wanted_kernels_;
 };
 

@@ -46,7 +46,7 @@ struct CurveTest : testing::Test {
     socket.set(zmq::sockopt::immediate, false);
     if (keys) proveAsClient(socket, *keys, endpoint);
     HandshakeWatch handshakes(elsewhere, socket);
-    connectDealer(socket, endpoint);
+    EXPECT_EQ(connectDealer(socket, endpoint), "");
     wire::Message message;
     message.mutable_status_request();
     EXPECT_EQ(sendMessage(socket, "", message), Sent::yes);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -30,6 +32,59 @@ TEST(Endpoint, IsRefusedSayingHowToWriteOne) {
     expectBadInput([&] { checkEndpoint(bad); }, {"tcp://HOST:PORT"});
 }
 
+/// Whether what `dealer` says at `endpoint` comes to `router`.
+bool isHeard(zmq::socket_t& router, zmq::socket_t& dealer, const std::string& endpoint) {
+  dealer.set(zmq::sockopt::immediate, false);
+  EXPECT_EQ(connectDealer(dealer, endpoint), "");
+  wire::Message question;
+  question.mutable_status_request();
+  EXPECT_EQ(sendMessage(dealer, "", question), Sent::yes);
+  for (int wait = 0; wait < 100; ++wait) {
+    if (receiveMessage(router, true)) return true;
+    waitForMessages(router, std::chrono::milliseconds(100));
+  }
+  return false;
+}
+
+/// The endpoint of a router that listens at `endpoint`, by the name that it was given.
+std::string namedAs(const std::string& host, const std::string& endpoint) {
+  return "tcp://" + host + endpoint.substr(endpoint.rfind(':'));
+}
+
+TEST(Endpoint, MayNameItsHostForThoseWhoListenAndThoseWhoConnect) {
+  std::array<char, 256> own_name{};
+  ASSERT_EQ(gethostname(own_name.data(), own_name.size() - 1), 0);
+  for (const std::string& host : {std::string("localhost"), std::string(own_name.data())}) {
+    zmq::context_t context;
+    zmq::socket_t router = makeRouter(context), dealer = makeDealer(context);
+    const std::string endpoint = bindRouter(router, "tcp://" + host + ":*");
+    EXPECT_TRUE(isHeard(router, dealer, namedAs(host, endpoint))) << host;
+  }
+}
+
+TEST(Endpoint, MayHaveAHostWithAnAddressOfIPv6Alone) {
+  zmq::context_t context;
+  zmq::socket_t router = makeRouter(context), dealer = makeDealer(context);
+  std::string endpoint;
+  try {
+    endpoint = bindRouter(router, "tcp://[::1]:*");
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what() << ": IPv6 was NOT tested";
+  }
+  // Without brackets it is found like a name.
+  EXPECT_TRUE(isHeard(router, dealer, namedAs("::1", endpoint)));
+  zmq::socket_t other = makeDealer(context);
+  EXPECT_TRUE(isHeard(router, other, endpoint));
+}
+
+TEST(Endpoint, WhoseHostIsUnknownIsToldAtOnce) {
+  const std::string unknown = "tcp://nowhere.invalid:7411";
+  zmq::context_t context;
+  zmq::socket_t router = makeRouter(context), dealer = makeDealer(context);
+  EXPECT_NE(connectDealer(dealer, unknown).find("nowhere.invalid is not found"), std::string::npos);
+  test::expectError(ExitCode::failed, [&] { bindRouter(router, unknown); }, {"not found"});
+}
+
 /// libzmq itself would take the path over, and the first one would never hear of it.
 TEST(Endpoint, OfASocketFileIsRefusedWhileAnotherListensThere) {
   const test::TemporaryDirectory directory;
@@ -43,13 +98,7 @@ TEST(Endpoint, OfASocketFileIsRefusedWhileAnotherListensThere) {
     test::expectError(ExitCode::failed, [&] { bindRouter(second, endpoint); },
                       {endpoint, "in use by another program", "another path"});
     zmq::socket_t dealer = makeDealer(context);
-    dealer.set(zmq::sockopt::immediate, false);
-    connectDealer(dealer, endpoint);
-    wire::Message question;
-    question.mutable_status_request();
-    EXPECT_EQ(sendMessage(dealer, "", question), Sent::yes);
-    ASSERT_TRUE(waitForMessages(first, std::chrono::seconds(10)));
-    while (!receiveMessage(first, true)) waitForMessages(first, std::chrono::milliseconds(100));
+    EXPECT_TRUE(isHeard(first, dealer, endpoint));
   }
   EXPECT_TRUE(std::filesystem::exists(directory / "s"));
   EXPECT_EQ(bindRouter(second, endpoint), endpoint) << "once the first has ended";
