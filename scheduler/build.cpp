@@ -1,6 +1,7 @@
 #include "scheduler/build.hpp"
 
 #include "common/base/assertion.hpp"
+#include "common/dataset/hdf5_reader.hpp"
 
 namespace palpate {
 namespace {
@@ -51,6 +52,8 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
         fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
                     dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
   } catch (const Error& error) {
+    // It may be whole: replacing it is no remedy.
+    if (!force && hdf5::isOpenForWriting(file)) throw;
     what = fmt::format("exists and is not a usable dataset ({})", error.what());
   }
   if (!force)

@@ -1,8 +1,11 @@
 #include "common/dataset/hdf5_reader.hpp"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 
 #include "common/base/assertion.hpp"
+#include "common/base/shell_word.hpp"
 
 namespace palpate::hdf5 {
 namespace {
@@ -58,6 +61,15 @@ std::string describeExpected(const Shape& expected) {
 
 }  // namespace
 
+bool isOpenForWriting(const std::filesystem::path& file) {
+  // The superblock of our files: its version, and at its end what HDF5 calls consistency flags,
+  // write access and SWMR (HDF5 File Format Specification 3.0, II.A).
+  constexpr std::size_t version = 8, flags = 11;
+  std::array<char, flags + 1> head{};
+  std::ifstream in(file, std::ios::binary);
+  return in.read(head.data(), head.size()) && head[version] >= 3 && (head[flags] & 5) != 0;
+}
+
 Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
     : NamedFile(file.string()), kind_(kind) {
   refuseWhatIsNoFile(file, kind_);
@@ -76,6 +88,11 @@ Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
   // chose.
   for (const auto& [locks, without] : {std::pair(true, true), {true, false}, {false, false}})
     if (opened < 0) opened = openedWith(locks, without);
+  if (opened < 0 && isOpenForWriting(file))
+    throw failure(
+        "{}: is open for writing elsewhere, or was when that ended: close it there (a notebook?); "
+        "if nothing has it open, run h5clear -s {} (Debian: hdf5-tools)",
+        name(), shellWord(name()));
   file_ = own(opened, H5Fclose, "truncated or damaged");
   check(H5Fget_filesize(file_.get(), &file_size_), "size");
 }

@@ -15,13 +15,17 @@ struct FileKind {
   std::string_view remedy = "copy the dataset again or seal it again with palpate build";
 };
 
+/// Whether a program has this HDF5 file open for writing, or ended without closing it. HDF5 opens
+/// it for nobody else then, although it may be whole.
+bool isOpenForWriting(const std::filesystem::path& file);
+
 /// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values
 /// are used. Only arrays of the five plain types, stored in the file itself, are accepted. Every
 /// Error names the file and the array.
 class Reader : public NamedFile {
  public:
-  /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is cut or its
-  /// structure damaged.
+  /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is open for
+  /// writing (isOpenForWriting), cut, or its structure damaged.
   explicit Reader(const std::filesystem::path& file, const FileKind& kind = {});
 
   bool hasAttribute(const char* attribute) const;  ///< of the root group

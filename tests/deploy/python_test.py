@@ -338,6 +338,14 @@ class PythonArrays(WithDatasets):
         listed = {int(number): word for number, word in re.findall(r"([0-9]+)\s+([a-z_]+)", re.sub(r"\([^)]*\)", "", causes))}
         self.assertEqual(dict(enumerate(palpate.arrays.CAUSES[1:], 1)), listed)
 
+    def testAFileThatWasLeftOpenForWritingIsNotCalledDamaged(self):
+        left = shutil.copy(self.file, self.folder / "left.h5")
+        leave = "import h5py, os, sys; f = h5py.File(sys.argv[1], 'r+'); f.flush(); os._exit(0)"
+        subprocess.run([sys.executable, "-c", leave, left], check=True)
+        for reader in palpate.Arrays, palpate.Dataset:
+            with self.assertRaisesRegex(palpate.Error, "left.h5: is open for writing .*h5clear -s"):
+                reader(left)
+
     def testRecordingsAreRead(self):
         run = self.folder / "run.h5"
         self.run_program("view", self.file, "--headless", "--fast", "--duration", "1.5", "--record", run, "-q")

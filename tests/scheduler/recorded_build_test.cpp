@@ -1,5 +1,6 @@
 #include "scheduler/recorded_build.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/sinks/base_sink.h>
@@ -7,6 +8,7 @@
 
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/left_open.hpp"
 
 namespace palpate {
 namespace {
@@ -103,6 +105,20 @@ TEST_F(RecordedBuildTest, APartialDatasetIsNoFinishedWorkAndAWholeOneIs) {
   world.finish({"a"});
   RecordedBuild(state).seal(out);
   EXPECT_TRUE(isSealed(out, world.problem, false));
+}
+
+TEST_F(RecordedBuildTest, ADatasetThatWasLeftOpenForWritingIsNotToBeReplaced) {
+  world.join("a", 1);
+  world.finish({"a"});
+  RecordedBuild(state).seal(out);
+  test::leaveOpenForWriting(out);
+  try {
+    isSealed(out, world.problem, false);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("h5clear -s"));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("--force")));
+  }
 }
 
 TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {

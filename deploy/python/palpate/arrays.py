@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +19,13 @@ CAUSES = ("", "iteration_limit", "line_search_stalled", "inverted_element", "wro
 _majors = (2, 3)
 
 
+def _is_open_for_writing(name: str) -> bool:
+    """As the version and the consistency flags of the superblock say."""
+    with open(name, "rb") as file:
+        head = file.read(12)
+    return len(head) == 12 and head[8] >= 3 and head[11] & 5 != 0
+
+
 def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) -> Any:
     """An open h5py.File whose attribute ``format`` says that it is a palpate-`what` of one of these major versions."""
     try:
@@ -31,6 +39,9 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
     try:
         opened = h5py.File(name, "r")
     except OSError as error:
+        if _is_open_for_writing(name):
+            raise Error(1, f"{name}: is open for writing elsewhere, or was when that ended: close it there (a notebook?); if nothing "
+                        f"has it open, run h5clear -s {shlex.quote(name)} (Debian: hdf5-tools)") from None
         said = f"cannot be opened: {str(error).splitlines()[0]}" if h5py.is_hdf5(name) else f"is not an HDF5 file; {maker}"
         raise Error(2, f"{name}: {said}") from None
     found = opened.attrs.get("format", b"")

@@ -13,10 +13,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/dataset/hdf5_reader.hpp"
 #include "common/interpolation/branch_check.hpp"
 #include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
+#include "tests/support/left_open.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -343,6 +345,14 @@ TEST_F(SealedDataset, IsReadWhileThisProcessHasItOpenOtherwise) {
     H5Fclose(theirs);
     H5Pclose(access);
   }
+}
+
+TEST_F(SealedDataset, IsNotCalledDamagedWhenItWasLeftOpenForWriting) {
+  EXPECT_FALSE(hdf5::isOpenForWriting(file));
+  std::filesystem::copy_file(file, copy);
+  test::leaveOpenForWriting(copy);
+  EXPECT_TRUE(hdf5::isOpenForWriting(copy));
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "h5clear -s"});
 }
 
 TEST_F(SealedDataset, IsRefusedWhenCutAtAnyLength) {
