@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/error.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/dataset/dataset.hpp"
 #include "scheduler/state/state_directory.hpp"
 #include "scheduler/state/tables.hpp"
@@ -58,8 +59,9 @@ void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
   std::filesystem::path aside;
   const std::optional<ContentId> of_dataset = buildOfDataset(out);
   if (of_dataset && *of_dataset != wanted && !replace) {
-    aside = nameAside(out, *of_dataset);
-    keepAs(out, aside);
+    const std::filesystem::path dataset = linkTarget(out);
+    aside = nameAside(dataset, *of_dataset);
+    keepAs(dataset, aside);
     kept = fmt::format("the dataset of before is {} now", aside.string());
   }
   if (state == out.string() + ".state" &&
@@ -67,7 +69,8 @@ void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
     const StateDirectory lock(state);
     const std::optional<ContentId> of_state = buildOfState(state);
     if (of_state && *of_state != wanted) {
-      if (aside.empty() || of_state != of_dataset) aside = nameAside(out, *of_state);
+      if (aside.empty() || of_state != of_dataset || linkTarget(out) != out)
+        aside = nameAside(out, *of_state);
       keepAs(state, aside.string() + ".state");
       kept += fmt::format("{}its work {}.state (the old scene goes on with -o {})",
                           kept.empty() ? "" : ", ", aside.string(), aside.string());

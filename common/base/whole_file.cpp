@@ -1,6 +1,8 @@
 #include "common/base/whole_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -8,6 +10,8 @@
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "common/base/file_descriptor.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 namespace {
@@ -22,7 +26,73 @@ void syncToDisk(const std::filesystem::path& path, int flags) {
     throw failure("{}: cannot be flushed to disk: {}", path.string(), std::strerror(reason));
 }
 
+Error unwritable(const std::filesystem::path& file, std::string_view what) {
+  const std::string reason = errno == 0 ? "the system does not say why" : errnoText();
+  return failure(
+      "{}: cannot write the {}: {}; check the folder, its permissions and the space left",
+      file.string(), what, reason);
+}
+
+bool isTheSame(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+/// FILE.tmp, which one process at a time holds: the others wait. One that was killed leaves it to
+/// the next. Where a file system knows no locks (some of networks), two may write it at once.
+FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view what, mode_t mode) {
+  for (;;) {
+    FileDescriptor taken(open(aside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, mode));
+    struct stat held {};
+    struct stat there {};
+    if (!taken || fstat(taken.get(), &held) != 0) throw unwritable(aside, what);
+    while (flock(taken.get(), LOCK_EX) != 0 && errno == EINTR)
+      if (interrupted())
+        throw Error(ExitCode::interrupted,
+                    fmt::format("interrupted while another process writes {}", aside.string()));
+    // Else it was renamed or removed by the one that had it.
+    if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;
+    if ((held.st_mode & 077 & ~mode) != 0 && fchmod(taken.get(), mode) != 0)
+      throw unwritable(aside, what);
+    return taken;
+  }
+}
+
+void replace(const std::filesystem::path& named, std::string_view what, mode_t mode,
+             const std::function<void(const std::filesystem::path& aside)>& write) {
+  const std::filesystem::path file = linkTarget(named);
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    throw failure("{}: is there and is no file; give another name", named.string());
+  std::filesystem::path aside = file;
+  aside += ".tmp";
+  FileDescriptor held = takeAside(aside, what, mode);
+  try {
+    write(aside);
+    syncToDisk(aside, 0);
+    std::filesystem::rename(aside, file);
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::filesystem::remove(aside, ignored);
+    throw failure("{}: {}", file.string(), error.code().message());
+  } catch (...) {
+    std::filesystem::remove(aside, ignored);
+    throw;
+  }
+  held = {};
+  // A rename is on disk only when its folder is.
+  syncFolder(file.parent_path());
+}
+
 }  // namespace
+
+std::filesystem::path linkTarget(std::filesystem::path file) {
+  constexpr int most_links = 40;  // as the kernel has it
+  std::error_code none;
+  for (int links = 0; std::filesystem::is_symlink(file, none); ++links) {
+    if (links == most_links) throw failure("{}: is a circle of links", file.string());
+    file = file.parent_path() / std::filesystem::read_symlink(file);
+  }
+  return file;
+}
 
 std::string readText(const std::filesystem::path& file, std::string_view what) {
   std::error_code error;
@@ -42,35 +112,24 @@ std::string readText(const std::filesystem::path& file, std::string_view what) {
 
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write) {
-  std::error_code ignored;
-  std::filesystem::path aside = file;
-  aside += ".tmp";
-  try {
-    write(aside);
-    syncToDisk(aside, 0);
-    std::filesystem::rename(aside, file);
-  } catch (const std::filesystem::filesystem_error& error) {
-    std::filesystem::remove(aside, ignored);
-    throw failure("{}: {}", file.string(), error.code().message());
-  } catch (...) {
-    std::filesystem::remove(aside, ignored);
-    throw;
-  }
-  // A rename is on disk only when its folder is.
-  syncFolder(file.parent_path());
+  replace(file, "file", 0666, write);
 }
 
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what) {
-  replaceFile(file, [&](const std::filesystem::path& aside) {
+  replaceFile(
+      file, [&] { return std::string(bytes); }, what, 0666);
+}
+
+void replaceFile(const std::filesystem::path& file, const std::function<std::string()>& bytes,
+                 std::string_view what, mode_t mode) {
+  replace(file, what, mode, [&](const std::filesystem::path& aside) {
+    const std::string all = bytes();
     errno = 0;
     std::ofstream out(aside, std::ios::binary);
-    out << bytes;
+    out << all;
     // The last bytes are written here: only now is it known whether the disk took all.
     out.close();
-    if (!out)
-      throw failure(
-          "{}: cannot write the {}: {}; check the folder, its permissions and the space left",
-          file.string(), what, errno == 0 ? "the system does not say why" : errnoText());
+    if (!out) throw unwritable(file, what);
   });
 }
 
@@ -91,7 +150,8 @@ void syncFolder(const std::filesystem::path& folder) {
 }
 
 void refuseUnwritable(const std::filesystem::path& file, const char* option) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const std::filesystem::path target = linkTarget(file);
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw failure("{}: nothing can be written into {}: {}: give another {}", file.string(),
                   folder.string(), errnoText(), option);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <cstdlib>
+#include <functional>
 
 #include "common/base/text_lines.hpp"
 #include "common/base/whole_file.hpp"
@@ -71,30 +72,32 @@ void makePrivateFolder(const std::filesystem::path& folder) {
   isPrivate(folder, 0700);
 }
 
-/// Replaces `file` by one that was never open to others.
-void writePrivate(const std::filesystem::path& file, const std::string& text) {
+/// Replaces `file` by one that was never open to others. Nobody else changes it while `text` makes
+/// the new one of the old.
+void writePrivate(const std::filesystem::path& file, const std::function<std::string()>& text) {
   makePrivateFolder(file.parent_path());
-  replaceFile(file, [&](const std::filesystem::path& aside) {
-    std::error_code ignored;
-    std::filesystem::remove(aside, ignored);
-    const int out = open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (out < 0) throw failure("{}: cannot make: {}", aside.string(), errnoText());
-    const bool written = writeAt(out, 0, text);
-    const std::string reason = errnoText();
-    close(out);
-    if (!written) throw failure("{}: cannot write: {}", aside.string(), reason);
-  });
+  replaceFile(file, text, "keys", 0600);
 }
 
 std::string lineOf(const KeyPair& own) { return hexOf(own.secret()) + '\n'; }
 
 std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
 
-void writeAllowed(const KeyFolder& folder, const std::vector<AllowedKey>& keys) {
-  std::string text = "# Whom servers let in: key, roles, name. palpate key allow and withdraw.\n";
-  for (const AllowedKey& key : keys)
-    text += fmt::format("{} {} {}\n", key.key.hex(), wordsOf(key.roles), key.name);
-  writePrivate(folder.allowedFile(), text);
+void writeNewKey(const std::filesystem::path& file) {
+  writePrivate(file, [] { return lineOf(KeyPair::make()); });
+}
+
+/// Writes what `change` makes of the keys that are let in.
+void changeAllowed(const KeyFolder& folder,
+                   const std::function<void(std::vector<AllowedKey>& keys)>& change) {
+  writePrivate(folder.allowedFile(), [&] {
+    std::vector<AllowedKey> keys = folder.allowed();
+    change(keys);
+    std::string text = "# Whom servers let in: key, roles, name. palpate key allow and withdraw.\n";
+    for (const AllowedKey& key : keys)
+      text += fmt::format("{} {} {}\n", key.key.hex(), wordsOf(key.roles), key.name);
+    return text;
+  });
 }
 
 }  // namespace
@@ -159,7 +162,7 @@ KeyPair KeyFolder::ownOrNew() const {
   if (hasOwn()) return own();
   // A name that a second one who makes a key does not take.
   const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
-  writePrivate(aside, lineOf(KeyPair::make()));
+  writeNewKey(aside);
   const bool first = link(aside.c_str(), ownFile(folder_).c_str()) == 0;
   const int reason = errno;
   std::error_code ignored;
@@ -171,7 +174,7 @@ KeyPair KeyFolder::ownOrNew() const {
 }
 
 KeyPair KeyFolder::replaceOwn() const {
-  writePrivate(ownFile(folder_), lineOf(KeyPair::make()));
+  writeNewKey(ownFile(folder_));
   return own();
 }
 
@@ -201,20 +204,20 @@ void KeyFolder::allow(const AllowedKey& key) const {
   if (std::ranges::any_of(key.name, breaks))
     throw badInput("\"{}\" is no name: it may have no line break, control character or #",
                    key.name);
-  std::vector<AllowedKey> keys = allowed();
-  std::erase_if(keys, [&](const AllowedKey& other) { return other.key == key.key; });
-  keys.push_back(key);
-  writeAllowed(*this, keys);
+  changeAllowed(*this, [&](std::vector<AllowedKey>& keys) {
+    std::erase_if(keys, [&](const AllowedKey& other) { return other.key == key.key; });
+    keys.push_back(key);
+  });
 }
 
 bool KeyFolder::withdraw(const std::string& name_or_key) const {
   if (name_or_key.empty()) return false;  // those without a name have their digits
-  std::vector<AllowedKey> keys = allowed();
-  const auto removed = std::erase_if(keys, [&](const AllowedKey& key) {
+  const auto is_meant = [&](const AllowedKey& key) {
     return key.key.hex() == name_or_key || key.name == name_or_key;
-  });
-  if (removed > 0) writeAllowed(*this, keys);
-  return removed > 0;
+  };
+  if (std::ranges::none_of(allowed(), is_meant)) return false;
+  changeAllowed(*this, [&](std::vector<AllowedKey>& keys) { std::erase_if(keys, is_meant); });
+  return true;
 }
 
 std::vector<std::pair<std::string, PublicKey>> KeyFolder::servers() const {
@@ -239,13 +242,15 @@ PublicKey KeyFolder::serverAt(const std::string& endpoint) const {
 }
 
 void KeyFolder::trust(const PublicKey& key, const std::string& endpoint) const {
-  auto all = servers();
-  std::erase_if(all, [&](const auto& entry) { return entry.first == endpoint; });
-  all.emplace_back(endpoint, key);
-  std::string text =
-      "# The keys of servers: key, endpoint (* for all others). palpate key trust.\n";
-  for (const auto& [where, of] : all) text += fmt::format("{} {}\n", of.hex(), where);
-  writePrivate(folder_ / "servers", text);
+  writePrivate(folder_ / "servers", [&] {
+    auto all = servers();
+    std::erase_if(all, [&](const auto& entry) { return entry.first == endpoint; });
+    all.emplace_back(endpoint, key);
+    std::string text =
+        "# The keys of servers: key, endpoint (* for all others). palpate key trust.\n";
+    for (const auto& [where, of] : all) text += fmt::format("{} {}\n", of.hex(), where);
+    return text;
+  });
 }
 
 KeyFolder chosenKeyFolder(const std::string& option) {

@@ -52,7 +52,8 @@ struct AllowedKey {
 ///
 /// # begins a comment. Folder and files must belong to this user (or root) and be closed to others
 /// (0700, 0600); Error (bad input), which says how to mend it, when they are not, or make no sense.
-/// Changes replace a file whole. Any thread may read; nothing is kept in memory.
+/// Changes replace a file whole, one after the other, whichever processes make them. Any thread may
+/// read; nothing is kept in memory.
 class KeyFolder {
  public:
   /// Touches nothing.

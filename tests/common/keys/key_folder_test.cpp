@@ -99,6 +99,30 @@ TEST_F(KeyFolderTest, GivesTwoThatMakeAKeyAtTheSameTimeTheSame) {
   }
 }
 
+TEST_F(KeyFolderTest, KeepsEveryKeyThatSeveralProcessesLetInAndWithdrawAtTheSameTime) {
+  folder.ownOrNew();
+  constexpr int processes = 20;
+  for (int n = 0; n < processes; ++n)
+    folder.allow({KeyPair::make().open(), roles("worker"), "gone" + std::to_string(n)});
+  std::vector<pid_t> children;
+  for (int n = 0; n < processes; ++n) {
+    children.push_back(fork());
+    if (children.back() != 0) continue;
+    folder.allow({KeyPair::make().open(), roles("worker"), "new" + std::to_string(n)});
+    folder.trust(KeyPair::make().open(), "tcp://host:" + std::to_string(1 + n));
+    _exit(folder.withdraw("gone" + std::to_string(n)) ? 0 : 1);
+  }
+  for (const pid_t child : children) {
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_EQ(folder.servers().size(), std::size_t{processes});
+  const std::vector<AllowedKey> left = folder.allowed();
+  EXPECT_EQ(left.size(), std::size_t{processes});
+  for (const AllowedKey& key : left) EXPECT_EQ(key.name.substr(0, 3), "new");
+}
+
 TEST_F(KeyFolderTest, IsRefusedWhenOthersCouldReadOrChangeIt) {
   folder.ownOrNew();
   ASSERT_EQ(chmod(folder.path().c_str(), 0750), 0);
