@@ -28,7 +28,9 @@ class Error : public std::runtime_error {
 };
 
 /// What errno says, in words. Before anything else is called: that may change it.
-inline std::string errnoText() { return std::strerror(errno); }
+inline std::string errnoText() {
+  return errno == EFBIG ? "the limit of file sizes is reached (ulimit -f)" : std::strerror(errno);
+}
 
 /// The scene, the mesh or the command line is wrong; the process ends with exit code 2.
 template <class... Args>

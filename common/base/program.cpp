@@ -2,6 +2,7 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -56,8 +57,21 @@ void tellError(const std::string& verb, const std::string& what) {
     tell("palpate {}: {}\n", verb, what);
 }
 
+/// ZeroMQ ends the program where it gets no descriptor, and libraries are at a loss for words.
+void refuseFewDescriptors() {
+  constexpr rlim_t fewest = 64;
+  struct rlimit limit {};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
+  if (limit.rlim_cur < fewest)
+    throw failure("this process may open {} files and connections, and may need {}: ulimit -n {}",
+                  limit.rlim_cur, fewest, 1024);
+}
+
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
   try {
+    refuseFewDescriptors();
+    // Beyond the limit of file sizes writing fails, which is told, and does not kill.
+    std::signal(SIGXFSZ, SIG_IGN);
     const ExitCode code = run();
     // Only now is it known whether the last of the answer found room.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)

@@ -102,7 +102,9 @@ void Database::fail(const std::string& doing) const {
         file_.string());
   if (const int code = sqlite3_errcode(handle_); code == SQLITE_CORRUPT || code == SQLITE_NOTADB)
     throw DamagedDatabase(file_, sqlite3_errmsg(handle_));
-  throw failure("{}: {} ({})", file_.string(), sqlite3_errmsg(handle_), doing);
+  const bool of_the_disk = (sqlite3_errcode(handle_) & 0xff) == SQLITE_IOERR;
+  throw failure("{}: {} ({}){}", file_.string(), sqlite3_errmsg(handle_), doing,
+                of_the_disk ? ": check the disk, and the limit of file sizes (ulimit -f)" : "");
 }
 
 Statement::Statement(Database& database, const std::string& sql) : database_(&database) {

@@ -52,6 +52,17 @@ TEST_F(SystemTest, AFullDiskBehindTheLogEndsNoWork) {
   EXPECT_THAT(build.output, HasSubstr("sealed"));
 }
 
+TEST_F(SystemTest, ALimitOfFileSizesIsNamedAndTheBuildGoesOnWithoutIt) {
+  const test::CommandResult limited = test::runCommand(
+      "(cd '" + directory.path().string() +
+      "' && ulimit -f 400 && " PALPATE_BIN_DIR "/palpate build cube.toml -o out.h5 -j 1 -q)");
+  EXPECT_EQ(limited.exit_code, 1) << limited.output;
+  EXPECT_THAT(limited.output, HasSubstr("ulimit -f"));
+  auto build = startBuild("out.h5", "1");
+  expectFinished(*build);
+  EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
+}
+
 TEST_F(SystemTest, OneWorkerAndThreeMakeTheSameFile) {
   auto build = startBuild("three.h5", "3");
   expectFinished(*build);

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tests/support/command.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
@@ -22,6 +23,18 @@ TEST(Programs, NoProgramLinksOpenMpi) {
     ++programs;
   }
   EXPECT_GE(programs, 1) << "nothing is built in " << PALPATE_BIN_DIR;
+}
+
+TEST(Programs, NameTheLimitOfTheSystemThatStopsThem) {
+  for (const std::string limit : {"ulimit -n 12", "ulimit -f 1"}) {
+    const test::TemporaryDirectory directory;
+    const test::CommandResult result =
+        test::runCommand("(cd '" + directory.path().string() + "' && " + limit +
+                         " && " PALPATE_BIN_DIR "/palpate new organ --mesh " PALPATE_SOURCE_DIR
+                         "/deploy/scenes/liver/liver-500.msh)");
+    EXPECT_EQ(result.exit_code, 1) << result.output;
+    EXPECT_THAT(result.output, ::testing::HasSubstr(limit.substr(0, 9))) << limit;
+  }
 }
 
 TEST(Programs, FailWhenTheirAnswerFindsNoRoom) {
