@@ -41,7 +41,7 @@ std::optional<Reachable> schedulerOf(const Asked& asked) {
   const std::string& where = asked.where;
   if (where.starts_with("tcp://") || where.starts_with("ipc://"))
     return Reachable{where, asked.keys.keys()};
-  if (!std::filesystem::is_directory(where))
+  if (std::error_code none; !std::filesystem::is_directory(where, none))
     throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
   const auto process = StateDirectory::holder(where);
   if (!process) return std::nullopt;

@@ -30,6 +30,7 @@ constexpr int seconds_to_deliver = 25;
 wire::Status meet(FleetOptions& options) {
   FleetWatch watch(options.asked);
   const auto status = watch.look();
+  if (!status && interrupted()) throw Error(ExitCode::interrupted, "interrupted");
   if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
   // Then nobody is there to be reached, and nobody needs to.
   if (status->state() == "complete") return *status;

@@ -25,10 +25,13 @@ std::optional<wire::Status> FleetWatch::look() {
     const auto scheduler = schedulerOf(asked_);
     wire::Status status = scheduler ? askStatus(*scheduler, asked_.where) : ended(asked_.where);
     heard_ = Clock::now();
+    answered_ = true;
     told_.clear();
     return status;
   } catch (const Error& error) {
-    if (error.exitCode() != ExitCode::failed) throw;
+    // Where it was asked before, the directory was moved or removed, and may come back.
+    if (error.exitCode() == ExitCode::usage && !answered_) throw;
+    if (error.exitCode() == ExitCode::interrupted) return std::nullopt;
     if (told_ != error.what()) spdlog::warn("{}", error.what());
     told_ = error.what();
     return std::nullopt;

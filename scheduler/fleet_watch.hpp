@@ -15,8 +15,8 @@ class FleetWatch {
   explicit FleetWatch(const Asked& asked) : asked_(asked), heard_(Clock::now()) {}
 
   /// What it says by now; of a directory in which nobody works any more that it is complete, when
-  /// it is. Nothing when nobody answers: why is told once (log). Error (bad input) when it makes
-  /// no sense to ask there.
+  /// it is. Nothing when nobody answers, which is told once (log), or a signal came first
+  /// (interrupted()). Error (bad input) when it makes no sense to ask there, and never did.
   std::optional<wire::Status> look();
   /// Since it was heard last.
   std::chrono::steady_clock::duration silence() const { return Clock::now() - heard_; }
@@ -26,6 +26,7 @@ class FleetWatch {
 
   Asked asked_;
   Clock::time_point heard_;
+  bool answered_ = false;  ///< once
   std::string told_;
 };
 

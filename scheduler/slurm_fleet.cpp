@@ -81,6 +81,7 @@ SlurmFleet::SlurmFleet(const SlurmFleetOptions& options)
 ExitCode SlurmFleet::run() {
   for (;;) {
     const auto status = watch_.look();
+    if (interrupted()) return leave();
     if (status && status->state() == "complete") return finish("the build is complete");
     if (!status && watch_.silence() > seconds(options_.give_up_s)) {
       finish("the scheduler does not answer any more");
@@ -114,7 +115,7 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
     engine_.cancel({ids.end() + more, ids.end()});
   }
 } catch (const Error& error) {
-  if (error.exitCode() == ExitCode::interrupted || endsIt(error)) throw;
+  if (endsIt(error)) throw;
   spdlog::warn("{}", error.what());
 }
 
@@ -232,6 +233,7 @@ void SlurmFleet::end() {
   const auto until = Clock::now() + seconds(options_.give_up_s);
   for (std::string told;;) {
     std::string left;
+    bool refused = false;  // for good
     try {
       engine_.cancelAll();
       const SlurmJobs jobs = engine_.jobs();
@@ -239,14 +241,15 @@ void SlurmFleet::end() {
       if (count == 0) return;
       left = fmt::format("{} jobs of {} are not gone yet", count, options_.slurm.name);
     } catch (const Error& error) {
-      if (error.exitCode() != ExitCode::failed) throw;
+      refused = error.exitCode() == ExitCode::usage;
       left = error.what();
     }
+    if (refused || interrupted() || Clock::now() > until)
+      throw Error(refused ? ExitCode::usage : ExitCode::failed,
+                  fmt::format("{}: jobs may be left; when Slurm answers: scancel --me --name={}",
+                              left, options_.slurm.name));
     if (left != told) spdlog::warn("{}; they are cancelled again until they are", left);
     told = left;
-    if (interrupted() || Clock::now() > until)
-      throw failure("{}: jobs may be left; when Slurm answers: scancel --me --name={}", left,
-                    options_.slurm.name);
     std::this_thread::sleep_for(seconds(1));
   }
 }

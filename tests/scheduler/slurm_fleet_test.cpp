@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "tests/scheduler/build_world.hpp"
+#include "tests/system/process.hpp"
 
 namespace palpate {
 namespace {
@@ -149,6 +150,32 @@ TEST_F(SlurmFleetTest, AsksForNoMoreWhereJobsRunAndTheSchedulerHasHeardOfNoWorke
                     HasSubstr("palpate key"),
                     HasSubstr("job-27_1.log ends with: tcp://head:7411: no route to host")));
   EXPECT_THAT(log.str().substr(log.str().find(told) + 1), Not(HasSubstr(told))) << "told once";
+}
+
+TEST_F(SlurmFleetTest, LeavesNoJobBehindWhenItsStateDirectoryIsRenamed) {
+  const std::filesystem::path state = world.directory / "state";
+  world.build().directory().announce({options.asked.where, std::nullopt});
+  options.asked.where = state.string();
+  options.give_up_s = 1;
+  jobRunsFor("2:00");
+  auto fleet = std::async(std::launch::async, [&] { return SlurmFleet(options).run(); });
+  const Incoming question = nextQuestion();
+  std::filesystem::rename(state, world.directory / "renamed");
+  answer(question);
+  EXPECT_EQ(fleet.get(), ExitCode::failed);
+  EXPECT_THAT(log.str(), HasSubstr("nor a state directory"));
+  EXPECT_EQ(std::filesystem::file_size(directory / "jobs"), 0u) << "cancelled";
+}
+
+TEST_F(SlurmFleetTest, SaysThatItsJobsGoOnWhenASignalComesWhileItAsks) {
+  test::Process fleet(
+      "palpate-scheduler",
+      {"fleet", "slurm", options.asked.where, "--insecure", "--connect", options.endpoint},
+      directory.path());
+  answer(nextQuestion());
+  nextQuestion();  // which is not answered
+  EXPECT_EQ(fleet.stop(SIGTERM), 130) << fleet.output();
+  EXPECT_THAT(fleet.output(), HasSubstr("with --cancel it ends them"));
 }
 
 }  // namespace
