@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """deploy/python: the package for Python, on datasets that the programs build here. ctest runs each suite by itself; by hand
 PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
+import contextlib
 import copy
 import dataclasses
 import inspect
@@ -175,6 +176,27 @@ class PythonQueries(WithDatasets):
         received = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((str(received), received.status), (str(caught.exception), caught.exception.status))
         self.assertIn("absent.h5: there is no such dataset", str(received))
+
+    def testADatasetGoesToOtherProcessesByItsPathAndAContactStays(self):
+        with contextlib.chdir(self.file.parent):
+            dataset = palpate.Dataset(self.file.name, ["trilinear"])
+        received = pickle.loads(pickle.dumps(dataset))
+        self.assertEqual((received.content_id, received.methods), (dataset.content_id, ("trilinear",)))
+        np.testing.assert_array_equal(received.query([0, 0, -0.01], active=0).force, dataset.query([0, 0, -0.01], active=0).force)
+        touch = palpate.Contact(dataset).update([0, 0, 1])
+        self.assertEqual(pickle.loads(pickle.dumps(touch)), touch)
+        for stays in palpate.Contact(dataset), palpate.Guard():
+            with self.assertRaisesRegex(TypeError, "stays in its process"):
+                pickle.dumps(stays)
+        with palpate.Arrays(self.file) as arrays:
+            again, space = pickle.loads(pickle.dumps((arrays, arrays["tip"])))
+        self.assertEqual(again.content_hash, dataset.content_id)
+        self.assertEqual(space.position.shape[1:], (3,))
+        moved = palpate.Dataset(shutil.copy(self.file, self.folder / "moved.h5"))
+        sent = pickle.dumps(moved)
+        shutil.copy(self.build("other", TIP, 0.01, 0.01), self.folder / "moved.h5")
+        with self.assertRaisesRegex(palpate.Error, "moved.h5: was replaced"):
+            pickle.loads(sent)
 
     def testWrongQuestionsNameWhatIsWrongAndWhatThereIs(self):
         dataset = palpate.Dataset(self.file)

@@ -245,6 +245,14 @@ class Handle:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def __copy__(self) -> Any:
+        again = object.__new__(type(self))
+        vars(again).update(vars(self))
+        return again
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {type(self).__name__} stays in its process: send what it was made with, and make another there")
+
     @property
     def handle(self) -> _Owned:
         """For calls of the library. Error when it was given back."""

@@ -37,7 +37,7 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
     if not os.path.isfile(name):
         raise Error(2, f"{name}: there is no such {what}; {maker}" if not os.path.exists(name) else f"{name}: is no file; {maker}")
     try:
-        opened = h5py.File(name, "r")
+        opened = h5py.File(os.path.abspath(name), "r")
     except OSError as error:
         if _is_open_for_writing(name):
             raise Error(1, f"{name}: is open for writing elsewhere, or was when that ended: close it there (a notebook?); if nothing "
@@ -71,6 +71,9 @@ class Space:
     def __init__(self, file: Any, number: int, name: str) -> None:
         self._file, self._number, self.name = file, number, name
         self._rows = self._rows_of("point")
+
+    def __reduce__(self) -> Any:
+        return _space_of, (self._file.filename, self.name)
 
     def __repr__(self) -> str:
         return f"<palpate.Space {self.name!r}, {np.count_nonzero(self.solved)} of {len(self.tag)} points solved>"
@@ -143,6 +146,11 @@ class Space:
         return {name: np.asarray(array[rows]) for name, array in _table(self._file, "probes").items()}
 
 
+def _space_of(file: str, name: str) -> Space:
+    """For pickles."""
+    return Arrays(file)[name]
+
+
 class Arrays:
     """A dataset file as NumPy arrays; they are read when they are asked for. A context manager that closes the file.
 
@@ -150,7 +158,7 @@ class Arrays:
         ...     tip = arrays["tip"]
         ...     print(tip.position[tip.solved], tip.force[tip.solved])
 
-    It reads with h5py and prepares nothing, unlike ``Dataset``. One thread at a time.
+    It reads with h5py and prepares nothing, unlike ``Dataset``. One thread at a time. A pickle has the path of the file.
     """
 
     def __init__(self, file: str | os.PathLike[str]) -> None:
@@ -159,6 +167,9 @@ class Arrays:
         self.names: tuple[str, ...] = tuple(bytes(name).rstrip(b"\0").decode() for name in self._file["spaces/name"])
         self.scene: str = self._text("scene_toml")  #: the resolved scene, TOML
         self.content_hash: str = self._text("content_hash")  #: identity of the answer
+
+    def __reduce__(self) -> Any:
+        return Arrays, (self._file.filename,)
 
     def _text(self, attribute: str) -> str:
         value = self._file.attrs[attribute]

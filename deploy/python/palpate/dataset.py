@@ -88,12 +88,20 @@ def _hdf5_alone() -> Iterator[None]:
         yield
 
 
+def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id: str) -> Dataset:
+    """For pickles. Error when the file holds other results by now."""
+    dataset = Dataset(file, methods, reach)
+    if dataset.content_id != content_id:
+        raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open it anew and pickle that")
+    return dataset
+
+
 class Dataset(_library.Handle):
     """A dataset in memory, prepared to answer.
 
     Opening takes from a second to a minute (a whole surface), and several times the memory of the file; the file may be replaced
     or removed then. Immutable: any number of threads may ask at once, and run at once, since the global interpreter lock is
-    released. ``close`` gives the memory back, as does leaving a ``with``.
+    released. ``close`` gives the memory back, as does leaving a ``with``. A pickle has the path of the file, which is loaded again.
     """
 
     _destroy = "dataset_close"
@@ -114,6 +122,7 @@ class Dataset(_library.Handle):
         with _hdf5_alone():
             _library.call("dataset_open", os.fsencode(file), byref(options), byref(handle))
         self._own(handle)
+        self._path, self._reach = os.path.abspath(os.fsdecode(file)), reach
         self._info = _library.DatasetInfo()
         _library.call("dataset_describe", self.handle, byref(self._info))
         self.name: str = self._info.name.decode()  #: of the scene
@@ -123,6 +132,9 @@ class Dataset(_library.Handle):
         #: prepared methods, the first is the default
         self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
                                               for m in range(self._info.method_count))
+
+    def __reduce__(self) -> Any:
+        return _opened_again, (self._path, self.methods, self._reach, self.content_id)
 
     def __repr__(self) -> str:
         return f"<palpate.Dataset {self.name!r} of {self.file!r}, {self._info.space_count} spaces>"
