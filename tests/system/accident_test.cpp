@@ -110,7 +110,7 @@ class FrozenThread {
   std::string why_not_;
 };
 
-/// The thread of a worker that was made last, but for ZeroMQ's; an idle one of OpenBLAS is older.
+/// The thread of a worker that was made last, but for those of ZeroMQ.
 pid_t solverThreadOf(const Process& worker) {
   pid_t solver = -1;
   const std::filesystem::path tasks = "/proc/" + std::to_string(worker.pid()) + "/task";
