@@ -38,8 +38,8 @@ class AreaPlaces {
   AreaPlaces(const Mesh& mesh, const NodeSet& fixed, const std::vector<Eigen::Vector3d>& sites,
              double finger_radius);
 
-  /// For any `near` and displacement p, metres, by the energy of the area, AreaField or
-  /// GrowingArea. Numbers that are not finite give no force.
+  /// For any `near` and displacement p, metres, by the energy of the area, which is
+  /// evaluated as an AreaField. Numbers that are not finite give no force.
   template <class Field>
   ForceAnswer answer(const Field& field, const Eigen::Vector3d& near,
                      const Eigen::Vector3d& p) const {

@@ -24,6 +24,15 @@ ForceAnswer withoutSigns(ForceAnswer answer) {
   return answer;
 }
 
+/// An area that prepares itself where it is asked.
+struct AreaWhereAsked {
+  GrowingArea& area;
+  AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const {
+    area.prepare(s);
+    return area.evaluate(s, p);
+  }
+};
+
 }  // namespace
 
 ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
@@ -42,7 +51,8 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
   const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
   const std::vector<Eigen::Vector3d> centers = centersOf(sites);
   const double radius = first_.patch.finger->radius;
-  area_ = std::make_unique<AreaField>(sites, placesAround(dataset.mesh(), centers, radius));
+  area_ = std::make_unique<GrowingArea>(
+      sites, AreaField::stationsOf(sites, placesAround(dataset.mesh(), centers, radius)));
   places_.emplace(dataset.mesh(), dataset.fixedNodes(), centers, radius);
 }
 
@@ -50,7 +60,7 @@ ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   if (!area_) return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
-  return withoutSigns(places_->answer(*area_, *touch.at, touch.displacement));
+  return withoutSigns(places_->answer(AreaWhereAsked{*area_}, *touch.at, touch.displacement));
 }
 
 }  // namespace palpate

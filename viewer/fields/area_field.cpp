@@ -127,22 +127,6 @@ Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& qua
   return slope;
 }
 
-/// Side by side on all cores.
-std::vector<std::optional<SiteJets>> makeSites(const std::vector<const SpaceTable*>& spaces,
-                                               const std::function<void()>& site_done) {
-  std::vector<std::optional<SiteJets>> parts(spaces.size());
-  // As many parts as threads, each with fits of its own.
-  const std::size_t n_parts = coreCount();
-  inParallel(n_parts, [&](std::size_t part) {
-    SiteFits fits(spaces.front()->lattice.unit());
-    for (std::size_t s = part; s < spaces.size(); s += n_parts) {
-      parts[s].emplace(*spaces[s], fits);
-      if (site_done) site_done();
-    }
-  });
-  return parts;
-}
-
 }  // namespace
 
 struct AreaField::LevelSum {
@@ -210,11 +194,28 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
                      const std::function<void()>& site_done)
     : AreaField(spaces, Stations{}) {
   setStations(stationsOn(surface));
-  const MadeSites made = makeSites(spaces, site_done);
+  std::vector<std::size_t> all(spaces.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<SiteFits> fits;
+  MadeSites made(spaces.size());
+  makeSites(spaces, all, fits, made, site_done);
   for (std::size_t n = 0; n < stationCount(); ++n) beginStation(n, spaces);
   inParallel(stationCount(), [&](std::size_t n) { interpolateTo(n, made); });
   for (std::size_t n = 0; n < siteCount(); ++n) beginJudgement(n, spaces);
   inParallel(siteCount(), [&](std::size_t n) { judge(n, spaces, made); });
+}
+
+void AreaField::makeSites(const std::vector<const SpaceTable*>& spaces,
+                          const std::vector<std::size_t>& sites, std::vector<SiteFits>& fits,
+                          MadeSites& made, const std::function<void()>& site_done) {
+  const std::size_t n_parts = coreCount();
+  while (fits.size() < n_parts) fits.emplace_back(spaces.front()->lattice.unit());
+  inParallel(std::min(n_parts, sites.size()), [&](std::size_t part) {
+    for (std::size_t n = part; n < sites.size(); n += n_parts) {
+      made[sites[n]].emplace(*spaces[sites[n]], fits[part]);
+      if (site_done) site_done();
+    }
+  });
 }
 
 /// Of the surface near sites, spread evenly.

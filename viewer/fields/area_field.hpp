@@ -90,6 +90,12 @@ class AreaField {
   /// Nothing is prepared yet; the stations are those of the whole field of these sites.
   AreaField(const std::vector<const SpaceTable*>& sites, Stations stations);
 
+  /// Makes these sites, which are not made yet, side by side on all cores, with `fits` for each
+  /// thread, which are kept for further sites. `site_done` as in the constructor.
+  static void makeSites(const std::vector<const SpaceTable*>& spaces,
+                        const std::vector<std::size_t>& sites, std::vector<SiteFits>& fits,
+                        MadeSites& made, const std::function<void()>& site_done);
+
   // What a finger at a place needs, metres: numbers of stations, and of sites that say something
   // about the error; and what these are made from.
   std::vector<std::size_t> stationsAt(const Eigen::Vector3d& s) const;

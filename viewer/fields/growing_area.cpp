@@ -1,30 +1,23 @@
 #include "viewer/fields/growing_area.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace palpate {
-namespace {
 
-std::vector<const SpaceTable*> pointersTo(const std::vector<SpaceTable>& tables) {
-  std::vector<const SpaceTable*> pointers;
-  for (const SpaceTable& table : tables) pointers.push_back(&table);
-  return pointers;
+GrowingArea::GrowingArea(std::vector<const SpaceTable*> sites,
+                         std::vector<Eigen::Vector3d> stations)
+    : AreaField(sites, Stations{std::move(stations)}),
+      sites_(std::move(sites)),
+      made_(sites_.size()) {
+  fits_.emplace_back(sites_.front()->lattice.unit());
 }
-
-}  // namespace
-
-GrowingArea::GrowingArea(std::vector<SpaceTable> sites, std::vector<Eigen::Vector3d> stations)
-    : AreaField(pointersTo(sites), Stations{std::move(stations)}),
-      sites_(std::move(sites)),  // which leaves the tables where they are
-      pointers_(pointersTo(sites_)),
-      fits_(sites_.front().lattice.unit()),
-      made_(sites_.size()) {}
 
 bool GrowingArea::makeOneOf(const std::vector<std::size_t>& sites) {
   const auto lacking = std::find_if(sites.begin(), sites.end(),
                                     [&](std::size_t site) { return !made_[site].has_value(); });
   if (lacking == sites.end()) return false;
-  made_[*lacking].emplace(*pointers_[*lacking], fits_);
+  made_[*lacking].emplace(*sites_[*lacking], fits_.front());
   ++made_count_;
   return true;
 }
@@ -33,18 +26,36 @@ bool GrowingArea::grow(const Eigen::Vector3d& s) {
   for (const std::size_t station : stationsAt(s)) {
     if (isInterpolated(station)) continue;
     if (makeOneOf(sitesOfStation(station))) return true;
-    beginStation(station, pointers_);
+    beginStation(station, sites_);
     interpolateTo(station, made_);
     return true;
   }
   for (const std::size_t site : sitesAt(s)) {
     if (isJudged(site)) continue;
     if (makeOneOf({site}) || makeOneOf(sitesOfJudgement(site))) return true;
-    beginJudgement(site, pointers_);
-    judge(site, pointers_, made_);
+    beginJudgement(site, sites_);
+    judge(site, sites_, made_);
     return true;
   }
   return false;
+}
+
+void GrowingArea::prepare(const Eigen::Vector3d& s) {
+  std::set<std::size_t> lacking;
+  const auto add = [&](const std::vector<std::size_t>& sites) {
+    for (const std::size_t site : sites)
+      if (!made_[site]) lacking.insert(site);
+  };
+  for (const std::size_t station : stationsAt(s))
+    if (!isInterpolated(station)) add(sitesOfStation(station));
+  const std::vector<std::size_t> judged = sitesAt(s);
+  add(judged);
+  for (const std::size_t site : judged)
+    if (!isJudged(site)) add(sitesOfJudgement(site));
+  makeSites(sites_, {lacking.begin(), lacking.end()}, fits_, made_, {});
+  made_count_ += lacking.size();
+  while (grow(s)) {
+  }
 }
 
 bool GrowingArea::growSites(const Eigen::Vector3d& s) {
@@ -52,7 +63,7 @@ bool GrowingArea::growSites(const Eigen::Vector3d& s) {
   double least = 0;
   for (std::size_t n = 0; n < sites_.size(); ++n) {
     if (made_[n]) continue;
-    const double away = (sites_[n].patch.finger.value().center - s).squaredNorm();
+    const double away = (sites_[n]->patch.finger.value().center - s).squaredNorm();
     if (nearest < sites_.size() && away >= least) continue;
     nearest = n;
     least = away;

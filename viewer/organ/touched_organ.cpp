@@ -21,8 +21,8 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
   for (const CarriedTouch& touch : organ_.touches) {
     Touched& touched = touched_.emplace_back();
     if (touch.finger_radius == 0) continue;
-    std::vector<SpaceTable> sites;
-    for (const std::int32_t space : touch.spaces) sites.push_back(organ_.spaces[at(space)]);
+    std::vector<const SpaceTable*> sites;
+    for (const std::int32_t space : touch.spaces) sites.push_back(&organ_.spaces[at(space)]);
     touched.area.emplace(std::move(sites), touch.stations);
   }
 }

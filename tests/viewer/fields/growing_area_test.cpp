@@ -20,7 +20,7 @@ struct GrowingAreaTest : testing::Test {
     surface = placesAround(body.problem.mesh, centersOf(sites),
                            body.spaces.front().patch.finger.value().radius);
   }
-  GrowingArea area() const { return {body.spaces, AreaField::stationsOf(sites, surface)}; }
+  GrowingArea area() const { return {sites, AreaField::stationsOf(sites, surface)}; }
 };
 
 TEST_F(GrowingAreaTest, SaysWhatTheWholeFieldDoesToTheLastBit) {
@@ -37,6 +37,18 @@ TEST_F(GrowingAreaTest, SaysWhatTheWholeFieldDoesToTheLastBit) {
     EXPECT_EQ(got.energy, expected.energy);
     EXPECT_EQ(got.error_bound, expected.error_bound);
     EXPECT_EQ(got.coverage, expected.coverage);
+  }
+}
+
+TEST_F(GrowingAreaTest, PreparedAtOnceIsWhatGrowsPieceByPiece) {
+  GrowingArea piecewise = area(), at_once = area();
+  for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.03, 0.01, 0)}) {
+    while (piecewise.grow(s + step)) {
+    }
+    at_once.prepare(s + step);
+    EXPECT_FALSE(at_once.grow(s + step));
+    EXPECT_EQ(at_once.madeSites(), piecewise.madeSites());
+    EXPECT_EQ(at_once.evaluate(s + step, p).force, piecewise.evaluate(s + step, p).force);
   }
 }
 
