@@ -7,6 +7,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/machine.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/keys/key_options.hpp"
@@ -89,12 +90,11 @@ std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
   if (patch.finger) {
     const auto site = std::ranges::find(scene.active, patch.name, &ActiveSelection::name);
     if (site != scene.active.end() && !site->area.empty()) what = site->area;
-    const Eigen::Vector3d& s = patch.finger->center;
-    what += fmt::format(" --at {:.4f} {:.4f} {:.4f}", s.x(), s.y(), s.z());
+    what += " --at " + vectorText(patch.finger->center, 4, " ");
     if (!patch.finger->reach.outward.isZero()) direction = -patch.finger->reach.outward;
   }
-  const Eigen::Vector3d p = scene.workspace.spacing / 2 * direction;
-  return fmt::format("--active {} --displacement {:.3g} {:.3g} {:.3g}", what, p.x(), p.y(), p.z());
+  return fmt::format("--active {} --displacement {}", what,
+                     vectorText(scene.workspace.spacing / 2 * direction, 3, " "));
 }
 
 std::vector<SpaceTable> spacesAndProbes(const Dataset& dataset) {

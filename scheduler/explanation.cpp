@@ -6,6 +6,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "common/space/named_point.hpp"
@@ -19,19 +20,19 @@ namespace palpate {
 namespace {
 
 std::string textOf(const wire::Explanation& e) {
-  const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m",
-                                        e.active(), pointText(fromWire(e.point()), e.divisions()),
-                                        e.displacement(0), e.displacement(1), e.displacement(2));
+  const std::string where =
+      fmt::format("{}: point {}, displacement ({}) m", e.active(),
+                  pointText(fromWire(e.point()), e.divisions()),
+                  vectorText({e.displacement(0), e.displacement(1), e.displacement(2)}, 6));
   std::string text =
       fmt::format("{}: {}{}\n", where, e.tag(), e.cause().empty() ? "" : ", " + e.cause());
   if (e.path_size() > 0) text += "reached by these transitions, the last one first:\n";
   for (const wire::Step& s : e.path())
-    text += fmt::format(
-        "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, "
-        "{} iterations in {} steps\n",
-        // + 0.0: nobody wants to read -0.
-        pointText(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0,
-        s.force(2) + 0.0, s.energy(), s.min_det_f(), s.newton_iterations(), s.steps());
+    text +=
+        fmt::format("  {:<14} force ({}) N, energy {:.4g} J, min det F {:.3g}, {} in {}\n",
+                    pointText(fromWire(s.point()), e.divisions()),
+                    vectorText({s.force(0), s.force(1), s.force(2)}, 4), s.energy(), s.min_det_f(),
+                    counted(s.newton_iterations(), "iteration"), counted(s.steps(), "step"));
   if (e.attempts_size() > 0) text += "tried without success:\n";
   for (const wire::FailedTry& t : e.attempts())
     text +=

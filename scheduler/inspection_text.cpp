@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 #include "scheduler/status_text.hpp"
 
@@ -17,10 +18,6 @@ std::string sizeText(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-std::string countText(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 /// A line for each, the first of many.
 std::string linesOf(std::string_view kind, const std::vector<JournalDamage>& places) {
   std::string lines;
@@ -32,17 +29,17 @@ std::string linesOf(std::string_view kind, const std::vector<JournalDamage>& pla
 }
 
 std::string journalText(const Inspection& found) {
-  std::string text = fmt::format("journal    {}, {}, {}\n", countText(found.segments, "segment"),
-                                 countText(found.records, "whole record"), sizeText(found.bytes)) +
+  std::string text = fmt::format("journal    {}, {}, {}\n", counted(found.segments, "segment"),
+                                 counted(found.records, "whole record"), sizeText(found.bytes)) +
                      linesOf("damaged", found.damage) + linesOf("foreign", found.foreign);
   if (!found.dropped.empty())
     text += fmt::format("           note: {}, dropped earlier\n",
-                        countText(found.dropped.size(), "damaged place"));
+                        counted(found.dropped.size(), "damaged place"));
   if (found.unfinished > 0 && !found.scheduler)
     text += fmt::format(
         "           note: {} behind the last record, as a crash leaves them; "
         "the next start cuts them off\n",
-        countText(found.unfinished, "byte"));
+        counted(found.unfinished, "byte"));
   return text;
 }
 
@@ -66,11 +63,11 @@ std::string costText(const Inspection& found) {
     }
     if (lost > points.size() && !points.empty())
       points.push_back(fmt::format("{} more", lost - points.size()));
-    text = fmt::format("cost       {} computed again{}{}\n", countText(lost, "result"),
+    text = fmt::format("cost       {} computed again{}{}\n", counted(lost, "result"),
                        points.empty() ? "" : ": ", fmt::join(points, ", "));
   }
   if (found.spare > 0)
-    text += fmt::format("           {} nobody asks for {}\n", countText(found.spare, "result"),
+    text += fmt::format("           {} nobody asks for {}\n", counted(found.spare, "result"),
                         found.damage.empty() && found.dropped.empty()
                             ? "although nothing is lost: another version of palpate began this "
                               "directory; go on with that one"

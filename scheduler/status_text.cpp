@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 #include "scheduler/plan/refinement.hpp"
 #include "scheduler/service/status.hpp"
 
@@ -104,13 +105,17 @@ std::string keptOutLine(const wire::KeptOut& who) {
 
 std::string probesOf(const SpaceRowsList& spaces) {
   wire::Status status;
-  wire::SpaceStatus sum;
+  wire::SpaceStatus unsolved;
+  ProbeCounts counts;
   for (const auto& space : spaces)
-    for (std::int32_t n = 0; n < space->probes(); ++n)
-      addPoint(status, sum, space->probe(n).record);
-  if (sum.points() == 0) return "";
-  return fmt::format("probes: {}, {} solved within max_force, {} beyond it, {} not solved\n",
-                     sum.points(), sum.expandable(), sum.terminating(), sum.failed()) +
+    for (std::int32_t n = 0; n < space->probes(); ++n) {
+      const PointRecord record = space->probe(n).record;
+      counts.add(record);
+      if (record.tag == Tag::failed && !isBeyondForce(record)) addPoint(status, unsolved, record);
+    }
+  if (counts.all == 0) return "";
+  return fmt::format("probes: {}, {} within max_force, {} beyond it, {} not solved\n", counts.all,
+                     counts.within_force, counts.beyond_force, counts.unsolved()) +
          causesLine("probes not solved", status.failed_points());
 }
 
@@ -161,8 +166,7 @@ std::string progressLine(const wire::Status& status, std::size_t columns) {
   // What people look for first, first: the last ones go when the line is too long.
   for (const std::string& part :
        {timeLeft(status, points), fmt::format("{:.1f}/s", status.configurations_per_second()),
-        fmt::format("{} worker{}", status.workers_size(), status.workers_size() == 1 ? "" : "s"),
-        fmt::format("frontier {}", status.ready())}) {
+        counted(status.workers_size(), "worker"), fmt::format("frontier {}", status.ready())}) {
     if (part.empty()) continue;
     if (line.size() + 2 + part.size() > columns) break;
     line += ", " + part;
@@ -171,8 +175,7 @@ std::string progressLine(const wire::Status& status, std::size_t columns) {
 }
 
 std::string pointText(const LatticePoint& p, std::int32_t divisions) {
-  const Eigen::Array3d spacings = Eigen::Array3d(p[0], p[1], p[2]) / divisions;
-  return fmt::format("({:g}, {:g}, {:g})", spacings[0], spacings[1], spacings[2]);
+  return fmt::format("({})", vectorText(Eigen::Vector3d(p[0], p[1], p[2]) / divisions, 6));
 }
 
 std::string progressBar(const wire::Status& status, std::size_t columns) {

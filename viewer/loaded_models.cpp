@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 
 namespace palpate {
@@ -35,8 +36,8 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
     look();
     if (std::chrono::steady_clock::now() < tell) continue;
     tell += tell_every;
-    spdlog::info("{}: preparing {}, {:.0f} % of {} spaces", model.file(), model.methods()[0],
-                 100 * model.preparedShare(0), model.spaces().size());
+    spdlog::info("{}: preparing {}, {:.0f} % of {}", model.file(), model.methods()[0],
+                 100 * model.preparedShare(0), counted(model.spaces().size(), "space"));
   }
   prepared.get();
   return !stop.stop_requested();

@@ -10,6 +10,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/first_start.hpp"
@@ -153,10 +154,9 @@ class ViewSession {
     int touchable = 0;
     const std::size_t triangles = model.surface().triangles().size();
     for (std::size_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t);
-    spdlog::info(
-        "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
-        model.file(), model.spaces().size(), touchable, triangles, options_.method,
-        word(used.contact.mode));
+    spdlog::info("{}: {}, {} of {} surface triangles can be touched, method {}, contact {}",
+                 model.file(), counted(model.spaces().size(), "active node"), touchable, triangles,
+                 options_.method, word(used.contact.mode));
     spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
                  device_->name(), options_.rate, used.guard.max_force, used.guard.max_slew,
                  used.map.scale);
@@ -346,7 +346,7 @@ class ViewSession {
       throw failure("{}; the recording was written to {} instead", error.what(),
                     elsewhere.string());
     }
-    spdlog::info("{}: {} ticks{}", options_.record.string(), recorder_->size(),
+    spdlog::info("{}: {}{}", options_.record.string(), counted(recorder_->size(), "tick"),
                  recorder_->complete() ? "" : ", with gaps");
   }
 

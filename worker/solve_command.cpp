@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/displacement_input.hpp"
+#include "common/base/number_text.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/place_distance.hpp"
@@ -30,10 +31,9 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
   const double diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
     throw badInput(
-        "displacement ({:g}, {:g}, {:g}) "
-        "m is more than 3 times the diagonal of the body's bounding box ({:.4g} m); "
+        "displacement ({}) m is more than 3 times the diagonal of the body's bounding box ({:.4g} m); "
         "displacements are in metres",
-        displacement[0], displacement[1], displacement[2], diagonal);
+        vectorText(displacement, 6), diagonal);
 }
 
 /// The whole way from rest to `target`; by default a transition for every lattice spacing.
@@ -128,26 +128,24 @@ void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
 
 void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
                const Eigen::Vector3d& displacement, const Outcome& outcome) {
-  if (place) fmt::print("at            {:g} {:g} {:g} m\n", (*place)[0], (*place)[1], (*place)[2]);
-  fmt::print("displacement  {:g} {:g} {:g} m\n", displacement[0], displacement[1], displacement[2]);
+  if (place) fmt::print("at            {} m\n", vectorText(*place, 6, " "));
+  fmt::print("displacement  {} m\n", vectorText(displacement, 6, " "));
   if (!outcome.converged) {
     fmt::print("failed        {}\n", describe(outcome.failure));
   } else {
     const Equilibrium& e = outcome.equilibrium;
-    fmt::print("force on tool {:.6g} {:.6g} {:.6g} N   ({:.6g} N)\n", e.force[0], e.force[1],
-               e.force[2], e.force.norm());
+    fmt::print("force on tool {} N   ({:.6g} N)\n", vectorText(e.force, 6, " "), e.force.norm());
     for (int row = 0; row < 3; ++row)
       fmt::print("{}{:12.5g} {:12.5g} {:12.5g}\n", row == 0 ? "stiffness N/m" : "             ",
-                 e.stiffness(row, 0), e.stiffness(row, 1), e.stiffness(row, 2));
-    if (place) {
-      const Eigen::Vector3d drive = alongSurface(mesh, *place, e.drive);
-      fmt::print("drive         {:.6g} {:.6g} {:.6g} N, along the surface\n", drive[0], drive[1],
-                 drive[2]);
-    }
+                 e.stiffness(row, 0) + 0.0, e.stiffness(row, 1) + 0.0, e.stiffness(row, 2) + 0.0);
+    if (place)
+      fmt::print("drive         {} N, along the surface\n",
+                 vectorText(alongSurface(mesh, *place, e.drive), 6, " "));
     fmt::print("energy        {:.6g} J\nmin det F     {:.4g}\n", e.energy, e.min_det_F);
   }
-  fmt::print("cost          {} Newton iterations, {} factorisations, {:.3f} s\n",
-             outcome.cost.newton_iterations, outcome.cost.factorizations, outcome.cost.seconds);
+  fmt::print("cost          {}, {}, {:.3f} s\n",
+             counted(outcome.cost.newton_iterations, "Newton iteration"),
+             counted(outcome.cost.factorizations, "factorisation"), outcome.cost.seconds);
 }
 
 /// An answer to a line of many that cannot be solved, with why; the keys are those of others.
@@ -163,9 +161,8 @@ void printRefusal(const TouchInput& touch, const char* why, bool json) {
     fmt::print("{}\n", answer.dump());
     return;
   }
-  if (const auto& at = touch.at)
-    fmt::print("at            {:g} {:g} {:g} m\n", (*at)[0], (*at)[1], (*at)[2]);
-  fmt::print("displacement  {:g} {:g} {:g} m\nfailed        refused: {}\n", d[0], d[1], d[2], why);
+  if (touch.at) fmt::print("at            {} m\n", vectorText(*touch.at, 6, " "));
+  fmt::print("displacement  {} m\nfailed        refused: {}\n", vectorText(d, 6, " "), why);
 }
 
 ExitCode solve(const SolveOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 
 namespace palpate {
 namespace {
@@ -95,10 +96,10 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
   const auto answer = [&](const Eigen::Vector3d& p) {
     if (!warned && looksLikeMillimetres(p, workspace_radius)) {
       spdlog::warn(
-          "displacement ({:g}, {:g}, {:g}): metres are expected, "
+          "displacement ({}): metres are expected, "
           "and the workspace has a radius of {:.4g} m; "
-          "this looks like millimetres, which would be ({:g}, {:g}, {:g})",
-          p[0], p[1], p[2], workspace_radius, 1e-3 * p[0], 1e-3 * p[1], 1e-3 * p[2]);
+          "this looks like millimetres, which would be ({})",
+          vectorText(p, 6), workspace_radius, vectorText(1e-3 * p, 6));
       warned = true;
     }
     visit({place, p});

@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/joined_sets.hpp"
+#include "common/base/number_text.hpp"
 #include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {
@@ -173,9 +174,7 @@ Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
   return box;
 }
 
-std::string placeText(const Eigen::Vector3d& x) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-}
+std::string placeText(const Eigen::Vector3d& x) { return fmt::format("({})", vectorText(x, 6)); }
 
 Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -185,8 +184,8 @@ Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element) {
 
 std::string placeOf(const Mesh& mesh, std::size_t element) {
   const Eigen::Vector3d center = middleOf(mesh, element);
-  return fmt::format("tetrahedron {} (counted from 0, centre at {:.6g} {:.6g} {:.6g} m)", element,
-                     center[0], center[1], center[2]);
+  return fmt::format("tetrahedron {} (counted from 0, centre at {} m)", element,
+                     vectorText(center, 6, " "));
 }
 
 double sixVolume(const Mesh& mesh, std::size_t element) {
@@ -254,9 +253,9 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     // Negated, so that NaN (an edge of length 0) is refused too.
     if (!(off <= tolerance))
       return fmt::format(
-          "the node of its edge at {:.6g} {:.6g} {:.6g} m "
+          "the node of its edge at {} m "
           "is off the middle by {:.2g} of the edge's length; curved edges are not supported",
-          a[0] / 2 + b[0] / 2, a[1] / 2 + b[1] / 2, a[2] / 2 + b[2] / 2, off);
+          vectorText(a / 2 + b / 2, 6, " "), off);
   }
   return {};
 }

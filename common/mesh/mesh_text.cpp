@@ -4,13 +4,16 @@
 
 #include <iterator>
 
+#include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 
 namespace palpate {
 namespace {
 
-std::string shortPlace(const Eigen::Vector3d& v) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
+std::string shortPlace(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
+
+std::string tetrahedraText(std::size_t count) {
+  return counted(count, "tetrahedron", "tetrahedra");
 }
 
 }  // namespace
@@ -19,12 +22,11 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
   std::string text;
   const auto out = std::back_inserter(text);
   const std::string middles =
-      mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
-  fmt::format_to(
-      out,
-      "mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
-      name, mesh.vertices(), middles, mesh.tetrahedra.size(), mesh.surface.size(),
-      surfaceNodes(mesh).size(), quality.pieces);
+      mesh.edges.empty() ? "" : " and " + counted(mesh.edges.size(), "mid-edge node");
+  fmt::format_to(out, "mesh       {}: {}{}, {}, {} with {}, {}\n", name,
+                 counted(mesh.vertices(), "node"), middles, tetrahedraText(mesh.tetrahedra.size()),
+                 counted(mesh.surface.size(), "surface triangle"),
+                 counted(surfaceNodes(mesh).size(), "node"), counted(quality.pieces, "piece"));
   fmt::format_to(out, "           from {} to {} m, {:.4g} litres\n", shortPlace(quality.lowest),
                  shortPlace(quality.highest), 1000 * quality.volume);
   fmt::format_to(
@@ -34,18 +36,15 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
       quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
       quality.worst_shape, quality.worst_element);
   if (mesh.dropped_nodes > 0)
-    fmt::format_to(out,
-                   "           note: {} node(s) that are no corner of a tetrahedron were dropped, "
-                   "later ones count down\n",
-                   mesh.dropped_nodes);
+    fmt::format_to(out, "           note: dropped {} of no tetrahedron; later ones count down\n",
+                   counted(mesh.dropped_nodes, "node"));
   if (mesh.reoriented_tetrahedra > 0)
-    fmt::format_to(out,
-                   "           note: the file counts {} tetrahedra left-handed; they were turned\n",
-                   mesh.reoriented_tetrahedra);
+    fmt::format_to(out, "           note: the file counts {} left-handed; turned\n",
+                   tetrahedraText(mesh.reoriented_tetrahedra));
   for (const auto& [group, nodes] : mesh.node_groups)
-    fmt::format_to(out, "group      \"{}\": {} nodes\n", group, nodes.size());
+    fmt::format_to(out, "group      \"{}\": {}\n", group, counted(nodes.size(), "node"));
   for (const auto& [group, elements] : mesh.element_groups)
-    fmt::format_to(out, "group      \"{}\": {} tetrahedra\n", group, elements.size());
+    fmt::format_to(out, "group      \"{}\": {}\n", group, tetrahedraText(elements.size()));
   return text;
 }
 
@@ -55,17 +54,17 @@ std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quali
   if (!quality.coincident.empty()) {
     const auto& [node, other] = quality.coincident.front();
     text.push_back(fmt::format(
-        "{} node(s) lie on others, the first is node {} on node {} at {}: what meets there is not "
+        "coincident nodes: {}, the first is node {} on node {} at {}: what meets there is not "
         "joined, and passes through itself; if that is no cut, palpate mesh {} --weld -o NEW.msh "
         "makes them one",
         quality.coincident.size(), node, other, shortPlace(mesh.nodes[node]), shellWord(file)));
   }
   if (!quality.hinges.empty())
-    text.push_back(fmt::format(
-        "its {} pieces meet in {} node(s) without a face in common, the first is node {} at {}: "
-        "they turn there as on hinges; join them by faces",
-        quality.pieces, quality.hinges.size(), quality.hinges.front(),
-        shortPlace(mesh.nodes[quality.hinges.front()])));
+    text.push_back(
+        fmt::format("its {} meet in {} without a face in common, the first is node {} at {}: "
+                    "they turn there as on hinges; join them by faces",
+                    counted(quality.pieces, "piece"), counted(quality.hinges.size(), "node"),
+                    quality.hinges.front(), shortPlace(mesh.nodes[quality.hinges.front()])));
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
@@ -83,12 +84,12 @@ void refuseLoosePieces(const Problem& problem) {
   if (!std::ranges::includes(problem.fixed, nodes))
     throw badInput(
         "the mesh consists of {} pieces that share no face, and {} hangs on the others by {} "
-        "node(s) on one line (node {} at {}): it can turn there; join it by faces, or remove it",
-        pieces.size(), where, nodes.size(), nodes.front(), hinge);
+        "on one line (node {} at {}): it can turn there; join it by faces, or remove it",
+        pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge);
   throw badInput(
-      "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; "
+      "[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
       "fix at least three nodes that are not on a line",
-      nodes.size(), nodes.front(), hinge);
+      counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
 /// Nodes of the mesh, sorted, each once: what came over the wire may be anything.

@@ -9,6 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
+#include "common/base/number_text.hpp"
 #include "common/mesh/bump_integrals.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/probe_places.hpp"
@@ -120,8 +121,8 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   std::set_difference(selected.begin(), selected.end(), fixed.begin(), fixed.end(),
                       std::back_inserter(movable));
   if (movable.empty())
-    throw badInput("{}: all {} nodes of the surface in it are fixed; move it, or fix less", key,
-                   selected.size());
+    throw badInput("{}: all that is in it, {} of the surface, is fixed; move it, or fix less", key,
+                   counted(selected.size(), "node"));
   return movable;
 }
 
@@ -135,9 +136,9 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
       triangles.push_back(static_cast<std::int32_t>(t));
   if (triangles.empty())
     throw badInput(
-        "{}: holds {} nodes of the surface, but no triangle with its three corners among them; "
+        "{}: holds {} of the surface, but no triangle with its three corners among them; "
         "make it larger",
-        key, selected.size());
+        key, counted(selected.size(), "node"));
   return triangles;
 }
 
@@ -236,10 +237,10 @@ NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
 std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double radius) {
   if (patch.nodes.size() < 3)
     throw badInput(
-        "active \"{}\": only {} movable surface node(s) "
-        "lie within its radius of {:.4g} m (edges are {:.4g} m on average); "
+        "active \"{}\": its radius of {:.4g} m holds only {} (edges are {:.4g} m on average); "
         "a weighted average needs at least 3: make radius larger, or the mesh finer there",
-        patch.name, patch.nodes.size(), radius, measure(mesh).mean_edge);
+        patch.name, radius, counted(patch.nodes.size(), "movable surface node"),
+        measure(mesh).mean_edge);
   const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
   std::vector<double> weights;
   for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node].value);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/scene/material_toml.hpp"
@@ -372,9 +373,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
 }  // namespace
 
 std::string Region::name() const {
-  const auto place = [](const Eigen::Vector3d& x) {
-    return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
-  };
+  const auto place = [](const Eigen::Vector3d& x) { return fmt::format("({})", vectorText(x, 4)); };
   if (!group.empty() || isRest()) return group;
   if (boxes.empty())
     return fmt::format("sphere of {:.4g} m at {}", spheres[0].radius, place(spheres[0].center));

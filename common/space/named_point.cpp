@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 
 namespace palpate {
 
@@ -13,11 +14,11 @@ std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacin
     if (const auto number = lattice.indexOf({point[0], point[1], point[2]})) return *number;
   }
   throw badInput(
-      "({:g}, {:g}, {:g}) is not in the lattice: "
+      "({}) is not in the lattice: "
       "it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius {} m / spacing {} m, "
       "squared){}",
-      in_spacings[0], in_spacings[1], in_spacings[2],
-      std::pow(lattice.radius() / lattice.spacing(), 2), lattice.radius(), lattice.spacing(),
+      vectorText(in_spacings, 6), std::pow(lattice.radius() / lattice.spacing(), 2),
+      lattice.radius(), lattice.spacing(),
       lattice.size() > lattice.uniformSize()
           ? fmt::format(", and {} refined ones", lattice.size() - lattice.uniformSize())
           : "");

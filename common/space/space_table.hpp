@@ -32,11 +32,31 @@ struct PointRecord {
   ContentId fields;
 };
 
+/// The force there is more than the scene's largest: it was solved so, or given up far beyond it.
+inline bool isBeyondForce(const PointRecord& record) {
+  return record.tag == Tag::terminating ||
+         (record.tag == Tag::failed && record.cause == Cause::beyond_force);
+}
+
 /// An exact solution at a position off the lattice. No interpolation may use it: it is there to
 /// measure interpolations.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
   PointRecord record;  ///< its parent is a lattice point; never unknown in a complete build
+};
+
+/// What became of probes, as every program counts them.
+struct ProbeCounts {
+  std::size_t all = 0;
+  std::size_t within_force = 0;  ///< solved within the scene's largest force: measured with
+  std::size_t beyond_force = 0;  ///< isBeyondForce()
+
+  void add(const PointRecord& probe) {
+    ++all;
+    within_force += probe.tag == Tag::expandable;
+    beyond_force += isBeyondForce(probe);
+  }
+  std::size_t unsolved() const { return all - within_force - beyond_force; }
 };
 
 /// One configuration space without the bulky fields. points[n] belongs to lattice number n.

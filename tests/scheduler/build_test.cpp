@@ -47,13 +47,15 @@ TEST(SummaryOfABuild, TellsProbesApartFromPoints) {
   spaces[1].patch.name = "skin-probe-0";
   spaces[1].probes.emplace_back().record.tag = Tag::expandable;
   spaces[1].probes.emplace_back().record.tag = Tag::terminating;
-  Probe& failed = spaces[1].probes.emplace_back();
-  failed.record.tag = Tag::failed;
-  failed.record.cause = Cause::beyond_force;
+  for (const Cause cause : {Cause::beyond_force, Cause::step_budget}) {
+    Probe& failed = spaces[1].probes.emplace_back();
+    failed.record.tag = Tag::failed;
+    failed.record.cause = cause;
+  }
   const std::string summary = summaryOf(rowsOf(spaces), Scene());
   EXPECT_THAT(summary,
-              testing::HasSubstr("probes: 3, 1 solved within max_force, 1 beyond it, 1 not solved\n"
-                                 "probes not solved: 1 beyond_force\n"));
+              testing::HasSubstr("probes: 4, 1 within max_force, 2 beyond it, 1 not solved\n"
+                                 "probes not solved: 1 step_budget\n"));
   EXPECT_THAT(summary, testing::Not(testing::HasSubstr("skin-probe-0")));
 }
 

@@ -69,7 +69,7 @@ const std::vector<BrokenScene>& brokenScenes() {
        {"scene.toml:6: [fixed] selects all 64 nodes", "nothing is left to move"}},
       {"group = \"xmin\"",
        "nodes = [0]",
-       {"scene.toml:6: [fixed] holds 1 node(s) on one line", "fix at least three nodes"}},
+       {"scene.toml:6: [fixed] holds 1 node on one line", "fix at least three nodes"}},
       {"group = \"xmin\"",
        "nodes = [64]",
        {"scene.toml:7: fixed.nodes: there is no node 64", "nodes 0 to 63"}},

@@ -2,6 +2,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/problem/finger.hpp"
 #include "common/space/named_point.hpp"
@@ -76,11 +77,11 @@ void ConfigurationSource::refuseUnsolved(const SpaceTable& space, std::int32_t n
   const PointRecord& record = space.points[at(number)];
   const std::string file = dataset_.file().string();
   throw badInput(
-      "{}: point ({:g}, {:g}, {:g}) of {} is {}{}: there is no configuration to export; "
-      "palpate explain {} --active {} {:g} {:g} {:g} says why",
-      file, point[0], point[1], point[2], space.patch.name, name(record.tag),
+      "{}: point ({}) of {} is {}{}: there is no configuration to export; "
+      "palpate explain {} --active {} {} says why",
+      file, vectorText(point, 6), space.patch.name, name(record.tag),
       record.tag == Tag::failed ? fmt::format(" ({})", name(record.cause)) : "", shellWord(file),
-      space.patch.name, point[0], point[1], point[2]);
+      space.patch.name, vectorText(point, 6, " "));
 }
 
 }  // namespace palpate

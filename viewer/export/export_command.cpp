@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "common/base/interruption.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/configuration_source.hpp"
@@ -47,17 +48,18 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
-      "{} of {} touches have no reliable answer (beyond the workspace, nothing solved around, "
+      "{} of {} without a reliable answer (beyond the workspace, nothing solved around, "
       "--at away from the surface, no site of the finger near, or resting on what is fixed): "
       "they are marked inside = 0",
-      outside, all);
+      outside, counted(all, "touch", "touches"));
   return ExitCode::partly_failed;
 }
 
 std::string describe(const ConfigurationGrid& grid) {
   const Grid& rest = grid.rest();
-  return fmt::format("{} points, {} {}{}", rest.pointCount(), rest.cellCount(),
-                     grid.isVolume() ? "tetrahedra" : "triangles",
+  return fmt::format("{}, {}{}", counted(rest.pointCount(), "point"),
+                     grid.isVolume() ? counted(rest.cellCount(), "tetrahedron", "tetrahedra")
+                                     : counted(rest.cellCount(), "triangle"),
                      grid.isVolume() ? ""
                                      : " of the surface alone; [storage] displacement = \"all\" "
                                        "in the scene gives the volume, pressures and det F");
@@ -123,15 +125,16 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
   }
   target.endSeries(way.size());
   replaceFile(target.file(), pvdText(series), "list of the series");
-  output << fmt::format("{}: {} files in {}, each {}\n", target.file().string(), way.size(),
-                        target.seriesFolder().string(), describe(grid));
+  output << fmt::format("{}: {} in {}, each {}\n", target.file().string(),
+                        counted(way.size(), "file"), target.seriesFolder().string(),
+                        describe(grid));
   return codeOf(outside, way.size());
 }
 
 ExitCode exportCurve(const std::vector<WayStep>& way, const ExportTarget& target,
                      std::ostream& output) {
   replaceFile(target.file(), forceCurve(way), "curve");
-  output << fmt::format("{}: {} lines\n", target.file().string(), way.size());
+  output << fmt::format("{}: {}\n", target.file().string(), counted(way.size(), "line"));
   const std::ptrdiff_t outside =
       std::ranges::count(way, false, [](const WayStep& step) { return step.answer.sample.inside; });
   return codeOf(static_cast<std::size_t>(outside), way.size());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 #include "viewer/picture/lattice_dots.hpp"
 
 namespace palpate {
@@ -59,7 +60,7 @@ std::string tissueText(const std::vector<Region>& regions) {
       fmt::format("{}, Young's modulus {:.3g} kPa",
                   law_names.at(static_cast<std::size_t>(first.law)), 1e-3 * youngModulus(first));
   const std::size_t others = regions.size() - 1;
-  if (others > 0) text += fmt::format(", and {} other material{}", others, others == 1 ? "" : "s");
+  if (others > 0) text += ", and " + counted(others, "other material");
   return text;
 }
 

@@ -134,16 +134,10 @@ AreaProbes measureProbes(const AreaField& area, NearestSite& nearest,
   AreaProbes measures;
   std::vector<ForceComparison> of_area, of_nearest;
   for (const SpaceTable* place : places) {
-    ++measures.places;
     // Without a rest position there is no probe either.
-    const Tag tag = place->probes.empty() ? Tag::failed : place->probes.front().record.tag;
-    const bool is_beyond =
-        tag == Tag::terminating || (tag == Tag::failed && !place->probes.empty() &&
-                                    place->probes.front().record.cause == Cause::beyond_force);
-    measures.beyond_force += is_beyond;
-    measures.unsolved += tag == Tag::failed && !is_beyond;
-    if (tag != Tag::expandable) continue;
-    const auto& [displacement, record] = place->probes.front();
+    const auto& [displacement, record] = place->probes.empty() ? Probe() : place->probes.front();
+    measures.counts.add(record);
+    if (record.tag != Tag::expandable) continue;
     const Eigen::Vector3d& center = place->patch.finger->center;
     const AreaSample sample = area.evaluate(center, displacement);
     measures.unanswered += !std::isfinite(sample.error_bound);

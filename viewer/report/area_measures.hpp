@@ -19,13 +19,11 @@ struct DepthMeasures {
 /// What exact solutions at random places of an area say of it: the dataset's probes. The others
 /// are those within the scene's largest force.
 struct AreaProbes {
-  std::size_t places = 0;
-  std::size_t beyond_force = 0;  ///< solved with more than max_force, or given up far beyond it
-  std::size_t unsolved = 0;      ///< continuation from rest did not reach them
-  std::size_t unanswered = 0;    ///< within the force, but the area gives no bound there
-  ErrorMeasures area;            ///< of all within the force, with the bounds
-  Spread error;                  ///< of those, relative as DepthMeasures::error
-  ErrorMeasures nearest_site;    ///< of what the space of the nearest site says alone
+  ProbeCounts counts;
+  std::size_t unanswered = 0;  ///< within the force, but the area gives no bound there
+  ErrorMeasures area;          ///< of all within the force, with the bounds
+  Spread error;                ///< of those, relative as DepthMeasures::error
+  ErrorMeasures nearest_site;  ///< of what the space of the nearest site says alone
   /// One within the force.
   struct Comparison {
     Eigen::Vector3d place;         ///< m

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/number_text.hpp"
 #include "common/scene/material_toml.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
 namespace {
 
-std::string describeMesh(const Dataset& dataset) {
-  return fmt::format("{}: {} nodes, {} tetrahedra", dataset.scene().mesh.filename().string(),
-                     dataset.mesh().nodes.size(), dataset.mesh().tetrahedra.size());
+std::string namedMesh(const Dataset& dataset) {
+  return dataset.scene().mesh.filename().string() + ": " + describeMesh(dataset.mesh());
 }
 
 std::string describeExtent(const Dataset& dataset) {
@@ -29,7 +29,7 @@ std::string describeDiscretization(const Dataset& dataset) {
 
 std::string describeGravity(const Dataset& dataset) {
   const Eigen::Vector3d& g = dataset.scene().gravity;
-  return g.isZero() ? "none" : fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s²", g.x(), g.y(), g.z());
+  return g.isZero() ? "none" : fmt::format("({}) m/s²", vectorText(g, 4));
 }
 
 std::string largestForce(const Dataset& dataset) {
@@ -56,7 +56,7 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
     properties.push_back({name, of(first), of(second)});
   };
   add("scene", [](const Dataset& dataset) { return dataset.scene().name; });
-  add("mesh", describeMesh);
+  add("mesh", namedMesh);
   add("extent", describeExtent);
   add("fixed nodes", [](const Dataset& d) { return std::to_string(d.fixedNodes().size()); });
   std::set<std::string> groups;

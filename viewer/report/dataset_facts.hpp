@@ -19,7 +19,7 @@ struct DatasetFacts {
   std::uintmax_t bytes = 0;
   std::size_t configurations = 0;  ///< solved lattice points
   std::size_t lattice_points = 0;
-  std::size_t probes = 0, solved_probes = 0, terminating_probes = 0;
+  ProbeCounts probes;
   std::vector<ArraySize> sizes;  ///< of all arrays together, the largest first
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/base/number_text.hpp"
 #include "common/base/program.hpp"
 #include "common/space/failure.hpp"
 #include "viewer/report/report_sections.hpp"
@@ -47,10 +48,10 @@ std::string provenanceList(const Dataset& dataset, const DatasetFacts& facts) {
   row("kernel family", dataset.kernelFamily());
   row("workspace", fmt::format("{}, force limit {:.3g} N", describeBall(dataset),
                                dataset.scene().workspace.max_force));
-  row("mesh", fmt::format("{} nodes, {} tetrahedra", dataset.mesh().nodes.size(),
-                          dataset.mesh().tetrahedra.size()));
-  row("probes", fmt::format("{}, {} of them solved, {} beyond max_force and not measured with",
-                            facts.probes, facts.solved_probes, facts.terminating_probes));
+  row("mesh", describeMesh(dataset.mesh()));
+  row("probes",
+      fmt::format("{}, {} within max_force, {} beyond it, {} not solved", facts.probes.all,
+                  facts.probes.within_force, facts.probes.beyond_force, facts.probes.unsolved()));
   return html + fmt::format(
                     "</dl>\n<details><summary>Scene, with every default written out</summary>"
                     "<pre>{}</pre></details>\n",
@@ -77,9 +78,8 @@ Section failuresSection(const Report& report) {
 Section sizesSection(const Report& report) {
   std::string html;
   for (const DatasetFacts& facts : report.datasets)
-    html += fmt::format("<h3>{}: {} for {} configurations</h3>\n",
-                        escaped(facts.file.filename().string()), formatBytes(facts.bytes),
-                        facts.configurations) +
+    html += fmt::format("<h3>{}: {} for {}</h3>\n", escaped(facts.file.filename().string()),
+                        formatBytes(facts.bytes), counted(facts.configurations, "configuration")) +
             sizesTable(facts);
   return {"sizes", "Sizes",
           "What takes the room, all active nodes together, as compressed in the file.", html};

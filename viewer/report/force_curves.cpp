@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 
 namespace palpate {
 namespace {
@@ -60,8 +61,8 @@ Plot forcePlot(const ForceWay& way, const std::vector<PlotSeries>& interpolation
 }
 
 std::string describeDirection(const Eigen::Vector3d& direction) {
-  return fmt::format("direction ({:.2f}, {:.2f}, {:.2f})", direction.x() + 0.0, direction.y() + 0.0,
-                     direction.z() + 0.0);
+  const Eigen::Vector3d rounded = (100 * direction).array().round() / 100;
+  return fmt::format("direction ({})", vectorText(rounded, 2));
 }
 
 }  // namespace palpate

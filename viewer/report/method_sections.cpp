@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -58,7 +59,7 @@ std::string frontierFigure(const Report& report, FigureNumbers& numbers) {
                       "solved configurations per active node (a, c, e), or the time of one query "
                       "in nanoseconds on the machine that made this page (b, d, f). Each mark is "
                       "one lattice density. Covered: all eight corners around are solved. {}",
-                      countNodes(report.compared), escaped(describeHeldOut(report))),
+                      counted(report.compared, "active node"), escaped(describeHeldOut(report))),
       .layout = "two"};
   for (const Ordinate& ordinate : ordinates)
     for (const bool over_time : {false, true})
@@ -135,17 +136,22 @@ std::vector<PlotSeries> methodSeries(const Report& report) {
 std::string cards(const Report& report) {
   // What is felt is the area; how methods do at single sites is below.
   if (!report.areas.empty()) return areaCards(report.areas.front(), report);
-  const LatticeMeasures& lattice = shownLattice(report);
+  const LatticeMeasures& lattice = firstAsItIs(report);
   PALPATE_ASSERT(lattice.methods.size() == report.methods.size(),
                  "every lattice was measured with every method, the default first");
   const MethodMeasures& method = lattice.methods.front();
+  std::string errors;
+  // Without probes there may be those of a part of it, which say little of the whole.
+  if (method.all.count > 0)
+    errors =
+        card(formatNumber(method.all.error.mean) + " N", "mean error, whole ball") +
+        card(formatShare(method.all.relative_to_mean_force), "the same, of the mean force") +
+        card(formatShare(method.all.within_target),
+             "of exact solutions within " + describeTarget(report)) +
+        card(formatShare(method.all.covered), "of them lie in cells whose 8 corners are solved");
   return fmt::format("<p class=\"how\">The method {} on {}:</p>\n<div class=\"cards\">\n",
                      escaped(report.methods.front()), escaped(lattice.label)) +
-         card(formatNumber(method.all.error.mean) + " N", "mean error, whole ball") +
-         card(formatShare(method.all.relative_to_mean_force), "the same, of the mean force") +
-         card(formatShare(method.all.within_target),
-              "of exact solutions within " + describeTarget(report)) +
-         card(formatShare(method.all.covered), "of them lie in cells whose 8 corners are solved") +
+         errors +
          card(formatNumber(method.nanoseconds, 3) + " ns",
               "per query, on the machine that made this page") +
          card(formatCount(lattice.configurations), "configurations per active node") + "</div>\n";

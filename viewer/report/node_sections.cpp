@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/number_text.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 #include "viewer/report/slice_picture.hpp"
@@ -108,8 +109,8 @@ Section nodesSection(const Report& report, FigureNumbers& numbers) {
       ". Jumps: edges of the lattice between different branches of solutions, "
       "across which nothing is interpolated smoothly.";
   if (report.compared < all.size())
-    how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.",
-                       report.compared);
+    how += fmt::format(" The other methods were compared on {}, evenly chosen.",
+                       counted(report.compared, "node"));
   return {"nodes", "Active nodes", how,
           nodesTable(report, listed) + nodeMethodsTable(report, all) +
               nodesFigure(report, all, numbers)};

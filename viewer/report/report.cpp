@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
 
@@ -195,8 +196,8 @@ class Reporter {
     PALPATE_ASSERT(
         lattice.methods.size() == report_.methods.size() && report_.held_out.size() == spaces(),
         "methods were timed and solutions held out before anything is measured");
-    spdlog::info("{}: comparing {} methods on {} active nodes", lattice.label,
-                 report_.methods.size(), compared_.size());
+    spdlog::info("{}: comparing {} on {}", lattice.label, counted(report_.methods.size(), "method"),
+                 counted(compared_.size(), "active node"));
     const bool is_measurable = isMeasurable(lattice);
     // A place each in the result, so that threads share nothing.
     std::vector<NodeComparison> nodes(compared_.size());
@@ -306,7 +307,10 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
 }
 
 const LatticeMeasures& shownLattice(const Report& report) {
-  if (report.measured) return report.lattices[*report.measured];
+  return report.measured ? report.lattices[*report.measured] : firstAsItIs(report);
+}
+
+const LatticeMeasures& firstAsItIs(const Report& report) {
   const auto first = std::ranges::find_if(report.lattices, isFirstDataset);
   PALPATE_ASSERT(first != report.lattices.end(), "every dataset is one of the lattices");
   return *first;

@@ -102,6 +102,8 @@ std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& file
 /// The lattice that pictures and summaries speak of: the measured one, else the first dataset as it
 /// is.
 const LatticeMeasures& shownLattice(const Report& report);
+/// The whole first dataset; without probes it is often not measured.
+const LatticeMeasures& firstAsItIs(const Report& report);
 
 /// Numbers of all active nodes, by the mean error of the default method: the largest first, those
 /// without one last.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "common/base/number_text.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -99,7 +100,7 @@ std::string reportPage(const Report& report) {
     sections.push_back(section(report));
   const Scene& scene = report.open.front().scene();
   const std::string lead =
-      fmt::format("<p class=\"lead\">{}, {}. {}</p>\n", countNodes(report.nodes.size()),
+      fmt::format("<p class=\"lead\">{}, {}. {}</p>\n", counted(report.nodes.size(), "active node"),
                   escaped(scene.mesh.filename().string()),
                   report.areas_alone ? "" : escaped(describeHeldOut(report)));
   return htmlPage(scene.name + ": how accurate, and how fast",

@@ -15,7 +15,7 @@ struct Section {
   std::string content;
 };
 
-/// The default method on the shown lattice, in six numbers.
+/// The default method on the first dataset as it is, or its area, in at most seven numbers.
 std::string cards(const Report& report);
 
 /// Error against configurations and against time: plots, and the numbers.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/number_text.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
@@ -13,9 +14,10 @@ std::string header(const Report& report) {
   std::string text;
   for (std::size_t d = 0; d < report.datasets.size(); ++d) {
     const DatasetFacts& facts = report.datasets[d];
-    text += wrapped(fmt::format("{}: {}, {} configurations in {} lattice points, {}, {}",
-                                facts.file.string(), countNodes(report.nodes.size()),
-                                facts.configurations, facts.lattice_points,
+    text += wrapped(fmt::format("{}: {}, {} in {}, {}, {}", facts.file.string(),
+                                counted(report.nodes.size(), "active node"),
+                                counted(facts.configurations, "configuration"),
+                                counted(facts.lattice_points, "lattice point"),
                                 describeBall(report.open[d]), formatBytes(facts.bytes)));
   }
   return report.areas_alone ? text : text + wrapped(describeHeldOut(report));
@@ -49,7 +51,7 @@ std::string frontier(const Report& report) {
   const std::string nodes =
       report.compared == report.nodes.size()
           ? "all active nodes"
-          : fmt::format("{} of {}", report.compared, countNodes(report.nodes.size()));
+          : fmt::format("{} of {}", report.compared, counted(report.nodes.size(), "active node"));
   return text + "\n" +
          wrapped(fmt::format(
              "Configs: configurations per active node. Errors: |interpolated - exact force| in N, "
@@ -91,13 +93,12 @@ std::string areas(const Report& report) {
                           formatShare(error.percentile_95), formatShare(bound.median),
                           formatShare(bound.percentile_95));
     };
-    text +=
-        "\n" + wrapped(fmt::format(
-                   "{}: a finger anywhere on the surface, {} sites, {} stations, prepared in {} "
-                   "s, {} ns per query. Errors at exact solutions and error bounds everywhere, as "
-                   "shares of the force:",
-                   area.name, area.sites, area.stations, formatNumber(area.seconds_to_prepare),
-                   formatNumber(area.nanoseconds, 3)));
+    text += "\n" + wrapped(fmt::format(
+                       "{}: a finger anywhere on the surface, {}, {}, prepared in {} s, {} ns per "
+                       "query. Errors at exact solutions and error bounds everywhere, as "
+                       "shares of the force:",
+                       area.name, counted(area.sites, "site"), counted(area.stations, "station"),
+                       formatNumber(area.seconds_to_prepare), formatNumber(area.nanoseconds, 3)));
     text += fmt::format(row, "displacement", "force, N", "exact", "error", "95 %", "bound", "95 %");
     for (const DepthMeasures& depth : area.depths)
       columns(fmt::format("{:g} mm", 1e3 * depth.depth), formatNumber(depth.force), depth.exact,

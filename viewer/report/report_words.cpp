@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "common/base/number_text.hpp"
+
 namespace palpate {
 namespace {
 
@@ -16,14 +18,14 @@ constexpr std::size_t text_width = 100;
 std::string describeHeldOut(const Report& report) {
   if (report.held_out_kind == HeldOutKind::probes)
     return fmt::format(
-        "Measured with {} probes: exact solutions, within max_force, "
+        "Measured with {}: exact solutions, within max_force, "
         "at positions that no interpolation has seen.",
-        report.held_out_count);
+        counted(report.held_out_count, "probe"));
   if (report.held_out_kind == HeldOutKind::lattice_points)
     return fmt::format(
-        "There are no solved probes. Measured with {} lattice points "
+        "There are no solved probes. Measured with {} "
         "that the coarser lattices below leave out; of the densest itself nothing can be said.",
-        report.held_out_count);
+        counted(report.held_out_count, "lattice point"));
   return "There are no solved probes, and no coarser lattice inside this one "
          "leaves solved points out: nothing to measure errors with.";
 }
@@ -53,13 +55,15 @@ std::string hintForProbes(const Report& report) {
 
 std::string describeProbes(const AreaMeasures& area, const Report& report) {
   const AreaProbes& probes = area.probes;
-  if (probes.places == 0)
+  const ProbeCounts& counts = probes.counts;
+  if (counts.all == 0)
     return "There are no exact solutions between sites in this dataset: put \"[accuracy] probes = "
            "200\" into the scene, and build again.";
   std::string text = fmt::format(
-      "Exact solutions at {} random places, of displacements that contact reaches: {} within "
-      "max_force, {} beyond it, {} not reached from rest.",
-      probes.places, probes.area.count, probes.beyond_force, probes.unsolved);
+      "Exact solutions at {}, of displacements that contact reaches: {} within max_force, {} "
+      "beyond it, {} not reached from rest.",
+      counted(counts.all, "random place"), counts.within_force, counts.beyond_force,
+      counts.unsolved());
   if (probes.area.count > 0)
     text += fmt::format(
         " Of those within it {} keep {}, of what the nearest site says alone {}. The bound holds "
@@ -69,17 +73,18 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
         formatNumber(probes.area.bound_over_error.median, 3),
         formatNumber(probes.area.bound_over_error.percentile_95, 3));
   if (probes.unanswered > 0)
-    text += fmt::format(" {} lie where the area does not answer.", probes.unanswered);
+    text += fmt::format(" The area does not answer at {}.", counted(probes.unanswered, "place"));
   if (area.jumps > 0)
-    text += fmt::format(" {} edges between lattice points of its sites join different branches.",
-                        area.jumps);
+    text += fmt::format(" Between different branches: {} of its sites.",
+                        counted(area.jumps, "lattice edge"));
   return text;
 }
 
 std::string describePictured(const Report& report) {
   return report.pictures.size() == report.nodes.size()
              ? ""
-             : fmt::format(" The {} active nodes with the largest errors.", report.pictures.size());
+             : fmt::format(" Those with the largest errors: {}.",
+                           counted(report.pictures.size(), "active node"));
 }
 
 std::string describeTarget(const Report& report) {
@@ -88,8 +93,9 @@ std::string describeTarget(const Report& report) {
                      report.target_of_scene ? ", as the scene asks" : "");
 }
 
-std::string countNodes(std::size_t count) {
-  return fmt::format("{} active {}", count, count == 1 ? "node" : "nodes");
+std::string describeMesh(const Mesh& mesh) {
+  return fmt::format("{}, {}", counted(mesh.nodes.size(), "node"),
+                     counted(mesh.tetrahedra.size(), "tetrahedron", "tetrahedra"));
 }
 
 std::string describeBall(const Dataset& dataset) {

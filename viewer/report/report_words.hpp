@@ -24,8 +24,8 @@ std::string describePictured(const Report& report);
 /// "max(3 % of |force|, 0.01 N), as the scene asks".
 std::string describeTarget(const Report& report);
 
-/// "1 active node", "2 active nodes".
-std::string countNodes(std::size_t count);
+/// "493 nodes, 1717 tetrahedra".
+std::string describeMesh(const Mesh& mesh);
 
 /// "ball of 100 mm, spacing 20 mm".
 std::string describeBall(const Dataset& dataset);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "common/base/number_text.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -83,7 +84,7 @@ Section waysSection(const Report& report, FigureNumbers& numbers) {
       "logarithmic. Marks are at the middles of the shells; over them is from how many exact "
       "solutions. Measured on {} with {} exact solutions of {} ({}).",
       way_shells, escaped(shownLattice(report).label),
-      shownLattice(report).methods.front().all.count, countNodes(report.compared),
+      shownLattice(report).methods.front().all.count, counted(report.compared, "active node"),
       name(report.held_out_kind));
   std::string html =
       waysFigure(report, of_vectors,

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_text.hpp"
 #include "common/mesh/mesh_text.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/material_toml.hpp"
@@ -19,9 +20,7 @@ std::string duration(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-std::string text(const Eigen::Vector3d& v) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
-}
+std::string text(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
 
 /// The scene's lengths in metres, for the one who wrote them in another unit.
 void printConversion(const Scene& scene) {
@@ -61,9 +60,10 @@ void printBody(const SceneReport& report) {
     if (scene.regions.size() == 1 && region.isRest())
       fmt::print("material   {}\n", inWords(region.material));
     else
-      fmt::print("material   {} ({} tetrahedra): {}\n",
+      fmt::print("material   {} ({}): {}\n",
                  region.isRest() ? "rest" : fmt::format("\"{}\"", region.name()),
-                 report.tetrahedra_in[r], inWords(region.material));
+                 counted(report.tetrahedra_in[r], "tetrahedron", "tetrahedra"),
+                 inWords(region.material));
   }
   printModuli(report);
   const Discretization& d = scene.discretization;
@@ -79,10 +79,10 @@ void printActives(const SceneReport& report) {
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const SceneReport::Space& space : std::span(report.spaces).first(shown)) {
     const bool finger = space.patch->finger.has_value();
-    fmt::print("active     \"{}\": {} at {} m, {} of {} node(s), {} unknowns\n", space.patch->name,
+    fmt::print("active     \"{}\": {} at {} m, {} of {}, {}\n", space.patch->name,
                finger ? std::string(space.tool) : fmt::format("node {}", space.patch->node),
                text(space.place), finger ? "the mean" : fmt::format("{} patch", space.tool),
-               space.patch->nodes.size(), space.unknowns);
+               counted(space.patch->nodes.size(), "node"), counted(space.unknowns, "unknown"));
   }
   if (shown < n_spaces)
     fmt::print("           and {} more, \"{}\" the last: {} {}\n", n_spaces - shown,
@@ -111,8 +111,10 @@ void printDevice(const Scene& scene, double stiffness) {
 void printAccuracy(const Scene& scene) {
   const Accuracy& accuracy = scene.accuracy;
   if (accuracy.adaptive())
-    fmt::print("accuracy   force to {:.3g} % or {:.3g} N: cells are halved up to {} times\n",
-               100 * accuracy.force_error, accuracy.force_floor, accuracy.levels);
+    fmt::print(
+        "accuracy   force to {:.3g} % or {:.3g} N: cells are halved {}\n",
+        100 * accuracy.force_error, accuracy.force_floor,
+        accuracy.levels == 1 ? "once at most" : fmt::format("up to {} times", accuracy.levels));
   std::map<std::string, int> places;
   bool in_spaces = false;
   for (std::size_t s = 0; s < scene.active.size(); ++s)
@@ -121,7 +123,7 @@ void printAccuracy(const Scene& scene) {
     else
       in_spaces = in_spaces || probesIn(scene, s) > 0;
   for (const auto& [area, count] : places)
-    fmt::print("probes     at {} places of \"{}\"\n", count, area);
+    fmt::print("probes     at {} of \"{}\"\n", counted(count, "place"), area);
   if (in_spaces) fmt::print("probes     {} in each space\n", accuracy.probes);
 }
 
@@ -158,15 +160,14 @@ void printSceneReport(const SceneReport& report) {
   fmt::print("{}", meshText(report.problem->mesh, report.quality, scene.mesh.filename().string()));
   printConversion(scene);
   printBody(report);
-  fmt::print("fixed      {} nodes\n", report.problem->fixed.size());
+  fmt::print("fixed      {}\n", counted(report.problem->fixed.size(), "node"));
   printActives(report);
   printDevice(scene, report.measured.stiffness);
   fmt::print(
-      "lattice    radius {:.4g} m, spacing {:.4g} m: {}{} points in each of {} space(s), "
-      "{}{:.0f} configurations\n",
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {}{} in each of {}, {}{:.0f} configurations\n",
       report.lattice.radius(), report.lattice.spacing(),
-      isOfFingersThatPush(*report.problem) ? "up to " : "", report.lattice.size(),
-      report.spaces.size(), scene.accuracy.adaptive() ? "at least " : "",
+      isOfFingersThatPush(*report.problem) ? "up to " : "", counted(report.lattice.size(), "point"),
+      counted(report.spaces.size(), "space"), scene.accuracy.adaptive() ? "at least " : "",
       report.cost.least.configurations);
   printAccuracy(scene);
   printCost(report);

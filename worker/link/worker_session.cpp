@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/printable.hpp"
 
 namespace palpate {
@@ -175,8 +176,8 @@ void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::st
     throw failure("the problem that the scheduler at {} sent is not build {}", options_.endpoint,
                   build_.shortHex());
   problem_ = std::move(problem);
-  spdlog::info("working on \"{}\", {} nodes, {} kernels", problem_->scene.name,
-               problem_->mesh.nodes.size(), options_.kernel_family);
+  spdlog::info("working on \"{}\", {}, {} kernels", problem_->scene.name,
+               counted(problem_->mesh.nodes.size(), "node"), options_.kernel_family);
   requestJobs(jobs_in_advance, true, now);
 }
 

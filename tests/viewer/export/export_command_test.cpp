@@ -237,7 +237,7 @@ TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
   EXPECT_EQ(result.exit_code, 0) << result.output;
   result = test::runCommand(words + out + "--displacement 0.5 0 0 --force");
   EXPECT_EQ(result.exit_code, 3) << result.output;
-  EXPECT_THAT(result.output, HasSubstr("1 of 1 touches have no reliable answer"));
+  EXPECT_THAT(result.output, HasSubstr("1 of 1 touch without a reliable answer"));
   EXPECT_EQ(test::runCommand(words + out + "--point 1 0").exit_code, 2);
   result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-viewer export --help");
   EXPECT_EQ(result.exit_code, 0);

@@ -107,7 +107,7 @@ Eigen::Vector3d forceIn(const nlohmann::json& answer) {
 void expectTruth(const Part& part, std::size_t fewest) {
   const BuiltOrgan organ(part);
   const AreaProbes& probes = organ.measures().probes;
-  EXPECT_GE(probes.area.count, fewest) << "of " << probes.places;
+  EXPECT_GE(probes.area.count, fewest) << "of " << probes.counts.all;
   EXPECT_GE(probes.area.within_target, 0.97);
   EXPECT_LE(probes.area.relative.median, part.median) << "sites are far apart, or cells coarse";
   EXPECT_GE(probes.area.bound_holds, 0.98);

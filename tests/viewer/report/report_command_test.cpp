@@ -264,9 +264,16 @@ TEST_F(ReportCommand, WithoutProbesUsesLeftOutPointsAndSaysHowToGetProbes) {
   EXPECT_THAT(page(), HasSubstr("[accuracy] probes = 200"));
 }
 
-TEST_F(ReportCommand, PageSaysOfWhichLatticeItsFirstNumbersAre) {
+// It once began with the errors of every 2nd point, a lattice of 18, as if they were its own.
+TEST_F(ReportCommand, WithoutProbesThePageBeginsWithNoErrorsOfAPartOfTheLattice) {
   const std::string summary = between(page(), "</h1>", "<nav>");
-  EXPECT_THAT(summary, HasSubstr("potential on sample.h5, every 2nd point"));
+  EXPECT_THAT(summary, AllOf(HasSubstr("potential on sample.h5:"), HasSubstr("per query"),
+                             Not(HasSubstr("every 2nd")), Not(HasSubstr("mean error"))));
+}
+
+TEST_F(RefinedReport, ThePageBeginsWithTheErrorsAtTheProbes) {
+  EXPECT_THAT(between(page(), "</h1>", "<nav>"),
+              AllOf(HasSubstr("potential on sample.h5:"), HasSubstr("mean error")));
 }
 
 TEST_F(ReportCommand, PageShowsForcesAlongTheAxesOnAllPointsOfTheDataset) {

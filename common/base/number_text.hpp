@@ -1,0 +1,29 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <concepts>
+#include <string>
+#include <string_view>
+
+// Numbers as people read them.
+
+namespace palpate {
+
+/// "1 node", "2 nodes"; `plural` where an s does not make it: "3 tetrahedra".
+template <std::integral Count>
+std::string counted(Count count, std::string_view noun, std::string_view plural = {}) {
+  if (count == 1) return fmt::format("1 {}", noun);
+  return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
+}
+
+/// "0.0025, 0, -0.017": each with at most so many figures, and zeros without a sign.
+inline std::string vectorText(const Eigen::Vector3d& v, int figures,
+                              std::string_view between = ", ") {
+  // -0.0 + 0.0 is 0.0.
+  return fmt::format("{1:.{0}g}{4}{2:.{0}g}{4}{3:.{0}g}", figures, v[0] + 0.0, v[1] + 0.0,
+                     v[2] + 0.0, between);
+}
+
+}  // namespace palpate
