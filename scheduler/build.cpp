@@ -37,7 +37,7 @@ const CoordinatorSettings& Build::checked(const CoordinatorSettings& settings) c
       directory_.path().string(), begun_with, settings.kernel_family);
 }
 
-bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace) {
   if (!std::filesystem::exists(file)) return false;
   const ContentId build = problemId(problem);
   std::string what;
@@ -56,8 +56,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
     if (!force && hdf5::isOpenForWriting(file)) throw;
     what = fmt::format("exists and is not a usable dataset ({})", error.what());
   }
-  if (!force)
-    throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
+  if (!replace) throw badInput("{}: {}: give another -o, or --replace", file.string(), what);
   return false;
 }
 

@@ -49,8 +49,8 @@ class Build {
 
 /// True when `file` is the whole dataset of this build already, false when there is no such file,
 /// or when it is that but partial or with another Storage than asked for. Error (bad input) when it
-/// is anything else, unless `force`.
-bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
+/// is anything else, unless `replace`.
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
 /// Writes the dataset of what these plans have, whose results `find` gives; returns its rows.
 /// `partial`: they are not complete, or what others check is not decided.

@@ -116,7 +116,7 @@ struct BuildOrder {
   std::string scene;                     ///< a TOML file
   std::string out;                       ///< the dataset; empty: NAME.h5 in the current directory
   std::string state;                     ///< the state directory; empty: OUT.state
-  bool force = false;                    ///< replace `out` when it holds something else
+  bool replace = false;                  ///< replace `out` when it holds something else
   std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
   double spot_checks_percent = 0;        ///< of all results, solved again by other machines
   std::string kernels;  ///< name of a CpuFamily; empty: those of the first result decide
@@ -145,7 +145,7 @@ std::string chosenKernels(const std::string& kernels) {
   return "";
 }
 
-/// Declares SCENE, -o, --state and --force on `app`, which must not outlive `order`.
+/// Declares SCENE, -o, --state and --replace on `app`, which must not outlive `order`.
 void addOptions(CLI::App& app, BuildOrder& order) {
   app.add_option("SCENE", order.scene, "The scene, a TOML file (docs/scene.md)")
       ->required()
@@ -154,7 +154,7 @@ void addOptions(CLI::App& app, BuildOrder& order) {
                  "Dataset to make [the scene's name with .h5, in the current directory]");
   app.add_option("--state", order.state,
                  "Directory for unfinished work, on a local disk [OUTPUT.state]");
-  app.add_flag("--force", order.force, "Replace OUTPUT when it holds something else");
+  app.add_flag("--replace", order.replace, "Replace OUTPUT when it holds something else");
   app.add_option(
          "--hung-after", order.hung_after_s,
          "A worker whose solve takes longer than so many seconds ends, and another is asked "
@@ -270,8 +270,8 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
-  setAsideWhatIsOfAnotherScene(out, state, problem, order.force);
-  if (isSealed(out, problem, order.force))
+  setAsideWhatIsOfAnotherScene(out, state, problem, order.replace);
+  if (isSealed(out, problem, order.replace))
     return finish(rowsOf(spacesAndProbes(Dataset(out))), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");
   // Before the state directory is made, and before hours of work.

@@ -21,12 +21,12 @@ const char* whatIsMissing(const SpaceRowsList& spaces) {
 
 struct SealOptions {
   std::string state, out;
-  bool force = false;
+  bool replace = false;
 };
 
 ExitCode sealNow(const SealOptions& options) {
   RecordedBuild build(options.state);
-  if (isSealed(options.out, build.problem(), options.force)) {
+  if (isSealed(options.out, build.problem(), options.replace)) {
     fmt::print("{}: is already the whole dataset of this build; nothing to do\n", options.out);
     return ExitCode::done;
   }
@@ -43,7 +43,7 @@ std::function<ExitCode()> prepareSeal(CLI::App& app) {
   app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
       ->required();
   app.add_option("-o,--output", options->out, "Dataset to make")->required();
-  app.add_flag("--force", options->force, "Replace OUTPUT when it holds something else");
+  app.add_flag("--replace", options->replace, "Replace OUTPUT when it holds something else");
   app.footer(
       "Before the build is done the dataset is partial, and says so: it can be touched and\n"
       "queried where points are solved. Its results may still have to be checked by other "

@@ -48,7 +48,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
                  "Sealed datasets, OUT.h5; with several the picture switches between them")
       ->required()
       ->type_name("FILE");
-  app.add_option("--device", options->device, deviceHelp())
+  app.add_option("--device", options->device, deviceHelp(true))
       ->type_name("WORD")
       ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
   options->keys.addTo(app, "Take a device on the network that asks for no key");

@@ -23,7 +23,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
         "{}: has format version {}.{}, which is no longer read; "
-        "seal it again with `palpate build SCENE.toml --force`, "
+        "seal it again with `palpate build SCENE.toml --replace`, "
         "which takes what was computed from the state directory",
         file, version[0], version[1]);
   if (version[0] < 1 || version[0] > layout::major_version)

@@ -378,7 +378,7 @@ TEST_F(SystemTest, AChangedSceneIsBuiltAndWhatWasBeforeIsKeptUnderAnotherName) {
   EXPECT_THAT(built("out.h5"), HasSubstr("is already the dataset of this scene"));
   writeScene(directory.path(), 1700);
   auto replaced =
-      start("palpate-scheduler", {"build", "cube.toml", "-o", "out.h5", "-j", "1", "--force"});
+      start("palpate-scheduler", {"build", "cube.toml", "-o", "out.h5", "-j", "1", "--replace"});
   expectFinished(*replaced);
   EXPECT_THAT(replaced->output(), HasSubstr("sealed after"));
   // And back: there it is still.
@@ -406,7 +406,7 @@ TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {
   std::ofstream(directory / "out.h5") << "precious";
   auto build = startBuild("out.h5", "1");
   EXPECT_EQ(build->wait(), 2);
-  EXPECT_THAT(build->output(), HasSubstr("--force"));
+  EXPECT_THAT(build->output(), HasSubstr("--replace"));
   EXPECT_EQ(test::contentOf(directory / "out.h5"), "precious");
 }
 

@@ -80,7 +80,7 @@ constexpr std::array<Opener, 5> openers = {
      {"haply", openHaply, Rest::optional},
      {"plugin", openPlugin, Rest::needed, "name the library: plugin:LIB.so or plugin:LIB.so:ID"}}};
 
-Error unknown(const std::string& text, std::string_view kind) {
+Error unknown(const std::string& text, std::string_view kind, bool with_body) {
   std::array<std::string_view, openers.size()> kinds{};
   for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
   const std::string_view near = nearestWord(kind, kinds);
@@ -88,17 +88,18 @@ Error unknown(const std::string& text, std::string_view kind) {
   // Names of devices are words of profiles too: who writes one here may have meant its limits.
   if (std::ranges::find(device_words, kind) != device_words.end())
     hint = fmt::format(" (for the limits of one: --profile {})", kind);
-  return badInput("--device {}: there is no such device{}; it can be {}", text, hint, deviceHelp());
+  return badInput("--device {}: there is no such device{}; it can be {}", text, hint,
+                  deviceHelp(with_body));
 }
 
-const Opener& openerOf(const std::string& text, const Word& word) {
+const Opener& openerOf(const std::string& text, const Word& word, bool with_body) {
   for (const Opener& opener : openers) {
     if (opener.kind != word.kind || (opener.rest == Rest::none && !word.rest.empty())) continue;
     if (opener.rest == Rest::needed && word.rest.empty())
       throw badInput("--device {}: {}", word.kind, opener.missing);
     return opener;
   }
-  throw unknown(text, word.kind);
+  throw unknown(text, word.kind, with_body);
 }
 
 /// Such a word is no pair of kind and rest, although it has a colon.
@@ -108,16 +109,16 @@ bool isEndpoint(const std::string& text) {
 
 }  // namespace
 
-const char* deviceHelp() {
-  return "virtual, virtual:FILE, mouse, replay:FILE, tcp://HOST:PORT, haply, "
-         "haply:ID or plugin:LIB.so[:ID]";
+std::string deviceHelp(bool with_body) {
+  return fmt::format("{}replay:FILE, tcp://HOST:PORT, haply, haply:ID or plugin:LIB.so[:ID]",
+                     with_body ? "virtual, virtual:FILE, mouse, " : "virtual:FILE, ");
 }
 
 void checkDeviceWord(const std::string& text) {
   if (isEndpoint(text))
     checkEndpoint(text);
   else
-    openerOf(text, split(text));
+    openerOf(text, split(text), true);
 }
 
 DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second) {
@@ -144,7 +145,7 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceCo
                                                                 .fallback = context.profile,
                                                                 .real_time = context.real_time});
   const Word word = split(text);
-  return openerOf(text, word).open(word, context);
+  return openerOf(text, word, context.model != nullptr).open(word, context);
 }
 
 }  // namespace palpate

@@ -26,10 +26,11 @@ struct DeviceContext {
 /// The word of --device when there is none: in a window that follows the clock, and else.
 inline constexpr const char *window_device = "mouse", *default_device = "virtual";
 
-/// The text of --help for --device.
-const char* deviceHelp();
+/// The words that --device can be, for people; without a body there are fewer.
+std::string deviceHelp(bool with_body);
 
-/// Error (bad input) for a word that no device has, which lists them, or that lacks a part. Opens
+/// Error (bad input) for a word that no device of a body has, which lists them, or that lacks a
+/// part. Opens
 /// nothing: whether the device is there shows in openDevice().
 void checkDeviceWord(const std::string& word);
 

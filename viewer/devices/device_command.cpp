@@ -69,7 +69,7 @@ Verb deviceVerb() {
             app.add_option("--listen", options->endpoint,
                            "Where the simulator connects, tcp://HOST:PORT")
                 ->capture_default_str();
-            app.add_option("--device", options->device, deviceHelp())->capture_default_str();
+            app.add_option("--device", options->device, deviceHelp(false))->capture_default_str();
             app.add_option("--rate", options->rate, "Readings per second")
                 ->check(CLI::Range(1.0, 1e5))
                 ->capture_default_str();

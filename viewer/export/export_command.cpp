@@ -166,7 +166,7 @@ std::function<ExitCode()> prepareExport(CLI::App& app) {
                  fmt::format("Interpolation of forces: {} [{}]",
                              fmt::join(forceFieldMethods(), " or "), forceFieldMethods().front()))
       ->type_name("NAME");
-  app.add_flag("--force", options->force, "Replace what is there");
+  app.add_flag("--replace", options->replace, "Replace what is there");
   app.footer(
       "Points are those at rest: in ParaView, Warp By Vector with `displacement` deforms the body\n"
       "(docs/export.md).\n"
@@ -184,7 +184,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
                               std::ostream& output) {
   const ExportTarget target(options.output);
   checkChoice(options, target);
-  target.refuseWhatIsThere(options.dataset, options.force);
+  target.refuseWhatIsThere(options.dataset, options.replace);
   refuseUnwritable(options.output, "-o");
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);

@@ -20,7 +20,7 @@ struct ExportOptions {
   std::vector<double> point = {};  ///< three coordinates in spacings, or none
   int steps = 0;                   ///< of a straight way from rest; 0: not given
   std::string method = {};         ///< of interpolation; empty: the first of forceFieldMethods()
-  bool force = false;              ///< replace what is there
+  bool replace = false;            ///< replace what is there
 };
 
 /// `palpate export`: writes configurations of a dataset for ParaView and others, or the forces
@@ -28,7 +28,7 @@ struct ExportOptions {
 /// series the list, OUTPUT, comes last. ExitCode::partly_failed when some displacement was outside
 /// of the covered region (it is written all the same, and marked), interrupted when a signal ended
 /// a series. Error (bad input) for an unknown ending, a wrong dataset, name, method or number, a
-/// point that was not solved, and for what is there already, without `force`; Error when a file
+/// point that was not solved, and for what is there already, without `replace`; Error when a file
 /// cannot be written.
 ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
                               std::ostream& output);

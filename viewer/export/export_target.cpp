@@ -77,15 +77,14 @@ void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool 
   if (std::filesystem::is_directory(file_, ignored))
     throw badInput("-o {}: is a directory; name a file", file_.string());
   if (isThere(file_) && !may_replace)
-    throw badInput("{} is there already: give another -o, or --force to replace it",
-                   file_.string());
+    throw badInput("{} is there already: give another -o, or --replace", file_.string());
   if (format_ != ExportFormat::pvd || !isThere(seriesFolder())) return;
   if (!std::filesystem::is_directory(seriesFolder(), ignored))
     throw badInput(
         "{} is there already, and no folder, which {} needs for its files: give another -o",
         seriesFolder().string(), file_.string());
   if (!std::filesystem::is_empty(seriesFolder(), ignored) && !may_replace)
-    throw badInput("{} is there already: give another -o, or --force to replace the series in it",
+    throw badInput("{} is there already: give another -o, or --replace for the series in it",
                    seriesFolder().string());
 }
 

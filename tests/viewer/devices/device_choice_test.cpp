@@ -52,6 +52,15 @@ class DeviceChoice : public ::testing::Test {
   std::unique_ptr<HapticModel> model_;
 };
 
+/// `palpate device` once offered the mouse, and refused it.
+TEST(DevicesThatAreLent, AreOfferedOnlyWhereTheyNeedNoBody) {
+  EXPECT_THAT(deviceHelp(false),
+              ::testing::AllOf(HasSubstr("virtual:FILE"), ::testing::Not(HasSubstr("mouse")),
+                               ::testing::Not(HasSubstr("virtual,"))));
+  EXPECT_THAT(deviceHelp(true), ::testing::AllOf(HasSubstr("mouse"), HasSubstr("virtual,")));
+  expectBadInput([] { openDevice("falcon", {}); }, {deviceHelp(false)});
+}
+
 TEST_F(DeviceChoice, TheDefaultIsAVirtualHandOutsideOfTheBody) {
   const auto device = openDevice(default_device, context());
   EXPECT_EQ(device->name(), "virtual hand");

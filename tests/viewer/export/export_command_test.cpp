@@ -121,7 +121,7 @@ TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0004.vtu"));
   options.steps = 1;
   expectBadInput([&] { run(); }, {"press.pvd is there already"});
-  options.force = true;
+  options.replace = true;
   EXPECT_EQ(run(), ExitCode::done);
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0002.vtu")) << "of the longer one";
 }
@@ -233,9 +233,9 @@ TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
   result = test::runCommand(words + out + "--point -1 0 0");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr("is there already"));
-  result = test::runCommand(words + out + "--point -1 0 0 --force");
+  result = test::runCommand(words + out + "--point -1 0 0 --replace");
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  result = test::runCommand(words + out + "--displacement 0.5 0 0 --force");
+  result = test::runCommand(words + out + "--displacement 0.5 0 0 --replace");
   EXPECT_EQ(result.exit_code, 3) << result.output;
   EXPECT_THAT(result.output, HasSubstr("1 of 1 touch without a reliable answer"));
   EXPECT_EQ(test::runCommand(words + out + "--point 1 0").exit_code, 2);
@@ -279,7 +279,7 @@ TEST_F(ExportOfAFinger, ACurveTellsPlaceAndDrive) {
   EXPECT_THAT(linesWritten().front(),
               AllOf(HasSubstr("way_m,at_x_m,"), HasSubstr("drive_z_N,energy_J")));
   EXPECT_EQ(linesWritten().size(), 3U);
-  options.force = true;
+  options.replace = true;
   EXPECT_EQ(run("0.05 0.04 0.1 0 0 -0.01\n0.05 0.04 0.104 0 0 -0.01\n"), ExitCode::done);
   EXPECT_THAT(linesWritten().back(), StartsWith("1,0,0.05,0.04,0.1,"))
       << "the tool has not moved: both places are the same point of the surface";

@@ -35,7 +35,7 @@ TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
   target.refuseWhatIsThere(dataset, false);
   touch(target.file());
   expectBadInput([&] { target.refuseWhatIsThere(dataset, false); },
-                 {"touch.vtu is there already", "--force"});
+                 {"touch.vtu is there already", "--replace"});
   target.refuseWhatIsThere(dataset, true);
 }
 
@@ -63,7 +63,7 @@ TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
   std::filesystem::create_directory(directory / "press");
   target.refuseWhatIsThere(dataset, false);
   touch(directory / "press/notes.txt");
-  expectBadInput([&] { target.refuseWhatIsThere(dataset, false); }, {"press", "--force"});
+  expectBadInput([&] { target.refuseWhatIsThere(dataset, false); }, {"press", "--replace"});
   target.refuseWhatIsThere(dataset, true);
   const ExportTarget other(directory / "file.pvd");
   touch(directory / "file");

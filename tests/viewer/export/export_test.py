@@ -377,7 +377,7 @@ class ExportedBody(ExportedBox):
     def testInterruptedWhileItReadsReplacesNothing(self):
         self.build()
         (self.folder / "curve.csv").write_text("of yesterday", encoding="utf-8")
-        going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "curve.csv", "--displacement", "-", "--force"],
+        going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "curve.csv", "--displacement", "-", "--replace"],
                                  cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(going.kill)
         going.stdin.write("0.001 0 0\n0.002 0 0\n")
@@ -397,7 +397,7 @@ class ExportedBody(ExportedBox):
         before = {file.name: file.read_bytes() for file in [self.folder / "press.pvd", *(self.folder / "press").iterdir()]}
         for words in (("--at", "-", "--displacement", "-"), ("--at", "31", "22", "40", "--point", "0", "0", "-1")):
             name = "press.pvd" if "-" == words[1] else "site.vtu"
-            told = self.run_palpate("export", "box.h5", "-o", name, *words, "--force", code=2, lines=touch + "31 22 40 0 0 -0.004\n")
+            told = self.run_palpate("export", "box.h5", "-o", name, *words, "--replace", code=2, lines=touch + "31 22 40 0 0 -0.004\n")
             self.assertIn("--at", told)
         after = {file.name: file.read_bytes() for file in [self.folder / "press.pvd", *(self.folder / "press").iterdir()]}
         self.assertEqual(after, before)
