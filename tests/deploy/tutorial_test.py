@@ -55,6 +55,10 @@ class FirstPages(unittest.TestCase):
         begin, end = page.index("in five minutes\n"), page.index("\n## On many machines")
         self.follow(page[begin:end], ("organ/scene.toml", "organ.h5", "organ.html", "touch.vtu", "side.h5"))
 
+    def testItsStepsInPythonFindTheLibraryAfterTheDemo(self):
+        built = re.search(r"cmake --build .*--target (.*)\)", (ROOT / "deploy/demo").read_text(encoding="utf-8"))
+        self.assertIn("palpate_library", built[1].split(), "deploy/python looks for build/*/lib/libpalpate.so.0")
+
 
 if __name__ == "__main__":
     unittest.main()
