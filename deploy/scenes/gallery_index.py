@@ -123,7 +123,8 @@ def page(folder, names):
 <title>Palpate: gallery</title><style>
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em; color: #222 }
 section { margin: 3em 0 } img { width: 100%; border-radius: 6px } td { padding: .15em 1em .15em 0; vertical-align: top }
-td:first-child { color: #777; white-space: nowrap }
+td { overflow-wrap: anywhere } td:first-child { color: #777; white-space: nowrap }
+@media (max-width: 600px) { body { margin: 1em auto } td { display: block; padding: 0 } td:first-child { padding-top: .5em } }
 </style><h1>Palpate: gallery</h1><p>Bodies that can be touched everywhere. Press a picture to touch one.</p>"""]
     for name in names:
         touch, picture = (folder / f"{name}.{ending}" for ending in ("html", "png"))

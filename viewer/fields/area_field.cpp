@@ -1,6 +1,7 @@
 #include "viewer/fields/area_field.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bitset>
 #include <cmath>
 #include <numeric>
@@ -33,6 +34,8 @@ constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
                  share_of_force = 0.003;
 /// Of the largest force of a site: below it nothing is taken as a share of a force.
 constexpr float weakest_share = 0.01f;
+/// To make a site takes about as long as to interpolate to so many stations, or to judge as many.
+constexpr std::size_t work_of_site = 16;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
@@ -191,18 +194,30 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stat
 
 AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
                      const std::vector<Eigen::Vector3d>& surface,
-                     const std::function<void()>& site_done)
+                     const std::function<void(double)>& progress)
     : AreaField(spaces, Stations{}) {
   setStations(stationsOn(surface));
   std::vector<std::size_t> all(spaces.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<SiteFits> fits;
   MadeSites made(spaces.size());
-  makeSites(spaces, all, fits, made, site_done);
+  std::atomic<std::size_t> work_done = 0;
+  const std::size_t work = (work_of_site + 1) * siteCount() + stationCount();
+  const auto did = [&](std::size_t more) {
+    const std::size_t done = work_done += more;
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
+  };
+  makeSites(spaces, all, fits, made, [&] { did(work_of_site); });
   for (std::size_t n = 0; n < stationCount(); ++n) beginStation(n, spaces);
-  inParallel(stationCount(), [&](std::size_t n) { interpolateTo(n, made); });
+  inParallel(stationCount(), [&](std::size_t n) {
+    interpolateTo(n, made);
+    did(1);
+  });
   for (std::size_t n = 0; n < siteCount(); ++n) beginJudgement(n, spaces);
-  inParallel(siteCount(), [&](std::size_t n) { judge(n, spaces, made); });
+  inParallel(siteCount(), [&](std::size_t n) {
+    judge(n, spaces, made);
+    did(1);
+  });
 }
 
 void AreaField::makeSites(const std::vector<const SpaceTable*>& spaces,

@@ -54,12 +54,12 @@ class AreaField {
  public:
   /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
   /// the body's surface around them, close together against the radius (placesAround of
-  /// common/problem/sites.hpp). Side by side on all cores, any of which calls `site_done` for each
-  /// site, in which nearly all of the time goes; what it throws ends the making. Error when a site
-  /// has no solved point, or cells that are halved more than most_levels times.
+  /// common/problem/sites.hpp). Side by side on all cores, any of which calls `progress` with the
+  /// share of the work that is done, up to 1; what it throws ends the making. Error when a site has
+  /// no solved point, or cells that are halved more than most_levels times.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
-            const std::function<void()>& site_done = {});
+            const std::function<void(double)>& progress = {});
 
   /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond what was
   /// computed around s the sample is the continuation of answered_region.hpp, one energy over s
@@ -91,7 +91,7 @@ class AreaField {
   AreaField(const std::vector<const SpaceTable*>& sites, Stations stations);
 
   /// Makes these sites, which are not made yet, side by side on all cores, with `fits` for each
-  /// thread, which are kept for further sites. `site_done` as in the constructor.
+  /// thread, which are kept for further sites. Calls `site_done` for each, where there is one.
   static void makeSites(const std::vector<const SpaceTable*>& spaces,
                         const std::vector<std::size_t>& sites, std::vector<SiteFits>& fits,
                         MadeSites& made, const std::function<void()>& site_done);

@@ -74,19 +74,22 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
 
 bool HapticModel::makeAreas(const std::stop_token& stop) {
   struct Stopped {};
-  const auto site_done = [&] {
-    if (stop.stop_requested()) throw Stopped();
-    sites_done_.fetch_add(1, std::memory_order_relaxed);
-  };
   // No std::call_once: after an exception it never ends under the thread sanitizer.
   const std::scoped_lock lock(making_areas_);
   if (areas_made_) return true;
-  sites_done_ = 0;
+  areas_share_ = 0;
   std::vector<std::shared_ptr<const AreaField>> areas;
+  const auto progress = [&](double share) {
+    if (stop.stop_requested()) throw Stopped();
+    share = (static_cast<double>(areas.size()) + share) / static_cast<double>(places_.size());
+    // Threads may come in another order than they counted.
+    for (double known = areas_share_; share > known;)
+      if (areas_share_.compare_exchange_weak(known, share)) break;
+  };
   try {
     for (std::size_t a = 0; a < places_.size(); ++a)
       areas.push_back(std::make_shared<const AreaField>(
-          chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], site_done));
+          chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], progress));
   } catch (const Stopped&) {
     return false;
   }
@@ -128,9 +131,11 @@ void HapticModel::preparePressures(const std::stop_token& stop) {
 
 double HapticModel::preparedShare(std::size_t method) const noexcept {
   if (method >= fields_.size()) return 0;
-  const std::size_t done = std::max(fields_[method].made.load(std::memory_order_relaxed),
-                                    sites_done_.load(std::memory_order_relaxed));
-  return static_cast<double>(done) / static_cast<double>(spaces_.size());
+  if (isPrepared(method)) return 1;
+  const auto made = static_cast<double>(fields_[method].made.load(std::memory_order_relaxed));
+  // Only a method whose field() may be asked is said to be whole.
+  return std::min(0.99, std::max(made / static_cast<double>(spaces_.size()),
+                                 areas_share_.load(std::memory_order_relaxed)));
 }
 
 }  // namespace palpate

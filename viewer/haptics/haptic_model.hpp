@@ -46,8 +46,9 @@ class HapticModel {
   void prepare(std::size_t method, const std::stop_token& stop = {});
   /// The same in this thread alone, but for areas.
   void prepareAlone(std::size_t method, const std::stop_token& stop);
-  /// Of how many spaces a method is prepared, or the sites of an area, which all methods share, 0
-  /// to 1; 0 for one that is not in methods(). Any thread; waits for nothing.
+  /// How far a method is prepared, 0 to 1, and 1 only when it isPrepared(): the share of its
+  /// spaces, or of the work on areas, which all methods share; 0 for one that is not in methods().
+  /// Any thread; waits for nothing.
   double preparedShare(std::size_t method) const noexcept;
   /// Whether field() may be asked for a method. Any thread, real time.
   bool isPrepared(std::size_t method) const noexcept {
@@ -105,7 +106,7 @@ class HapticModel {
   std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its stations
   std::mutex making_areas_;
   bool areas_made_ = false;
-  std::atomic<std::size_t> sites_done_ = 0;              ///< of all areas
+  std::atomic<double> areas_share_ = 0;                  ///< of the work on areas
   std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
   std::vector<std::int32_t> area_of_space_;              ///< -1: none
   std::vector<std::string> methods_;

@@ -37,7 +37,7 @@ figcaption{font-size:.92rem;line-height:1.45;max-width:86ch;margin-top:.5em}
 .swatch{width:14px;height:14px}
 .legend{display:flex;flex-wrap:wrap;align-items:center;gap:4px 18px;font-size:.88rem;max-width:none}
 .legend span{display:inline-flex;align-items:center;gap:6px}
-.scroll{overflow-x:auto;margin:.6em 0 1em}
+.scroll{overflow-x:auto;margin:.6em 0 1em;background:linear-gradient(to right,#fff 30%,#fff0) 0 0/40px 100% no-repeat local,linear-gradient(to left,#fff 30%,#fff0) 100% 0/40px 100% no-repeat local,linear-gradient(to right,#0003,#0000) 0 0/12px 100% no-repeat scroll,linear-gradient(to left,#0003,#0000) 100% 0/12px 100% no-repeat scroll}
 table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums;min-width:100%}
 th,td{padding:4px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid var(--line)}
 th{color:var(--soft);font-weight:600;vertical-align:bottom;white-space:normal;line-height:1.25}
@@ -53,6 +53,7 @@ pre{background:var(--tint);padding:12px;overflow-x:auto;border-radius:8px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 18px;font-size:.9rem}
 dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}
 .legend svg .cover{stroke:#8b949e}
+@media (max-width:600px){main{padding:16px 12px 48px}table{font-size:.8rem}th,td{padding:3px 5px}pre{white-space:pre-wrap;overflow-wrap:anywhere}dl{grid-template-columns:1fr;gap:0}dd{margin-bottom:.5em}.text .bar{max-width:20vw}}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.panel,.cards{break-inside:avoid}nav,.panel a{display:none}.scroll{overflow:visible}}
 )";
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <mutex>
 #include <random>
 
 #include "tests/support/failed_point.hpp"
@@ -43,6 +45,22 @@ class AreaFieldTest : public ::testing::Test {
 };
 std::vector<SpaceTable>* AreaFieldTest::spaces = nullptr;
 AreaField* AreaFieldTest::field = nullptr;
+
+// "100 %" once stood for seconds, while stations were interpolated to.
+TEST_F(AreaFieldTest, TellsHowMuchIsDoneToTheEnd) {
+  std::vector<double> shares;
+  std::mutex adding;
+  const AreaField area({&spaces->at(0), &spaces->at(1), &spaces->at(2)}, PaperArea::plane(0.002),
+                       [&](double share) {
+                         const std::scoped_lock lock(adding);
+                         shares.push_back(share);
+                       });
+  std::ranges::sort(shares);
+  EXPECT_EQ(shares.size(), 2 * area.siteCount() + area.stationCount());
+  EXPECT_GT(shares.front(), 0);
+  EXPECT_EQ(shares.back(), 1);
+  EXPECT_LT(shares[shares.size() - 2], 1);
+}
 
 TEST_F(AreaFieldTest, ForceAndDriveAreThoseOfTheEnergyBetweenSites) {
   double worst_force = 0, worst_drive = 0;
