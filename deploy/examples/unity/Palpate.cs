@@ -1,7 +1,9 @@
-// libpalpate for Unity (or any C#), with the layouts of palpate.h: a sketch to begin with. The tests compile and run it with Mono.
+// libpalpate for Unity (or any C#), with the layouts of palpate.h: a sketch to begin with, with PalpateOrgan.cs beside it. The
+// tests compile and run both with Mono; they were NOT run in Unity.
 //
 // Put libpalpate.so.0 with the libraries that `ldd` names beside it into Assets/Plugins/x86_64, as libpalpate.so. Unity is
-// left-handed with y up: turn positions and forces by one convention at the border (here: z is negated), and keep metres.
+// left-handed with y up: turn positions and forces by one convention at the border (here: z is negated), and keep metres. Its
+// triangles are clockwise seen from outside, those of palpate counterclockwise, so the order of their corners is turned too.
 // The haptic loop has a thread of its own, never Update(): that runs at the rate of the picture. C# may stop any thread for garbage
 // collection; the guard turns such gaps into zero force when they are reported (LoopLate). For a hard 1 kHz write the loop in C.
 using System;
@@ -61,6 +63,27 @@ public unsafe struct Touch {  // 368 bytes
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public struct AreaInfo {  // 40 bytes
+  public UIntPtr Size;
+  public IntPtr Name;
+  public double FingerRadius, WorkspaceRadius;
+  public int SiteCount, Reserved;
+  public static AreaInfo Create() => new AreaInfo { Size = (UIntPtr)Marshal.SizeOf<AreaInfo>() };
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct AreaSample {  // 192 bytes
+  public UIntPtr Size;
+  public Vector3d Force;
+  public fixed double Stiffness[9];
+  public Vector3d Drive, At;
+  public double Energy, ErrorBound, Coverage;
+  public int Inside, Triangle;
+  public double Distance;
+  public static AreaSample Create() => new AreaSample { Size = (UIntPtr)sizeof(AreaSample) };
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public struct GuardOptions {  // 72 bytes
   public UIntPtr Size;
   public double Period, MaxForce, MaxSlew, Ramp, Stall, MaxStiffness, EnergyCredit, Delay;
@@ -105,6 +128,10 @@ public static class Native {
       DatasetHandle dataset, [Out] int[] triangles, UIntPtr capacity);
   [DllImport(Library)] public static extern Status palpate_query(
       DatasetHandle dataset, int space, int method, ref Vector3d displacement, ref Sample sample);
+  [DllImport(Library)] public static extern Status palpate_dataset_area_count(DatasetHandle dataset, out int count);
+  [DllImport(Library)] public static extern Status palpate_dataset_area(DatasetHandle dataset, int area, ref AreaInfo info);
+  [DllImport(Library)] public static extern Status palpate_area_query(
+      DatasetHandle dataset, int area, ref Vector3d at, ref Vector3d displacement, ref AreaSample sample);
   [DllImport(Library)] public static extern Status palpate_contact_create(
       DatasetHandle dataset, IntPtr options, out ContactHandle contact);
   [DllImport(Library)] public static extern void palpate_contact_destroy(IntPtr contact);
@@ -123,6 +150,47 @@ public static class Native {
   public static void Check(Status status) {
     if (status != Status.Ok)
       throw new InvalidOperationException(status + ": " + Marshal.PtrToStringUTF8(palpate_last_error()));
+  }
+}
+
+/// What a picture and a simulation ask of a dataset. Any thread.
+public static class Datasets {
+  /// Its surface at rest, Unity's frame.
+  public static UnityEngine.Vector3[] UnityVertices(this DatasetHandle dataset) {
+    var numbers = new double[3 * InfoOf(dataset).VertexCount];
+    Native.Check(Native.palpate_dataset_vertices(dataset, numbers, (UIntPtr)numbers.Length));
+    var vertices = new UnityEngine.Vector3[numbers.Length / 3];
+    for (int n = 0; n < vertices.Length; ++n)
+      vertices[n] = new Vector3d(numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]).ToUnity();
+    return vertices;
+  }
+
+  /// Three vertices each, clockwise seen from outside: those of palpate the other way round.
+  public static int[] UnityTriangles(this DatasetHandle dataset) {
+    var corners = new int[3 * InfoOf(dataset).TriangleCount];
+    Native.Check(Native.palpate_dataset_triangles(dataset, corners, (UIntPtr)corners.Length));
+    for (int n = 0; n < corners.Length; n += 3) Array.Reverse(corners, n + 1, 2);
+    return corners;
+  }
+
+  /// The surfaces that a finger touches; none where single active nodes are touched.
+  public static int AreaCount(this DatasetHandle dataset) {
+    Native.Check(Native.palpate_dataset_area_count(dataset, out int count));
+    return count;
+  }
+
+  /// Force on a finger at a place of such a surface, and what drives it along the surface, without a contact. Metres and newtons,
+  /// frame of the scene.
+  public static AreaSample AskArea(this DatasetHandle dataset, int area, Vector3d at, Vector3d displacement) {
+    var sample = AreaSample.Create();
+    Native.Check(Native.palpate_area_query(dataset, area, ref at, ref displacement, ref sample));
+    return sample;
+  }
+
+  private static DatasetInfo InfoOf(DatasetHandle dataset) {
+    var info = DatasetInfo.Create();
+    Native.Check(Native.palpate_dataset_describe(dataset, ref info));
+    return info;
   }
 }
 
@@ -157,6 +225,8 @@ public sealed class HapticLoop : IDisposable {
     thread.Start();
   }
 
+  /// For what the picture and the simulation ask; closed by Dispose().
+  public DatasetHandle Dataset => dataset;
   public Touch LastTouch { get { lock (seenLock) return seen; } }
 
   /// Displacements of the surface for a mesh, metres, frame of the scene; called from Update().

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 
 #include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/viewer/c_api/sample_file.hpp"
 
 namespace palpate {
@@ -190,17 +192,33 @@ TEST_F(Examples, InPythonRuns) {
   EXPECT_EQ(structures, expected);
 }
 
-TEST_F(Examples, ForUnityRunsUnderMono) {
-  const std::filesystem::path program = build_ / "unity_sketch.exe";
+TEST_F(Examples, ForUnityRunUnderMono) {
+  const std::filesystem::path program = build_ / "unity_sketch.exe", body = build_ / "finger.h5";
+  test::FingerBody().seal(body);
   outputOf("mcs -unsafe -out:" + shellWord(program) + " " +
            shellWord(PALPATE_SOURCE_DIR "/tests/viewer/c_api/unity_sketch.cs") + " " +
-           shellWord(std::string(examples) + "/unity/Palpate.cs"));
+           shellWord(std::string(examples) + "/unity/Palpate.cs") + " " +
+           shellWord(std::string(examples) + "/unity/PalpateOrgan.cs"));
   const std::string output =
       outputOf("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " mono " +
-               shellWord(program) + " " + shellWord(sample_->path()));
+               shellWord(program) + " " + shellWord(sample_->path()) + " " + shellWord(body));
   expectForces(output);
+  EXPECT_THAT(output, HasSubstr("outward\n")) << "the winding of Unity's triangles";
+  EXPECT_THAT(output, HasSubstr("component pressed\n"));
+  const Eigen::Vector3d expected =
+      test::FingerBody::force({0.0512, 0.0437, 0.1}, {0.003, -0.002, -0.009});
+  Eigen::Vector3d force;
+  int inside = 0;
+  ASSERT_EQ(std::sscanf(output.c_str() + output.find("area "), "area %lf %lf %lf inside %d",
+                        &force[0], &force[1], &force[2], &inside),
+            4)
+      << output;
+  EXPECT_TRUE(force.isApprox(expected, 0.02)) << force.transpose();
+  EXPECT_EQ(inside, 1);
   for (const auto& [name, size] :
        {std::pair("DatasetInfo", sizeof(palpate_dataset_info)),
+        std::pair("AreaInfo", sizeof(palpate_area_info)),
+        std::pair("AreaSample", sizeof(palpate_area_sample)),
         std::pair("GuardOptions", sizeof(palpate_guard_options)),
         std::pair("GuardedForce", sizeof(palpate_guarded_force)),
         std::pair("Sample", sizeof(palpate_sample)), std::pair("Touch", sizeof(palpate_touch))})
@@ -210,7 +228,7 @@ TEST_F(Examples, ForUnityRunsUnderMono) {
 TEST_F(Examples, ComeWithTheLibraryAndNothingElseDoes) {
   for (const char* file :
        {"c/touch.c", "c/CMakeLists.txt", "python/touch.py", "python/force_curve.py",
-        "sofa/PalpateForceFeedback.h", "unity/Palpate.cs"})
+        "sofa/PalpateForceFeedback.h", "unity/Palpate.cs", "unity/PalpateOrgan.cs"})
     EXPECT_TRUE(std::filesystem::exists(*prefix_ / "share/doc/palpate/examples" / file)) << file;
   const auto program =
       std::filesystem::status(*prefix_ / "share/doc/palpate/examples/python/touch.py");

@@ -1,9 +1,10 @@
-// What of Unity the sketch deploy/examples/unity/Palpate.cs needs, and a program that runs its haptic loop on a dataset of
-// a body whose active node 0, "tip", is the corner (0.1, 0.1, 0.1) m of a cube:
+// What of Unity the sketches in deploy/examples/unity need, and a program that runs the haptic loop on a dataset of a body
+// whose active node 0, "tip", is the corner (0.1, 0.1, 0.1) m of a cube, and the component on one whose top a finger touches:
 //
-//   unity_sketch.exe DATASET.h5
+//   unity_sketch.exe DATASET.h5 FINGER.h5
 using System;
 using System.Globalization;
+using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
 
@@ -11,6 +12,32 @@ namespace UnityEngine {
 public struct Vector3 {
   public float x, y, z;
   public Vector3(float x, float y, float z) { this.x = x; this.y = y; this.z = z; }
+  public static Vector3 operator +(Vector3 a, Vector3 b) => new Vector3(a.x + b.x, a.y + b.y, a.z + b.z);
+  public static Vector3 operator -(Vector3 a, Vector3 b) => new Vector3(a.x - b.x, a.y - b.y, a.z - b.z);
+  public static float Dot(Vector3 a, Vector3 b) => a.x * b.x + a.y * b.y + a.z * b.z;
+  public static Vector3 Cross(Vector3 a, Vector3 b) =>
+      new Vector3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+public sealed class Transform {
+  public Vector3 position;
+  public Vector3 InverseTransformPoint(Vector3 place) => place;
+  public Vector3 TransformDirection(Vector3 direction) => direction;
+}
+public sealed class Mesh {
+  public Vector3[] vertices { get; set; }
+  public int[] triangles { get; set; }
+  public void MarkDynamic() { }
+  public void RecalculateNormals() { }
+  public void RecalculateBounds() { }
+}
+public sealed class MeshFilter { public Mesh mesh { get; set; } }
+[AttributeUsage(AttributeTargets.Class)]
+public sealed class RequireComponent : Attribute { public RequireComponent(Type _) { } }
+public static class Application { public static string streamingAssetsPath => ""; }
+public class MonoBehaviour {
+  public readonly Transform transform = new Transform();
+  private readonly MeshFilter filter = new MeshFilter();
+  public T GetComponent<T>() => (T)(object)filter;
 }
 }
 
@@ -71,13 +98,57 @@ static class Program {
     return touching;
   }
 
+  private static void Send(PalpateOrgan organ, string message) {
+    typeof(PalpateOrgan).GetMethod(message, BindingFlags.Instance | BindingFlags.NonPublic).Invoke(organ, null);
+  }
+
+  /// As the engine of Unity does: the tool comes down on the middle of the top. Whether its normals, which are
+  /// Vector3.Cross of the edges, point out of the cube.
+  private static void Component(string file) {
+    var organ = new PalpateOrgan { dataset = file, tool = new UnityEngine.Transform() };
+    Send(organ, "OnEnable");
+    UnityEngine.Mesh mesh = organ.GetComponent<UnityEngine.MeshFilter>().mesh;
+    var middle = new UnityEngine.Vector3(0.05f, 0.05f, -0.05f);
+    bool outward = true;
+    for (int n = 0; n < mesh.triangles.Length; n += 3) {
+      UnityEngine.Vector3 a = mesh.vertices[mesh.triangles[n]], b = mesh.vertices[mesh.triangles[n + 1]],
+                          c = mesh.vertices[mesh.triangles[n + 2]];
+      outward = outward && UnityEngine.Vector3.Dot(UnityEngine.Vector3.Cross(b - a, c - a), a - middle) > 0;
+    }
+    Console.WriteLine(outward ? "outward" : "inside out");
+    var atRest = (UnityEngine.Vector3[])mesh.vertices.Clone();
+    float height = 0.105f, deepest = 0;
+    for (int wait = 0; wait < 1000 && !(deepest > 1e-4f && organ.Force.z < 0); ++wait) {
+      height = Math.Max(height - 1e-4f, 0.095f);
+      organ.tool.position = new UnityEngine.Vector3(0.05f, 0.05f, -height);
+      Send(organ, "Update");
+      for (int n = 0; n < atRest.Length; ++n) deepest = Math.Max(deepest, mesh.vertices[n].z - atRest[n].z);
+      Thread.Sleep(10);
+    }
+    Console.WriteLine(deepest > 1e-4f && organ.Force.z < 0 ? "component pressed" : "component felt nothing");
+    Send(organ, "OnDisable");
+  }
+
+  private static void Area(string file) {
+    DatasetHandle dataset;
+    Native.Check(Native.palpate_dataset_open(file, IntPtr.Zero, out dataset));
+    using (dataset) {
+      AreaSample sample = dataset.AskArea(dataset.AreaCount() - 1, new Vector3d(0.0512, 0.0437, 0.104), new Vector3d(0.003, -0.002, -0.009));
+      Console.WriteLine("area " + Words(sample.Force) + " inside " + sample.Inside);
+    }
+  }
+
   public static int Main(string[] arguments) {
+    Print("AreaInfo", Marshal.SizeOf<AreaInfo>());
+    Print("AreaSample", Marshal.SizeOf<AreaSample>());
     Print("DatasetInfo", Marshal.SizeOf<DatasetInfo>());
     Print("GuardOptions", Marshal.SizeOf<GuardOptions>());
     Print("GuardedForce", Marshal.SizeOf<GuardedForce>());
     Print("Sample", Marshal.SizeOf<Sample>());
     Print("Touch", Marshal.SizeOf<Touch>());
     try {
+      Area(arguments[1]);
+      Component(arguments[1]);
       DatasetHandle dataset;
       Native.Check(Native.palpate_dataset_open(arguments[0], IntPtr.Zero, out dataset));
       using (dataset) {
