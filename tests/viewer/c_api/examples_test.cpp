@@ -209,8 +209,10 @@ TEST_F(Examples, ForUnityRunUnderMono) {
       test::FingerBody::force({0.0512, 0.0437, 0.1}, {0.003, -0.002, -0.009});
   Eigen::Vector3d force;
   int inside = 0;
-  ASSERT_EQ(std::sscanf(output.c_str() + output.find("area "), "area %lf %lf %lf inside %d",
-                        &force[0], &force[1], &force[2], &inside),
+  const std::size_t area = output.find("area ");
+  ASSERT_NE(area, std::string::npos) << output;
+  ASSERT_EQ(std::sscanf(output.c_str() + area, "area %lf %lf %lf inside %d", &force[0], &force[1],
+                        &force[2], &inside),
             4)
       << output;
   EXPECT_TRUE(force.isApprox(expected, 0.02)) << force.transpose();

@@ -133,7 +133,8 @@ static class Program {
     DatasetHandle dataset;
     Native.Check(Native.palpate_dataset_open(file, IntPtr.Zero, out dataset));
     using (dataset) {
-      AreaSample sample = dataset.AskArea(dataset.AreaCount() - 1, new Vector3d(0.0512, 0.0437, 0.104), new Vector3d(0.003, -0.002, -0.009));
+      AreaSample sample = dataset.AskArea(dataset.AreaCount() - 1, new Vector3d(0.0512, 0.0437, 0.104),
+                                          new Vector3d(0.003, -0.002, -0.009));
       Console.WriteLine("area " + Words(sample.Force) + " inside " + sample.Inside);
     }
   }
