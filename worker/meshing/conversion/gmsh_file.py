@@ -1,7 +1,6 @@
 """Gmsh's .msh of version 2.2 and 4.1, of which meshio loses groups where it is binary."""
-import pathlib
+import os
 import subprocess
-import tempfile
 
 import numpy as np
 
@@ -17,8 +16,8 @@ GMSH_NODES = {**NODES_OF, "quad9": 9, "hexahedron27": 27, "wedge18": 18, "pyrami
 class GmshFile(ByteLines):
     """Numbers of a .msh file of version 2.2 or 4.1, binary or text, section by section."""
 
-    def __init__(self, path):
-        super().__init__(path, bytes_of(path))
+    def __init__(self, path, data):
+        super().__init__(path, data)
         self.version = "1"
         if (first := self.line()) == "$NOD":
             return
@@ -279,26 +278,26 @@ class GmshMesh:
 
 
 def saved_anew(path, version):
-    """By Gmsh itself, which reads all of its versions."""
-    with tempfile.TemporaryDirectory() as folder:
-        made = pathlib.Path(folder) / "anew.msh"
-        try:
-            ran = subprocess.run(["gmsh", str(path.absolute()), "-save", "-format", "msh41", "-o", str(made), "-v", "1"],
-                                 capture_output=True, text=True, errors="replace", check=False)
-        except FileNotFoundError:
-            wrong(path, None, f"Gmsh's format version {version} is read with Gmsh itself, which is not installed here "
-                              "(Debian: gmsh); install it, or save the mesh as version 4.1 or 2.2")
-        if ran.returncode != 0 or not made.exists():
-            said = (ran.stderr or ran.stdout).strip().splitlines()
-            wrong(path, None, f"Gmsh cannot read it: {said[-1] if said else 'it does not say why'}")
-        return GmshMesh(GmshFile(made)).body()
+    """By Gmsh itself, which reads all of its versions: the bytes of version 4.1, through a pipe."""
+    try:
+        # Without what its user has set in Gmsh.
+        ran = subprocess.run(["gmsh", str(path.absolute()), "-save", "-format", "msh41", "-o", "/dev/stdout",
+                              "-v", "1"], capture_output=True, check=False,
+                             env={**os.environ, "GMSH_HOME": os.devnull})
+    except FileNotFoundError:
+        wrong(path, None, f"Gmsh's format version {version} is read with Gmsh itself, which is not installed here "
+                          "(Debian: gmsh); install it, or save the mesh as version 4.1 or 2.2")
+    if ran.returncode != 0:
+        said = ran.stderr.decode("utf-8", "replace").strip().splitlines()
+        wrong(path, None, f"Gmsh cannot read it: {said[0] if said else 'it does not say why'}")
+    return ran.stdout
 
 
 def read_gmsh(path):
     """Version 2.2 or 4.1; others are saved anew first."""
-    file = GmshFile(path)
+    file = GmshFile(path, bytes_of(path))
     if file.version in ("2.2", "4.1"):
         return GmshMesh(file).body()
-    body = saved_anew(path, file.version)
+    body = GmshMesh(GmshFile(path, saved_anew(path, file.version))).body()
     body.notes.append(f"it is of Gmsh's format version {file.version}, and was read with Gmsh itself")
     return body
