@@ -185,7 +185,8 @@ class Abaqus:
             step = row[2] if len(row) == 3 else 1
             members = range(row[0], row[1] + (1 if step > 0 else -1), step)
             if not members:
-                self.wrong(f"GENERATE from {row[0]} to {row[1]} by {step} makes no member")
+                self.wrong(f"GENERATE from {row[0]} to {row[1]} by {step} makes no member; write "
+                           "the numbers the other way round, or leave the set out")
             if (row[1] - row[0]) // step >= LONGEST_RANGE:
                 self.wrong(f"GENERATE makes more than {LONGEST_RANGE} members: name those that are there")
             found += [(scope, n) for n in members]
