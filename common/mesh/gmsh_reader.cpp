@@ -54,8 +54,11 @@ class GmshText {
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
     nameGroups();
+    // Errors name places as the file has them.
     finishMesh(mesh_, lines_.source());
     refuseOverlaps(mesh_, lines_.source());
+    for (Eigen::Vector3d& node : mesh_.nodes)
+      node = node.unaryExpr([this](double x) { return toMetres(x, metres_per_unit_); });
     return std::move(mesh_);
   }
 
@@ -203,12 +206,6 @@ class GmshText {
       throw lines_.wrong("node {} is defined twice", tag);
   }
 
-  void addNode() {
-    mesh_.nodes.push_back(takeVector("a coordinate").unaryExpr([this](double x) {
-      return toMetres(x, metres_per_unit_);
-    }));
-  }
-
   void readNodes() {
     nextLine();
     const std::size_t count = lines_.takeCount("the number of nodes");
@@ -216,7 +213,7 @@ class GmshText {
     mesh_.nodes.reserve(lines_.reserveFor(count));
     eachLine(count, [&] {
       addNodeTag(takeTag("the number of a node"));
-      addNode();
+      mesh_.nodes.push_back(takeVector("a coordinate"));
       lines_.expectEndOfLine();
     });
   }
@@ -237,7 +234,7 @@ class GmshText {
         lines_.expectEndOfLine();
       });
       eachLine(count, [&] {
-        addNode();
+        mesh_.nodes.push_back(takeVector("a coordinate"));
         // Else coordinates on the entity follow: of no use here.
         if (!parametric) lines_.expectEndOfLine();
       });

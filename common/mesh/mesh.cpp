@@ -34,7 +34,7 @@ void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
     if (!(mesh.nodes[n].array().abs() <= farthest_node).all())
       throw badInput(
           "{}: node {} (counted from 0) has a coordinate that is not finite, or beyond "
-          "{:g} m: is the unit right?",
+          "{:g}: is the unit right?",
           source, n, farthest_node);
   const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -45,7 +45,7 @@ void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
           "{}: tetrahedron {} (counted from 0) uses a node that does not exist (there are {})",
           source, e, n_nodes);
     if (std::ranges::adjacent_find(nodes) != nodes.end())
-      throw badInput("{}: {} uses a node twice", source, placeOf(mesh, e));
+      throw badInput("{}: {} uses a node twice", source, placeOf(mesh, e, ""));
   }
 }
 
@@ -92,7 +92,7 @@ void orient(Mesh& mesh, const std::string& source) {
       throw badInput(
           "{}: {} is degenerate: its shape measure is {:.2g} (1 is regular, 0 flat); re-mesh, "
           "or let gmsh optimise (-optimize_netgen)",
-          source, placeOf(mesh, e), shape);
+          source, placeOf(mesh, e, ""), shape);
     if (sixVolume(mesh, e) > 0) continue;
     std::swap(mesh.tetrahedra[e][2], mesh.tetrahedra[e][3]);
     ++mesh.reoriented_tetrahedra;
@@ -140,12 +140,12 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
     if (count > 2)
       throw badInput(
           "{}: {} tetrahedra share one face, among them {}; a face can have two sides only", source,
-          count, placeOf(mesh, faces[first].element));
+          count, placeOf(mesh, faces[first].element, ""));
     if (count == 2 && faces[first].even == faces[first + 1].even)
       throw badInput(
           "{}: {} and tetrahedron {} lie on the same side of the face they share: the mesh folds "
           "over itself there, or one is there twice; re-mesh",
-          source, placeOf(mesh, faces[first].element), faces[first + 1].element);
+          source, placeOf(mesh, faces[first].element, ""), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
   // By element, as the file has them: the order of the surface is part of datasets.
@@ -182,10 +182,9 @@ Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element) {
   return middle;
 }
 
-std::string placeOf(const Mesh& mesh, std::size_t element) {
-  const Eigen::Vector3d center = middleOf(mesh, element);
-  return fmt::format("tetrahedron {} (counted from 0, centre at {} m)", element,
-                     vectorText(center, 6, " "));
+std::string placeOf(const Mesh& mesh, std::size_t element, const char* unit) {
+  return fmt::format("tetrahedron {} (counted from 0, centre at {}{})", element,
+                     placeText(middleOf(mesh, element)), unit);
 }
 
 double sixVolume(const Mesh& mesh, std::size_t element) {
@@ -253,9 +252,9 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     // Negated, so that NaN (an edge of length 0) is refused too.
     if (!(off <= tolerance))
       return fmt::format(
-          "the node of its edge at {} m "
-          "is off the middle by {:.2g} of the edge's length; curved edges are not supported",
-          vectorText(a / 2 + b / 2, 6, " "), off);
+          "the node of its edge at {} is off the middle by {:.2g} of the edge's length; curved "
+          "edges are not supported",
+          placeText(a / 2 + b / 2), off);
   }
   return {};
 }

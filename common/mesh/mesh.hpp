@@ -52,9 +52,9 @@ Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
 /// Centroid of tetrahedron `element`, metres.
 Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element);
 
-/// "tetrahedron 7 (counted from 0, centre at X Y Z m)", for errors: the numbers that a file gives
-/// its elements are gone.
-std::string placeOf(const Mesh& mesh, std::size_t element);
+/// "tetrahedron 7 (counted from 0, centre at (X, Y, Z) m)", for errors: the numbers that a file
+/// gives its elements are gone.
+std::string placeOf(const Mesh& mesh, std::size_t element, const char* unit = " m");
 std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
 
 /// The vertices on the surface.
@@ -107,8 +107,8 @@ MeshQuality measure(const Mesh& mesh);
 /// tetrahedra, indices out of range, groups of tetrahedra that are not there, coordinates that
 /// are not finite, an element with a repeated node, a degenerate element (shape measure < 1e-6), a
 /// face shared by three tetrahedra or by two on the same side. Elements are named by their 0-based
-/// number and the position of their centre, since the numbers that a file gives its elements are
-/// gone by then.
+/// number and the position of their centre in the unit of the nodes, which need not be metres yet,
+/// since the numbers that a file gives its elements are gone by then.
 void finishMesh(Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

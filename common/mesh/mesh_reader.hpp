@@ -21,7 +21,7 @@ namespace palpate {
 /// no tetrahedron; of several time steps the first.
 ///
 /// Error (bad input) for a missing, truncated, binary, other-version, partitioned or inconsistent
-/// file, or a curved edge, naming file and line.
+/// file, or a curved edge, naming file and line. Places in errors are in the unit of the file.
 Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit = 1.0);
 
 /// The same from text; `source` names it in errors.

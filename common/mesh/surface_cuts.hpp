@@ -23,7 +23,8 @@ SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
 
 /// Refuses a body whose surface overlaps itself: inner faces that do not match, or parts in one
 /// place. Faces that match but have nodes of their own (a cut, parts that are not welded) are left.
-/// Error (bad input) with the number of pairs and a place; `source` names the file.
+/// Error (bad input) with the number of pairs and a place in the unit of the nodes, which need not
+/// be metres yet; `source` names the file.
 void refuseOverlaps(const Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

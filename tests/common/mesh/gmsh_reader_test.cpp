@@ -359,6 +359,16 @@ $ElementData
 $EndElementData
 )";
 
+TEST_F(GmshReader, NamesPlacesOfErrorsInTheUnitOfTheFile) {
+  const std::string begin =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 30 0 0\n3 0 30 0\n4 0 0 30\n"
+      "5 1 1 -1\n6 31 1 -1\n7 1 31 -1\n8 1 1 29\n$EndNodes\n$Elements\n2\n1 4 0 1 2 3 4\n";
+  for (const auto& [second, what, place] :
+       {std::tuple("2 4 0 1 2 3 8", "same side", "centre at (7.5, 7.5, 7.5))"),
+        std::tuple("2 4 0 5 6 7 8", "overlap", "at (10, 10, 0):")})
+    expectBadInput([&] { read(begin + second + "\n$EndElements\n", 0.001); }, {what, place});
+}
+
 TEST_F(GmshReader, ReadsTenNodeTetrahedraAsStraightOnesWithTheirGroupsAndVectors) {
   for (const char* text : {quadratic_22, quadratic_41}) {
     const Mesh mesh = read(text, 0.001);

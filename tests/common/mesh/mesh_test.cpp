@@ -144,7 +144,7 @@ TEST(Mesh, RefusesCoordinatesThatAreNotFinite) {
   mesh.nodes[2][1] = std::numeric_limits<double>::quiet_NaN();
   expectBadInput([&] { finishMesh(mesh, "m"); }, {"node 2", "not finite"});
   mesh.nodes[2][1] = -2e12;
-  expectBadInput([&] { finishMesh(mesh, "m"); }, {"node 2", "beyond 1e+12 m", "unit"});
+  expectBadInput([&] { finishMesh(mesh, "m"); }, {"node 2", "beyond 1e+12", "unit"});
 }
 
 TEST(Mesh, RefusesAMeshWithoutTetrahedra) {
@@ -265,7 +265,7 @@ TEST(Mesh, FindsCurvedEdges) {
   std::copy(mesh.mid_edge_nodes[0].begin(), mesh.mid_edge_nodes[0].end(), nodes.begin() + 4);
   EXPECT_EQ(curvedEdge(mesh.nodes, nodes), "");
   mesh.nodes[nodes[9]][1] += 1e-5;
-  EXPECT_THAT(curvedEdge(mesh.nodes, nodes), ::testing::HasSubstr("0 0.5 0.5 m"));
+  EXPECT_THAT(curvedEdge(mesh.nodes, nodes), ::testing::HasSubstr("(0, 0.5, 0.5)"));
 }
 
 }  // namespace
