@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/index.hpp"
+#include "common/mesh/free_share.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
@@ -51,17 +52,18 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
       normals.push_back(normalOf(mesh, triangle));
       areas.push_back(area += piece.area);
     });
+  const FreeShare free_share(mesh, fixed, radius);
   std::vector<ProbePlace> found;
   for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
     const Eigen::Vector4d x = quasiRandom(n);
     if (x[1] < least_length) continue;
     const Eigen::Vector3d p = reach * x[1] * onSphere(x[2], x[3]);
     const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
-    const Finger finger = {middles[at(piece)], radius};
-    if (fingerWeights(mesh, fixed, finger.center, radius).free_share < least_free_share) continue;
     const PushedPart part =
         contact == ContactMode::unilateral ? pushedAt(normals[at(piece)], radius) : PushedPart{};
-    if (part.contains(p)) found.push_back({finger.center, p});
+    const Eigen::Vector3d& place = middles[at(piece)];
+    if (part.contains(p) && !free_share.isBelow(least_free_share, place))
+      found.push_back({place, p});
   }
   return found;
 }

@@ -10,6 +10,7 @@
 #include "common/base/farthest_points.hpp"
 #include "common/base/index.hpp"
 #include "common/base/near_points.hpp"
+#include "common/mesh/free_share.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
@@ -148,14 +149,12 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
   PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
+  const FreeShare free_share(mesh, fixed, radius);
   return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {
-                          // The pieces are quick and look at the vertices alone; what they find is
-                          // checked.
-                          const bool may_stand =
-                              mayStand(place, radius, pieces) &&
-                              fingerWeights(mesh, fixed, place, radius).free_share >=
-                                  least_free_share;
+                          // The pieces look at the vertices alone; what they find is checked.
+                          const bool may_stand = mayStand(place, radius, pieces) &&
+                                                 !free_share.isBelow(least_free_share, place);
                           if (may_stand && taken == max_sites) refuse();
                           return may_stand;
                         });

@@ -139,6 +139,13 @@ TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
   EXPECT_THAT(worker("mesh organ.stl -o organ.msh --straight").output, HasSubstr("is a surface"));
 }
 
+TEST_F(MeshCommand, TriesNoOtherFingerOnABodyThatIsThinEverywhere) {
+  test::writeGmsh22(test::boxMesh({0.06, 0.06, 0.004}, {6, 6, 1}), directory / "plate.msh");
+  const CommandResult made = worker("new plate --mesh plate.msh");
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_THAT(made.output, AllOf(HasSubstr("around a lobe"), Not(HasSubstr("another finger"))));
+}
+
 TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
   test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "box.msh");
   std::filesystem::create_directory(directory / "organ");

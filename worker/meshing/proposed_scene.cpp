@@ -1,6 +1,7 @@
 #include "worker/meshing/proposed_scene.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,6 +12,8 @@
 #include "common/base/error.hpp"
 #include "common/base/printable.hpp"
 #include "common/mesh/collinear.hpp"
+#include "common/mesh/mesh_text.hpp"
+#include "common/problem/finger.hpp"
 #include "common/problem/problem.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/device_profile.hpp"
@@ -31,6 +34,8 @@ constexpr double wanted_edges = 1.5;
 constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
 /// So that a surface has some 330 sites at most: about 1.7 area / radius^2 of them.
 constexpr double area_per_finger = 190;
+/// A smaller finger that would have more places than these makes a first build long.
+constexpr double most_places = 1000;
 constexpr const DeviceProfile& proposed_device = device_profiles.front();
 /// Of the tissue proposed, Pa, and its Young's modulus.
 constexpr double c10 = 1300, c01 = 1280, tissue_young = 6 * (c10 + c01);
@@ -118,6 +123,29 @@ SurfaceMeasure measuredSurface(const Mesh& mesh) {
   }
   measured.mean_edge /= static_cast<double>(mesh.surface.size());
   return measured;
+}
+
+/// Whether a finger of this radius, metres, reaches around the body at so many places of `problem`
+/// that it will be warned of there, too.
+bool reachesAround(const Problem& problem, double radius) {
+  const auto both_sides = std::ranges::count_if(problem.active, [&](const ActivePatch& patch) {
+    return patch.finger && isOnBothSides(problem.mesh, {patch.finger->center, radius});
+  });
+  return 10 * both_sides > std::ssize(problem.active);
+}
+
+/// Warnings that every scene of this mesh has.
+std::size_t warningsOfMesh(const Mesh& mesh) {
+  return unjoinedText(mesh, measure(mesh), "").size() + (nearlyFlat(mesh) > 0 ? 1 : 0);
+}
+
+/// Whether a finger of this radius, metres, may be better than that of `problem`, which has so many
+/// warnings of its own; without its sites, which take seconds on a thin body.
+bool mayBeBetter(double radius, const Problem& problem, std::size_t warnings) {
+  const double smaller = problem.scene.active.front().radius / radius;
+  const auto places = static_cast<double>(problem.active.size()) * smaller * smaller;
+  return (smaller < 1 || places <= most_places) &&
+         (warnings > 1 || !reachesAround(problem, radius));
 }
 
 /// Two digits: what is only proposed has no more.
@@ -225,11 +253,15 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
   const SceneText text(mesh, name, mesh_file, unit, doubt);
   const double wanted =
       std::max(wanted_edges * measured.mean_edge, std::sqrt(measured.area / area_per_finger));
+  const std::size_t unavoidable = warningsOfMesh(mesh);
   std::optional<ProposedScene> best;
+  Problem problem;  // of the best
   std::optional<Error> refusal;
   for (const double share : finger_shares) {
     const double radius = rounded(share * wanted / unit.metres);
     const double radius_m = radius * unit.metres;
+    if (best && !mayBeBetter(radius_m, problem, best->warnings.size() - unavoidable)) continue;
+    if (best) spdlog::info("trying another finger, of radius {:.4g} {}", radius, unit.word);
     const double depth =
         rounded(std::min(deepest * radius_m,
                          force_depth * proposed_device.max_force / (tissue_young * radius_m)) /
@@ -239,16 +271,21 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
                      fmt::format("finger     radius {:.4g} {}: {:.2g} edges of the surface", radius,
                                  unit.word, radius_m / measured.mean_edge),
                      fmt::format("workspace  {:.4g} {} deep", depth, unit.word)};
+    Problem tried;
     try {
-      scene.warnings = warningsOf(resolve(parseScene(scene.toml, "the proposed scene"), mesh));
+      tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
+      scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
       // Another finger may be taken; what else is wrong stays wrong.
       if (std::string(error.what()).find("finger") == std::string::npos) throw;
       if (!refusal) refusal = error;
       continue;
     }
-    if (!best || scene.warnings.size() < best->warnings.size()) best = std::move(scene);
-    if (best->warnings.empty()) break;
+    if (!best || scene.warnings.size() < best->warnings.size()) {
+      best = std::move(scene);
+      problem = std::move(tried);
+    }
+    if (best->warnings.size() <= unavoidable) break;
   }
   if (!best) throw *refusal;
   return std::move(*best);
