@@ -56,17 +56,18 @@ MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converte
     throw badInput(
         "{}: is a surface; --straight and --weld are for tetrahedra (a surface is always welded)",
         options.input);
-  const ClosedSurface surface = closedSurface(readTriangles(converted.file), options.input,
-                                              options.largest ? Bodies::largest : Bodies::only);
+  Fineness fineness;
+  fineness.size = options.size;
+  if (options.nodes) fineness.nodes = *options.nodes;
+  const ClosedSurface surface =
+      closedSurface(readTriangles(converted.file), options.input,
+                    options.largest ? Bodies::largest : Bodies::only, fineness);
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
   if (surface.triangles.size() > many_triangles)
     spdlog::warn(
         "{}: {} triangles take a minute or more to fill, and nodes by the thousand show fewer: "
         "simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
         options.input, surface.triangles.size());
-  Fineness fineness;
-  fineness.size = options.size;
-  if (options.nodes) fineness.nodes = *options.nodes;
   Tetrahedra filled =
       fillWithTetrahedra(surface, fineness, mesherNamed(options.mesher), folder, options.input);
   MadeMesh made{std::move(filled.msh), std::move(filled.mesh), converted.notes};

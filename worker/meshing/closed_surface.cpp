@@ -15,6 +15,7 @@
 #include "common/base/joined_sets.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/coincident_nodes.hpp"
+#include "common/mesh/node_set.hpp"
 #include "common/mesh/surface_cuts.hpp"
 
 namespace palpate {
@@ -22,6 +23,16 @@ namespace {
 
 /// Bodies of a refused file that are listed by their sizes.
 constexpr std::size_t listed_bodies = 5;
+
+/// Gaps no wider are closed, in diagonals of the body: a hundredth of a millimetre of an organ.
+/// Wider ones up to the second are told from holes.
+constexpr double closed_gap = 1e-4, told_gap = 1e-2;
+
+std::vector<std::int32_t> countUp(std::size_t count) {
+  std::vector<std::int32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
 
 /// One edge of one triangle, named by its lower and its higher end.
 struct Side {
@@ -55,6 +66,19 @@ void forEachEdge(const std::vector<Side>& sides, Visit visit) {
   }
 }
 
+/// Edges with one triangle, and with more than two: one side of each.
+struct OddEdges {
+  std::vector<Side> open, crowded;
+};
+
+OddEdges oddEdgesOf(const std::vector<Triangle>& triangles) {
+  OddEdges odd;
+  forEachEdge(sidesOf(triangles), [&](std::span<const Side> edge) {
+    if (edge.size() != 2) (edge.size() == 1 ? odd.open : odd.crowded).push_back(edge[0]);
+  });
+  return odd;
+}
+
 /// A connected part of the surface.
 struct SurfaceShell {
   std::vector<std::int32_t> triangles;
@@ -68,16 +92,19 @@ struct SurfaceShell {
 
 class SurfaceRepair {
  public:
-  SurfaceRepair(TriangleSoup soup, const std::string& source, Bodies bodies)
+  SurfaceRepair(TriangleSoup soup, const std::string& source, Bodies bodies,
+                const Fineness& fineness)
       : points_(std::move(soup.points)),
         triangles_(std::move(soup.triangles)),
         source_(source),
-        bodies_(bodies) {}
+        bodies_(bodies),
+        fineness_(fineness) {}
 
   ClosedSurface make() {
     refuseNumbers();
     mergePoints();
     dropIdleTriangles();
+    closeGaps();
     cutBesideFlatTriangles();
     findShells();
     if (bodies_ == Bodies::largest) leaveOutOpenScraps();
@@ -122,8 +149,7 @@ class SurfaceRepair {
       const Eigen::Vector3d &p = points_[a], &q = points_[b];
       return std::tie(p[0], p[1], p[2]) < std::tie(q[0], q[1], q[2]);
     };
-    std::vector<std::int32_t> order(points_.size()), same_as(points_.size());
-    std::iota(order.begin(), order.end(), 0);
+    std::vector<std::int32_t> order = countUp(points_.size()), same_as(points_.size());
     std::ranges::sort(order, less);
     std::vector<Eigen::Vector3d> distinct;
     for (const std::int32_t point : order) {
@@ -131,7 +157,7 @@ class SurfaceRepair {
       same_as[point] = static_cast<std::int32_t>(distinct.size()) - 1;
     }
     points_ = std::move(distinct);
-    renumber(same_as);
+    renumber(triangles_, same_as);
     mergeNearPoints();
   }
 
@@ -140,22 +166,24 @@ class SurfaceRepair {
     if (!(reach > 0)) throw wrong("all its corners lie at one place");
     const auto merged = coincidentNodes(points_, reach);
     if (merged.empty()) return;
-    std::vector<std::int32_t> same_as(points_.size());
-    std::iota(same_as.begin(), same_as.end(), 0);
+    std::vector<std::int32_t> same_as = countUp(points_.size());
     for (const auto& [point, lowest] : merged) same_as[point] = lowest;
-    renumber(same_as);
+    renumber(triangles_, same_as);
     note("{} corners within {:.2g} of others are one with them", merged.size(), reach);
   }
 
-  void renumber(const std::vector<std::int32_t>& same_as) {
-    for (Triangle& triangle : triangles_)
+  static void renumber(std::vector<Triangle>& triangles, const std::vector<std::int32_t>& same_as) {
+    for (Triangle& triangle : triangles)
       for (std::int32_t& corner : triangle) corner = same_as[corner];
+  }
+
+  static bool hasRepeatedCorner(const Triangle& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
   }
 
   /// Without area because two corners are one, or there already.
   void dropIdleTriangles() {
-    const auto flat = std::erase_if(
-        triangles_, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
     if (flat > 0) note("{} triangles without area are left out", flat);
     std::vector<std::pair<Triangle, std::int32_t>> order;
     order.reserve(triangles_.size());
@@ -178,6 +206,55 @@ class SurfaceRepair {
       std::erase_if(triangles_, [&](const Triangle&) { return repeated[number++]; });
     }
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
+  }
+
+  /// Corners at open edges joined with others near them, and the edges that this leaves.
+  struct JoinedCorners {
+    std::vector<std::int32_t> same_as;
+    std::int64_t count = 0;
+    double farthest = 0;  ///< of a corner from the one that it is joined with
+    OddEdges left;
+  };
+
+  /// Joins within `reach`, and within a quarter of an open edge, so that holes stay.
+  JoinedCorners joinedCorners(const std::vector<Side>& open, double reach) const {
+    std::vector<std::int32_t> corners;
+    double length = 0;
+    for (const Side& side : open) {
+      corners.insert(corners.end(), {side.low, side.high});
+      length += (points_[side.high] - points_[side.low]).norm();
+    }
+    sortUnique(corners);
+    std::vector<Eigen::Vector3d> places;
+    for (const std::int32_t corner : corners) places.push_back(points_[corner]);
+    JoinedCorners joined;
+    joined.same_as = countUp(points_.size());
+    for (const auto& [place, lowest] :
+         coincidentNodes(places, std::min(reach, length / static_cast<double>(open.size()) / 4))) {
+      joined.same_as[corners[place]] = corners[lowest];
+      joined.farthest = std::max(joined.farthest, (places[place] - places[lowest]).norm());
+      ++joined.count;
+    }
+    std::vector<Triangle> triangles = triangles_;
+    renumber(triangles, joined.same_as);
+    std::erase_if(triangles, hasRepeatedCorner);
+    joined.left = oddEdgesOf(triangles);
+    return joined;
+  }
+
+  /// Programs that cut a surface, or round its corners one triangle at a time, leave gaps that are
+  /// too narrow to be seen.
+  void closeGaps() {
+    const OddEdges before = oddEdgesOf(triangles_);
+    if (before.open.empty()) return;
+    const JoinedCorners joined = joinedCorners(before.open, closed_gap * box_.diagonal().norm());
+    if (joined.left.open.size() >= before.open.size() ||
+        joined.left.crowded.size() > before.crowded.size())
+      return;
+    renumber(triangles_, joined.same_as);
+    note("{} corners at open edges, up to {:.2g} from others, are one with them: gaps are closed",
+         joined.count, joined.farthest);
+    dropIdleTriangles();
   }
 
   /// Where one side of a surface has a corner in the middle of an edge, programs close the crack by
@@ -285,29 +362,36 @@ class SurfaceRepair {
     return (points_[side.low] + points_[side.high]) / 2;
   }
 
-  void refuseEdges() {
-    std::int64_t open = 0, crowded = 0;
-    const Side *first_open = nullptr, *first_crowded = nullptr;
-    const std::vector<Side> sides = sidesOf(triangles_);
-    forEachEdge(sides, [&](std::span<const Side> edge) {
-      if (edge.size() == 1 && open++ == 0) first_open = edge.data();
-      if (edge.size() > 2 && crowded++ == 0) first_crowded = edge.data();
-    });
-    if (open > 0)
+  void refuseEdges() const {
+    const auto& [open, crowded] = oddEdgesOf(triangles_);
+    if (!open.empty())
       throw wrong(
-          "the surface is open: {} of its edges have one triangle only, the first is at {}; close "
-          "its holes (MeshLab: Close Holes; Blender: 3D-Print Toolbox, Make Manifold) and save it "
-          "again{}",
-          open, placeText(middleOf(*first_open)),
-          shells_.size() > 1 && bodies_ == Bodies::only
-              ? fmt::format(" (there are {} separate pieces; --largest takes one)", shells_.size())
-              : "");
-    if (crowded > 0)
+          "the surface is open: {} of its edges have one triangle only, the first is at {}; {}",
+          open.size(), placeText(middleOf(open.front())), remedyOf(open));
+    if (!crowded.empty())
       throw wrong(
           "{} of its edges have more than two triangles, the first is at {}: walls inside of the "
           "body, or bodies that touch; keep the outer surface alone (MeshLab: Remove Non Manifold "
           "Edges; Blender: 3D-Print Toolbox, Make Manifold)",
-          crowded, placeText(middleOf(*first_crowded)));
+          crowded.size(), placeText(middleOf(crowded.front())));
+  }
+
+  std::string remedyOf(const std::vector<Side>& open) const {
+    const JoinedCorners joined = joinedCorners(open, told_gap * box_.diagonal().norm());
+    const std::size_t left = joined.left.open.size();
+    if (2 * left <= open.size())
+      return fmt::format(
+          "corners that should be one lie up to {:.2g} apart: merge them (MeshLab: Merge Close "
+          "Vertices; Blender: Merge by Distance){} and save it again",
+          joined.farthest,
+          left > 0 ? fmt::format(", close the holes with {} open edges that this leaves,", left)
+                   : "");
+    return fmt::format(
+        "close its holes (MeshLab: Close Holes; Blender: 3D-Print Toolbox, Make Manifold) and save "
+        "it again{}",
+        shells_.size() > 1 && bodies_ == Bodies::only
+            ? fmt::format(" (there are {} separate pieces; --largest takes one)", shells_.size())
+            : "");
   }
 
   /// From the first triangle of each shell over all edges, until neighbours run through their edge
@@ -432,16 +516,33 @@ class SurfaceRepair {
           "in the program that made them",
           bodies.size(), sizes, bodies.size() > listed_bodies ? ", ..." : "");
     }
-    body_ = bodies.front();
+    const std::int32_t body = bodies.front();
     if (bodies.size() > 1) note("of {} bodies the largest is taken", bodies.size());
     std::erase_if(shells_, [&, number = 0](const SurfaceShell& shell) mutable {
       const std::int32_t s = number++;
-      return s != body_ && !(shell.around == body_ && !isBody(shell));
+      return s != body && !(shell.around == body && !isBody(shell));
     });
-    body_ = static_cast<std::int32_t>(
-        std::ranges::find_if(shells_, [](const SurfaceShell& s) { return isBody(s); }) -
-        shells_.begin());
+    fillSpecks();
     if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
+  }
+
+  /// Scans leave specks inside of a body. A mesh shows none that is narrower than its edges, and
+  /// gets a dozen nodes for each.
+  void fillSpecks() {
+    const SurfaceShell& body = *std::ranges::find_if(shells_, isBody);
+    const double whole = std::abs(body.volume),
+                 edge = fineness_.size.value_or(edgeFor(whole, body.area, fineness_.nodes));
+    double volume = 0;
+    const auto count = std::erase_if(shells_, [&](const SurfaceShell& shell) {
+      const bool is_speck = !isBody(shell) && shell.box.sizes().maxCoeff() < edge;
+      if (is_speck) volume += std::abs(shell.volume);
+      return is_speck;
+    });
+    if (count > 0)
+      note(
+          "{} cavities narrower than {:.3g}, an edge of the elements, are filled: {:.2g} % of the "
+          "volume; more nodes, or a smaller --size, keep them",
+          count, edge, 100 * volume / whole);
   }
 
   void turnOutward() {
@@ -528,9 +629,9 @@ class SurfaceRepair {
   std::vector<Triangle> triangles_;
   const std::string& source_;
   Bodies bodies_;
+  const Fineness fineness_;
   Eigen::AlignedBox3d box_;
   std::vector<SurfaceShell> shells_;
-  std::int32_t body_ = -1;  ///< of shells_
   std::vector<std::string> notes_;
 };
 
@@ -559,8 +660,22 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
   return soup;
 }
 
-ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies) {
-  return SurfaceRepair(std::move(soup), source, bodies).make();
+double edgeFor(double volume, double area, double nodes) {
+  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses others");
+  // nodes(h) falls with h: halved until it fits.
+  double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
+  for (int n = 0; n < 60; ++n) {
+    const double h = (low + high) / 2;
+    const double made =
+        std::numbers::sqrt2 * volume / (h * h * h) + area / (std::numbers::sqrt3 * h * h);
+    (made > nodes ? low : high) = h;
+  }
+  return high;
+}
+
+ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies,
+                            const Fineness& fineness) {
+  return SurfaceRepair(std::move(soup), source, bodies, fineness).make();
 }
 
 }  // namespace palpate

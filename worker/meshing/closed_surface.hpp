@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,15 +35,28 @@ enum class Bodies : std::uint8_t {
   largest  ///< the one of the largest volume, with its cavities; what else is there is left out
 };
 
+/// How fine a body is wanted.
+struct Fineness {
+  std::int32_t nodes = 1000;  ///< as near to it as a few tries get
+  /// Length of the edges in the unit of the surface; then `nodes` does not count.
+  std::optional<double> size = {};
+};
+
+/// Length of edges with which a body of this volume and surface gets so many nodes, roughly: sqrt 2
+/// per cube of the edge inside, and on the surface half a layer more.
+double edgeFor(double volume, double area, double nodes);
+
 /// Makes a closed surface of triangles. Put right, with a note: corners that lie within 1e-6 of the
-/// bounding box's diagonal of each other are one; triangles of which two corners are one, and
-/// repeated ones, are left out; triangles are turned until neighbours face the same side and all
-/// face outward. A shell inside of a body is a cavity.
+/// bounding box's diagonal of each other are one, and within 1e-4 corners at open edges that this
+/// closes; triangles of which two corners are one, and repeated ones, are left out; triangles are
+/// turned until neighbours face the same side and all face outward. A shell inside of a body is a
+/// cavity; one narrower than an edge of elements of this `fineness` is filled.
 ///
 /// Error (bad input), which begins with `source` and tells how many, where the first is and what to
 /// do: no triangles, or far too large coordinates; edges with one triangle (open) or with more than
 /// two; one side only; no volume; several bodies, with their sizes; triangles that cut each other
 /// (surface_cuts.hpp). Error with the exit code of an interrupt when this process is interrupted.
-ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies);
+ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies,
+                            const Fineness& fineness = {});
 
 }  // namespace palpate

@@ -284,15 +284,19 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
   double size =
       fineness.size.value_or(edgeFor(surface.volume, surface.area, double(fineness.nodes)));
   std::optional<Tetrahedra> best;
-  double best_off = 0;
+  double best_off = 0, best_change = 0;
   for (int n = 0; n < most_tries; ++n) {
     last = tried(fill, size);
     std::optional<Tetrahedra> made = accepted(last, surface);
     if (!made) return best;
     const auto nodes = static_cast<double>(made->mesh.nodes.size());
-    const double off = std::abs(std::log(nodes / fineness.nodes));
+    const double off = std::abs(std::log(nodes / fineness.nodes)),
+                 change = std::abs(volumeOf(made->mesh) / surface.volume - 1);
     spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
+    // Nodes that details of the surface have in every size: the body does not pay for them.
+    if (best && change > told_volume && best_change <= told_volume) break;
     if (!best || off < best_off) {
+      best_change = change;
       best = std::move(made);
       best_off = off;
     }
@@ -303,19 +307,6 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
 }
 
 }  // namespace
-
-double edgeFor(double volume, double area, double nodes) {
-  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses others");
-  // nodes(h) falls with h: halved until it fits.
-  double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
-  for (int n = 0; n < 60; ++n) {
-    const double h = (low + high) / 2;
-    const double made =
-        std::numbers::sqrt2 * volume / (h * h * h) + area / (std::numbers::sqrt3 * h * h);
-    (made > nodes ? low : high) = h;
-  }
-  return high;
-}
 
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source) {

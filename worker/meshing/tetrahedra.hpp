@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,13 +15,6 @@ enum class Mesher : std::uint8_t {
   tetgen      ///< the given triangles stay, and decide how coarse it can be
 };
 
-/// How fine a body is wanted.
-struct Fineness {
-  std::int32_t nodes = 1000;  ///< as near to it as a few tries get
-  /// Length of the edges in the unit of the surface; then `nodes` does not count.
-  std::optional<double> size = {};
-};
-
 /// What came out.
 struct Tetrahedra {
   std::string msh;  ///< a whole file, Gmsh 2.2 ASCII, in the unit of the surface
@@ -35,10 +27,6 @@ inline constexpr std::int32_t most_nodes = 3000000;
 
 /// Nodes within this share of what was wanted are near enough.
 inline constexpr double near_enough = 0.2;
-
-/// Length of edges with which a body of this volume and surface gets so many nodes, roughly: sqrt 2
-/// per cube of the edge inside, and on the surface half a layer more.
-double edgeFor(double volume, double area, double nodes);
 
 /// Fills a surface with tetrahedra, in files of `folder`. The volume is the group "body", the
 /// surface the group "surface". `source` begins errors.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/support/expect_error.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
 
@@ -25,6 +27,23 @@ ClosedSurface closed(const TriangleSoup& soup, Bodies bodies = Bodies::only) {
 
 void refuses(const TriangleSoup& soup, std::initializer_list<std::string> words) {
   expectBadInput([&] { closed(soup); }, words);
+}
+
+/// A sphere of radius 1 whose triangles have corners of their own, each off by up to `gap` / 2.
+TriangleSoup tornSphere(double gap) {
+  const TriangleSoup sphere = sphereSurface(1);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-1, 1);
+  TriangleSoup torn;
+  for (const Triangle& t : sphere.triangles) {
+    const auto first = static_cast<std::int32_t>(torn.points.size());
+    for (const std::int32_t corner : t) {
+      const Eigen::Vector3d off(number(random), number(random), number(random));
+      torn.points.emplace_back(sphere.points[corner] + gap / 2 * off.normalized());
+    }
+    torn.triangles.push_back({first, first + 1, first + 2});
+  }
+  return torn;
 }
 
 TEST(ClosedSurface, CutsWhatLiesBehindATriangleWithoutArea) {
@@ -123,6 +142,38 @@ TEST(ClosedSurface, RefusesAnOpenOneSayingHowManyEdgesAndWhere) {
           {"organ.stl: the surface is open", "3 of its edges", "the first is at (", "Close Holes"});
   soup.triangles = {soup.triangles[0]};
   refuses(soup, {"is open", "3 of its edges"});
+}
+
+TEST(ClosedSurface, ClosesGapsOfSomeHundredThousandthsOfTheBody) {
+  const ClosedSurface surface = closed(tornSphere(1e-4));
+  EXPECT_EQ(surface.points.size(), sphereSurface(1).points.size());
+  EXPECT_EQ(surface.triangles.size(), sphereSurface(1).triangles.size());
+  EXPECT_NEAR(surface.volume, closed(sphereSurface(1)).volume, 1e-3);
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("gaps are closed")));
+}
+
+TEST(ClosedSurface, TellsHolesFromGapsThatAreTooWideToBeClosed) {
+  refuses(tornSphere(0.01), {"is open", "up to 0.0", "Merge Close Vertices"});
+  TriangleSoup with_hole = tornSphere(0.01);
+  with_hole.triangles.pop_back();
+  refuses(with_hole, {"Merge Close Vertices", "close the holes with 3 open edges"});
+  TriangleSoup with_narrow_gaps = tornSphere(1e-4);
+  with_narrow_gaps.triangles.pop_back();
+  refuses(with_narrow_gaps, {"3 of its edges", "Close Holes"});
+}
+
+TEST(ClosedSurface, FillsCavitiesNarrowerThanAnEdgeOfTheElements) {
+  TriangleSoup soup = together(sphereSurface(50, 8), sphereSurface(20, 6, {10, 0, 0}));
+  for (const double x : {-40., -35., -30., -25.})
+    soup = together(soup, insideOut(sphereSurface(0.5, 1, {x, 3, 0})));
+  const ClosedSurface coarse = closed(soup);
+  EXPECT_EQ(coarse.cavities.size(), 1u) << "one of 40 is none of them";
+  EXPECT_EQ(coarse.triangles.size(),
+            sphereSurface(50, 8).triangles.size() + sphereSurface(20, 6).triangles.size());
+  EXPECT_THAT(coarse.notes, Contains(HasSubstr("4 cavities narrower than")));
+  const ClosedSurface fine = closedSurface(soup, "organ.stl", Bodies::only, {.size = 0.5});
+  EXPECT_EQ(fine.cavities.size(), 5u);
+  EXPECT_LT(fine.volume, coarse.volume);
 }
 
 TEST(ClosedSurface, RefusesWallsInside) {

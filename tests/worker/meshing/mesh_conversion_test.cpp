@@ -315,6 +315,22 @@ TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
   }
 }
 
+TEST_F(MeshConversion, LeavesNoFileOfGmshBehindWhenPythonIsKilled) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  std::ofstream(directory / "old.msh") << "$NOD\n0\n$ENDNOD\n";
+  std::ofstream(directory / "gmsh") << "#!/bin/sh\nkill -9 $PPID\n";
+  std::filesystem::permissions(directory / "gmsh", std::filesystem::perms::owner_all);
+  std::filesystem::create_directory(directory / "tmp");
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (directory.path().string() + ":" + path).c_str(), 1);
+  setenv("TMPDIR", (directory / "tmp").c_str(), 1);
+  test::expectError(ExitCode::failed, [&] { convertMesh(directory / "old.msh", directory.path()); },
+                    {"signal 9"});
+  unsetenv("TMPDIR");
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
+}
+
 TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
@@ -775,6 +791,13 @@ TEST_F(MeshConversion, ReadsSoundFilesThatOthersReported) {
   }
   for (const char* name : {"k11_bom.obj", "k11_bom.off", "k11_bom.stl", "k19_strips.ply"})
     EXPECT_FALSE(convertMesh(reports / name, directory.path()).is_volume) << name;
+  const auto surfaceOf = [&](const char* name) {
+    return closedSurface(readTriangles(convertMesh(reports / name, directory.path()).file), name,
+                         Bodies::only);
+  };
+  EXPECT_THAT(surfaceOf("k16_specks.stl").cavities, IsEmpty());
+  EXPECT_EQ(surfaceOf("k16_specks.stl").triangles.size(), 512u);
+  EXPECT_EQ(surfaceOf("k20_gaps.stl").points.size(), 66u);
   for (const char* name : {"k09_names.msh", "k09_saveall.msh"})
     EXPECT_THAT(convertMesh(reports / name, directory.path()).notes,
                 Contains(HasSubstr("\"fixed\"")));

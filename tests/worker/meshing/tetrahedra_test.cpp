@@ -5,6 +5,7 @@
 
 #include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
 
@@ -129,6 +130,23 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
   const Tetrahedra first = fill(test::boxSurface({100, 10, 10}, 10), {.nodes = 60});
   EXPECT_GT(first.mesh.nodes.size(), 60u);
   setenv("PATH", before.c_str(), 1);
+}
+
+TEST_F(FilledSurface, KeepsItsVolumeWhereDetailsHaveMoreNodesThanAreWanted) {
+  test::writeGmsh22(test::boxMesh({100, 60, 40}, {10, 6, 4}), folder / "first.msh");
+  test::writeGmsh22(test::boxMesh({100, 60, 36}, {4, 3, 2}), folder / "next.msh");
+  const std::string at = folder.path().string();
+  std::ofstream(folder / "gmsh") << "#!/bin/sh\nfor made in \"$@\"; do case $made in */body.msh) "
+                                    "break;; esac; done\n"
+                                 << "cp " << at << "/first.msh \"$made\" && cp " << at
+                                 << "/next.msh " << at << "/first.msh\n";
+  std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (at + ":" + before).c_str(), 1);
+  const Tetrahedra filled = fill(test::boxSurface({100, 60, 40}), {.nodes = 100});
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_NEAR(measure(filled.mesh).volume, 100 * 60 * 40, 1);
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("100 nodes were wanted")));
 }
 
 TEST_F(FilledSurface, DoesNotDependOnWhatItsUserSetInGmsh) {
