@@ -19,7 +19,7 @@
 #include "scheduler/served_pages.hpp"
 #include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
-#include "scheduler/terminal.hpp"
+#include "common/base/terminal.hpp"
 #include "scheduler/verbs.hpp"
 
 namespace palpate {

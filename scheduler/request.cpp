@@ -11,7 +11,7 @@
 #include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/status_text.hpp"
-#include "scheduler/terminal.hpp"
+#include "common/base/terminal.hpp"
 #include "scheduler/verbs.hpp"
 
 // What a running scheduler is asked: `status`, `stop`, `pause`, `resume`, `priority` and `retry`.

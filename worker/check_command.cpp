@@ -1,6 +1,9 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/base/terminal.hpp"
 #include "worker/check/scene_report.hpp"
 #include "worker/verbs.hpp"
 
@@ -15,10 +18,12 @@ struct CheckOptions {
 ExitCode check(const CheckOptions& options) {
   const Problem problem = loadProblem(options.scene);
   const SceneReport report = reportOf(problem);
-  if (options.json)
+  if (options.json) {
     fmt::print("{}\n", sceneReportJson(report));
-  else
-    printSceneReport(report);
+    return ExitCode::done;
+  }
+  const std::string text = sceneReportText(report);
+  fmt::print("{}", isatty(STDOUT_FILENO) ? wrapped(text, sizeOf(STDOUT_FILENO).columns, 11) : text);
   return ExitCode::done;
 }
 

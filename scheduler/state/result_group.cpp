@@ -8,8 +8,7 @@ void ResultGroup::add(const TransitionKey& key, StoredResult result, std::string
                       Time now) {
   bytes_ += payload.size();
   const bool fresh =
-      members_
-          .try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false})
+      members_.try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false})
           .second;
   PALPATE_ASSERT(fresh, "a second result of a transition is a duplicate of the first");
   if (!since_) since_ = now;

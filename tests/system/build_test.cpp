@@ -267,9 +267,9 @@ TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBi
   // Where a person has chosen them, workers have no others.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");
-  auto serve = start("palpate-scheduler",
-                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state",
-                      "-o", "out.h5", "--kernels", "baseline"});
+  auto serve =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
+                                  "state", "-o", "out.h5", "--kernels", "baseline"});
   const std::string endpoint = endpointIn("state");
   auto newer = start("palpate-worker", {"work", "--connect", endpoint});
   ASSERT_TRUE(journalGrows(*serve, "state", 5000)) << newer->output();

@@ -113,7 +113,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   const auto bytes_each = static_cast<double>(storedBytes(problem));
   const auto estimate = [&](double of_spaces) {
     const double configurations = of_spaces + probes;
-    return Estimate{std::round(configurations), configurations * seconds_each,
+    return Estimate{std::llround(configurations), configurations * seconds_each,
                     of_spaces * bytes_each};
   };
   cost.least = estimate(points);

@@ -6,9 +6,9 @@ namespace palpate {
 
 /// What a build of so many configurations amounts to.
 struct Estimate {
-  double configurations = 0;  ///< probes too
-  double seconds = 0;         ///< on one core
-  double bytes = 0;           ///< of nodal fields, before compression
+  std::int64_t configurations = 0;  ///< probes too
+  double seconds = 0;               ///< on one core
+  double bytes = 0;                 ///< of nodal fields, before compression
 };
 
 /// What a build will cost and how far it will get, from what was measured.

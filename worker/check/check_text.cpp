@@ -20,29 +20,34 @@ std::string duration(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-std::string text(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
+template <class... Values>
+void say(std::string& text, fmt::format_string<Values...> format, Values&&... values) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
+}
+
+std::string placeOf(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
 
 /// The scene's lengths in metres, for the one who wrote them in another unit.
-void printConversion(const Scene& scene) {
+void sayConversion(std::string& text, const Scene& scene) {
   if (scene.metres_per_unit == 1) return;
-  fmt::print(
+  say(text,
       "unit       1 in the files = {} m; in metres: workspace.radius = {:.6g}, "
       "workspace.spacing = {:.6g}\n",
       scene.metres_per_unit, scene.workspace.radius, scene.workspace.spacing);
   for (const ActiveSelection& active :
        std::span(scene.active).first(std::min(scene.active.size(), listed_names))) {
-    const std::string near = active.near ? fmt::format("near = {}, ", text(*active.near)) : "";
-    fmt::print("           active \"{}\": {}radius = {:.6g}\n", active.name, near, active.radius);
+    const std::string near = active.near ? fmt::format("near = {}, ", placeOf(*active.near)) : "";
+    say(text, "           active \"{}\": {}radius = {:.6g}\n", active.name, near, active.radius);
   }
 }
 
 /// Elastic constants at rest and mass of each region.
-void printModuli(const SceneReport& report) {
+void sayModuli(std::string& text, const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Material& m = scene.regions[r].material;
     const double bulk = bulkModulus(m);
-    fmt::print(
+    say(text,
         "at rest    Young's modulus {:.4g} Pa, Poisson's ratio {:.4g}, shear modulus {:.4g} "
         "Pa, bulk modulus {}{}\n",
         youngModulus(m), poissonRatio(m), shearModulus(m),
@@ -51,68 +56,66 @@ void printModuli(const SceneReport& report) {
   }
 }
 
-void printBody(const SceneReport& report) {
+void sayBody(std::string& text, const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Region& region = scene.regions[r];
     // A scene without groups says nothing of regions, so neither does the answer.
     if (scene.regions.size() == 1 && region.isRest())
-      fmt::print("material   {}\n", inWords(region.material));
+      say(text, "material   {}\n", inWords(region.material));
     else
-      fmt::print("material   {} ({}): {}\n",
-                 region.isRest() ? "rest" : fmt::format("\"{}\"", region.name()),
-                 counted(report.tetrahedra_in[r], "tetrahedron", "tetrahedra"),
-                 inWords(region.material));
+      say(text, "material   {} ({}): {}\n",
+          region.isRest() ? "rest" : fmt::format("\"{}\"", region.name()),
+          counted(report.tetrahedra_in[r], "tetrahedron", "tetrahedra"), inWords(region.material));
   }
-  printModuli(report);
+  sayModuli(text, report);
   const Discretization& d = scene.discretization;
-  fmt::print("solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
-  if (d.pressure != PressureSpace::none) fmt::print(", constraint {}", word(d.constraint));
-  fmt::print("\n");
-  if (!scene.gravity.isZero(0)) fmt::print("gravity    {} m/s^2\n", text(scene.gravity));
+  say(text, "solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
+  if (d.pressure != PressureSpace::none) say(text, ", constraint {}", word(d.constraint));
+  say(text, "\n");
+  if (!scene.gravity.isZero(0)) say(text, "gravity    {} m/s^2\n", placeOf(scene.gravity));
 }
 
-void printActives(const SceneReport& report) {
+void sayActives(std::string& text, const SceneReport& report) {
   const std::size_t n_spaces = report.spaces.size();
   // A few more rather than "and 1 more": the last line costs one too.
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const SceneReport::Space& space : std::span(report.spaces).first(shown)) {
     const bool finger = space.patch->finger.has_value();
-    fmt::print("active     \"{}\": {} at {} m, {} of {}, {}\n", space.patch->name,
-               finger ? std::string(space.tool) : fmt::format("node {}", space.patch->node),
-               text(space.place), finger ? "the mean" : fmt::format("{} patch", space.tool),
-               counted(space.patch->nodes.size(), "node"), counted(space.unknowns, "unknown"));
+    say(text, "active     \"{}\": {} at {} m, {} of {}, {}\n", space.patch->name,
+        finger ? std::string(space.tool) : fmt::format("node {}", space.patch->node),
+        placeOf(space.place), finger ? "the mean" : fmt::format("{} patch", space.tool),
+        counted(space.patch->nodes.size(), "node"), counted(space.unknowns, "unknown"));
   }
   if (shown < n_spaces)
-    fmt::print("           and {} more, \"{}\" the last: {} {}\n", n_spaces - shown,
-               report.spaces.back().patch->name, n_spaces,
-               report.spaces.back().patch->finger ? "sites of a finger" : "active nodes");
+    say(text, "           and {} more, \"{}\" the last: {} {}\n", n_spaces - shown,
+        report.spaces.back().patch->name, n_spaces,
+        report.spaces.back().patch->finger ? "sites of a finger" : "active nodes");
 }
 
-void printDevice(const Scene& scene, double stiffness) {
+void sayDevice(std::string& text, const Scene& scene, double stiffness) {
   if (!scene.device) return;
   const DeviceProfile& profile = scene.device->profile;
-  fmt::print("device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
-             profile.workspace_radius, profile.max_force, profile.max_stiffness);
+  say(text, "device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
+      profile.workspace_radius, profile.max_force, profile.max_stiffness);
   if (stiffness > profile.max_stiffness)
-    fmt::print(
+    say(text,
         "           the tissue has up to {:.4g} N/m, stiffer than this device renders: it "
         "may buzz, or feel softer\n",
         stiffness);
   if (const auto radius = scene.device->wanted_radius)
-    fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
-               scene.workspace.radius);
+    say(text, "           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
+        scene.workspace.radius);
   if (const auto force = scene.device->wanted_max_force)
-    fmt::print("           workspace.max_force cut from {:.4g} to {:.4g} N\n", *force,
-               scene.workspace.max_force);
+    say(text, "           workspace.max_force cut from {:.4g} to {:.4g} N\n", *force,
+        scene.workspace.max_force);
 }
 
-void printAccuracy(const Scene& scene) {
+void sayAccuracy(std::string& text, const Scene& scene) {
   const Accuracy& accuracy = scene.accuracy;
   if (accuracy.adaptive())
-    fmt::print(
-        "accuracy   force to {:.3g} % or {:.3g} N: cells are halved {}\n",
+    say(text, "accuracy   force to {:.3g} % or {:.3g} N: cells are halved {}\n",
         100 * accuracy.force_error, accuracy.force_floor,
         accuracy.levels == 1 ? "once at most" : fmt::format("up to {} times", accuracy.levels));
   std::map<std::string, int> places;
@@ -123,8 +126,8 @@ void printAccuracy(const Scene& scene) {
     else
       in_spaces = in_spaces || probesIn(scene, s) > 0;
   for (const auto& [area, count] : places)
-    fmt::print("probes     at {} of \"{}\"\n", counted(count, "place"), area);
-  if (in_spaces) fmt::print("probes     {} in each space\n", accuracy.probes);
+    say(text, "probes     at {} of \"{}\"\n", counted(count, "place"), area);
+  if (in_spaces) say(text, "probes     {} in each space\n", accuracy.probes);
 }
 
 /// Their lattices are those parts of the ball that a push reaches.
@@ -133,19 +136,19 @@ bool isOfFingersThatPush(const Problem& problem) {
          std::ranges::any_of(problem.active, [](const ActivePatch& p) { return bool(p.finger); });
 }
 
-void printCost(const SceneReport& report) {
+void sayCost(std::string& text, const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
   if (!measured.no_rest.empty()) return;  // a warning says so, and nothing can be estimated
   const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
-  fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
-             duration(likely.seconds), onAllCores(likely), report.cores, likely.bytes / 1e6);
+  say(text, "cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
+      duration(likely.seconds), onAllCores(likely), report.cores, likely.bytes / 1e6);
   if (report.problem->scene.accuracy.adaptive())
-    fmt::print(
-        "           with the cells that the ways find too coarse halved: about {:.0f} "
+    say(text,
+        "           with the cells that the ways find too coarse halved: about {} "
         "configurations; {} on one core when none is\n",
         likely.configurations, duration(least.seconds));
-  fmt::print(
+  say(text,
       "           from {} transitions on {} ways from rest, solved in {} with {}; "
       "about {:.0f} % of the lattice points are reached\n",
       measured.transitions, measured.ways.size(), duration(measured.seconds), report.arithmetic,
@@ -154,24 +157,26 @@ void printCost(const SceneReport& report) {
 
 }  // namespace
 
-void printSceneReport(const SceneReport& report) {
+std::string sceneReportText(const SceneReport& report) {
+  std::string text;
   const Scene& scene = report.problem->scene;
-  fmt::print("scene      {}\n", scene.name);
-  fmt::print("{}", meshText(report.problem->mesh, report.quality, scene.mesh.filename().string()));
-  printConversion(scene);
-  printBody(report);
-  fmt::print("fixed      {}\n", counted(report.problem->fixed.size(), "node"));
-  printActives(report);
-  printDevice(scene, report.measured.stiffness);
-  fmt::print(
-      "lattice    radius {:.4g} m, spacing {:.4g} m: {}{} in each of {}, {}{:.0f} configurations\n",
+  say(text, "scene      {}\n", scene.name);
+  say(text, "{}", meshText(report.problem->mesh, report.quality, scene.mesh.filename().string()));
+  sayConversion(text, scene);
+  sayBody(text, report);
+  say(text, "fixed      {}\n", counted(report.problem->fixed.size(), "node"));
+  sayActives(text, report);
+  sayDevice(text, scene, report.measured.stiffness);
+  say(text,
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {}{} in each of {}, {}{} configurations\n",
       report.lattice.radius(), report.lattice.spacing(),
       isOfFingersThatPush(*report.problem) ? "up to " : "", counted(report.lattice.size(), "point"),
       counted(report.spaces.size(), "space"), scene.accuracy.adaptive() ? "at least " : "",
       report.cost.least.configurations);
-  printAccuracy(scene);
-  printCost(report);
-  for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
+  sayAccuracy(text, scene);
+  sayCost(text, report);
+  for (const std::string& warning : report.warnings) say(text, "warning    {}\n", warning);
+  return text;
 }
 
 }  // namespace palpate

@@ -31,8 +31,8 @@ struct SceneReport {
 /// Looks at a problem, which must outlive the report, and solves a little of it (measureWays).
 SceneReport reportOf(const Problem& problem);
 
-/// Prints a report for people on standard output: a word for the topic, then numbers in SI units.
-void printSceneReport(const SceneReport& report);
+/// A report for people: lines with a word for the topic in 11 columns, then numbers in SI units.
+std::string sceneReportText(const SceneReport& report);
 /// A report as one JSON object on one line, lengths in metres.
 std::string sceneReportJson(const SceneReport& report);
 

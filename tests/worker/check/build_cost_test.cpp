@@ -90,8 +90,8 @@ TEST_F(BuildCosts, OfAnAdaptiveBuildCountTheCellsAtTheEndOfItsAnswers) {
   scene.accuracy = {.force_error = 0.03, .levels = 2};
   const Way whole = way({{1, true}, {1, true}}),
             cut_off = way({{1, true}, {1, false}}, WayEnd::failed);
-  const double more = cost({whole, cut_off}).likely.configurations - 33;
-  EXPECT_NEAR(more, 26 * 0.5 * (7 + 4 * 7), 1e-9) << "half of the cells of the second shell";
+  EXPECT_EQ(cost({whole, cut_off}).likely.configurations, 33 + 26 * (7 + 4 * 7) / 2)
+      << "half of the cells of the second shell";
 }
 
 /// Solves in earnest.

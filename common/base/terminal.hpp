@@ -17,4 +17,8 @@ TerminalSize sizeOf(int terminal);
 /// says how many are left out.
 std::string fitted(const std::string& text, TerminalSize size);
 
+/// Lines of at most so many columns, broken at blanks; what is broken off is indented. A word that
+/// is wider stays whole.
+std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent);
+
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "scheduler/terminal.hpp"
+#include "common/base/terminal.hpp"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -27,6 +27,22 @@ std::string fitted(const std::string& text, TerminalSize size) {
     lines.push_back(fmt::format("... {} lines more", left_out).substr(0, size.columns));
   }
   return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent) {
+  std::string out;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    while (line.size() > columns) {
+      std::size_t blank = line.rfind(' ', columns);
+      if (blank == std::string::npos || blank < indent) blank = line.find(' ', columns);
+      if (blank == std::string::npos) break;
+      out += line.substr(0, blank) + '\n';
+      line = std::string(indent, ' ') + line.substr(blank + 1);
+    }
+    out += line + '\n';
+  }
+  return out;
 }
 
 }  // namespace palpate

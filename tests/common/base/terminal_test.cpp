@@ -1,4 +1,4 @@
-#include "scheduler/terminal.hpp"
+#include "common/base/terminal.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,6 +28,15 @@ TEST(Fitted, FillsNoMoreThanTheWindowAndSaysHowMuchIsLeftOut) {
       EXPECT_LT(std::ranges::count(text, '\n'), std::max<std::ptrdiff_t>(rows, 3));
     }
   EXPECT_NE(fitted(page(50, 10), {24, 80}).find("... 28 lines more"), std::string::npos);
+}
+
+TEST(Wrapped, BreaksLinesAtBlanksAndIndentsTheRest) {
+  EXPECT_EQ(wrapped("topic  one two three\nshort\n", 13, 7),
+            "topic  one\n       two\n       three\nshort\n");
+  EXPECT_EQ(wrapped("topic  one-word-that-is-wide end\n", 13, 7),
+            "topic  one-word-that-is-wide\n       end\n")
+      << "words stay whole";
+  EXPECT_EQ(wrapped("", 13, 7), "");
 }
 
 }  // namespace
