@@ -134,6 +134,8 @@ void BodyView::deform(const Touch& touch) {
 
 void BodyView::shade(SurfaceColour colour, std::int32_t method) {
   shape_.setDisplacements(displacements_);
+  // After a hand has let go, its deepest press says nothing of the next one.
+  if (shape_.largest() <= 0) forgetScale();
   if (shape_.largest() > full_colour_) full_colour_ = roundUp(shape_.largest());
   switch (colour) {
     case SurfaceColour::tissue: shape_.colourTissue(); break;

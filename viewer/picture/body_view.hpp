@@ -32,7 +32,7 @@ class BodyView {
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
   /// m, at the end of the colours of the surface: a round number that grows with what was seen
-  /// since forgetScale().
+  /// since the body was at rest, or forgetScale().
   double fullColour() const { return full_colour_; }
   /// Pa, the same of how strong pressures were, up to the usual(). 0: none were seen yet.
   double fullPressure() const { return full_pressure_; }
