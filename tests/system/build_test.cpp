@@ -135,6 +135,20 @@ TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
+TEST_F(SystemTest, HowMuchAWorkerSaysHoldsForTheProcessesThatItStarts) {
+  auto scheduler =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
+                                  "served", "-o", "served.h5"});
+  const std::string endpoint = endpointIn("served");
+  auto quiet = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1", "-q"});
+  auto usual = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
+  expectFinished(*scheduler);
+  EXPECT_EQ(quiet->wait(), 0);
+  EXPECT_EQ(usual->wait(), 0);
+  EXPECT_THAT(usual->output(), HasSubstr(" info "));
+  EXPECT_THAT(quiet->output(), testing::Not(HasSubstr(" info ")));
+}
+
 TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
   const auto serve = [&] {
     std::filesystem::remove(directory / "served" / "endpoint");
