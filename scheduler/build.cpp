@@ -53,7 +53,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool re
                     dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
   } catch (const Error& error) {
     // It may be whole: replacing it is no remedy.
-    if (!force && hdf5::isOpenForWriting(file)) throw;
+    if (!replace && hdf5::isOpenForWriting(file)) throw;
     what = fmt::format("exists and is not a usable dataset ({})", error.what());
   }
   if (!replace) throw badInput("{}: {}: give another -o, or --replace", file.string(), what);

@@ -65,7 +65,8 @@ class Fortress {
     zmq::socket_t socket = makeDealer(context_);
     socket.set(zmq::sockopt::immediate, false);
     proveAsClient(socket, keys(), endpoint_);
-    connectDealer(socket, endpoint_);
+    if (const auto trouble = connectDealer(socket, endpoint_); !trouble.empty())
+      throw failure("{}", trouble);
     wire::Message question;
     question.mutable_status_request();
     if (sendMessage(socket, "", question) != Sent::yes) throw failure("the status: cannot send");

@@ -37,7 +37,7 @@ std::string recordOf(const Problem& problem) {
     std::memcpy(numbers.data(), record.data(), record.size());
     if (std::ranges::all_of(numbers, [](float number) { return std::abs(number) < 1e30F; }))
       return record;
-    result.set_job(result.job() + 1);
+    result.set_steps(result.steps() + 1);
   }
 }
 
