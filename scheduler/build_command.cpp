@@ -9,6 +9,7 @@
 #include "common/base/machine.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
+#include "common/base/terminal.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -19,7 +20,6 @@
 #include "scheduler/served_pages.hpp"
 #include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
-#include "common/base/terminal.hpp"
 #include "scheduler/verbs.hpp"
 
 namespace palpate {

@@ -7,11 +7,11 @@
 
 #include "common/base/error.hpp"
 #include "common/base/printable.hpp"
+#include "common/base/terminal.hpp"
 #include "scheduler/asked_scheduler.hpp"
 #include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/status_text.hpp"
-#include "common/base/terminal.hpp"
 #include "scheduler/verbs.hpp"
 
 // What a running scheduler is asked: `status`, `stop`, `pause`, `resume`, `priority` and `retry`.

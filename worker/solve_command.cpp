@@ -31,7 +31,8 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
   const double diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
     throw badInput(
-        "displacement ({}) m is more than 3 times the diagonal of the body's bounding box ({:.4g} m); "
+        "displacement ({}) m is more than 3 times the diagonal of the body's bounding box "
+        "({:.4g} m); "
         "displacements are in metres",
         vectorText(displacement, 6), diagonal);
 }

@@ -34,6 +34,8 @@ constexpr double reach_outside = 0.25;
 
 /// What the likely error is divided by when a cell is halved.
 constexpr double error_by_halving = 8;
+/// What a halved cell adds: seven in the midst of others, less at the rim of the ball.
+constexpr double points_of_cell = 5;
 
 /// One look at a configuration space.
 class CellInspection {
@@ -61,12 +63,13 @@ class CellInspection {
     result.kept = samples_ > 0 ? kept_ / samples_ : 1;
     const bool is_enough = result.kept >= (space_.patch.finger ? enough_of_finger : enough);
     std::set<LatticePoint> points;
-    double wanted = 0;
+    double halved_later = 0;
     for (const auto& [leaf, ratio] : poor_) {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
-      wanted += pointsWanted(leaf, ratio);
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
+      // With its corners known, every second one is good.
+      halved_later += untried.empty() ? cellsHalved(leaf, ratio) - 1 : cellsHalved(leaf, ratio) / 2;
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[at(leaf)];
       if (untried.empty() && cell.level < accuracy_.levels &&
@@ -78,7 +81,7 @@ class CellInspection {
     result.points.assign(points.begin(), points.end());
     std::ranges::sort(result.points, {},
                       [](const LatticePoint& p) { return std::pair(squaredNorm(p), p); });
-    result.later = std::max(0.0, wanted - static_cast<double>(points.size()));
+    result.later = points_of_cell * std::max(0.0, halved_later);
     return result;
   }
 
@@ -109,13 +112,13 @@ class CellInspection {
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
-  /// What halving a leaf until it is good adds: all of it as often as the error asks for, or, where
-  /// answers end in it, to the last level what their border crosses, four of eight parts.
-  double pointsWanted(std::int32_t leaf, double ratio) const {
+  /// How many cells are halved until a leaf is good, itself among them: as often as its error asks
+  /// for, or, where answers end in it, to the last level. Four of eight parts need it again.
+  double cellsHalved(std::int32_t leaf, double ratio) const {
     const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
-    if (hasFailedCorner(leaf)) return 7 * (std::pow(4, left) - 1) / 3;
-    const double halvings = std::ceil(std::log(ratio) / std::log(error_by_halving));
-    return std::pow(8, std::clamp(halvings, 0.0, double(left))) - 1;
+    const double asked = std::ceil(std::log(ratio) / std::log(error_by_halving));
+    const double halvings = hasFailedCorner(leaf) ? left : std::clamp(asked, 0.0, double(left));
+    return (std::pow(4, halvings) - 1) / 3;
   }
 
   const CellSlot& slot(std::int32_t number) const { return tree_.slots()[at(number)]; }

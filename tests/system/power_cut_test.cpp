@@ -310,7 +310,7 @@ TEST_F(DiskTest, AFullOneEndsTheBuildWhichGoesOnWhenThereIsRoom) {
   ASSERT_EQ(disk.mounted(), "");
   const std::filesystem::path filler = disk.root() / "filler";
   // Not for the tables; not for the journal; not for the dataset.
-  for (const std::uintmax_t room : {20u << 10, 60u << 10, 300u << 10, 600u << 10}) {
+  for (const std::uintmax_t room : {20u << 10, 60u << 10, 200u << 10, 400u << 10}) {
     SCOPED_TRACE(std::to_string(room) + " bytes are free");
     test::runCommand("dd if=/dev/zero bs=4k of='" + filler.string() + "'");
     std::filesystem::resize_file(filler, std::filesystem::file_size(filler) - room);

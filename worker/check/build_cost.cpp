@@ -28,17 +28,15 @@ struct Shell {
 };
 
 /// Points that halving cells adds for each point of the lattice where step n of a way ended up: as
-/// many levels as the error asks for; where answers end, the cells that their border crosses down
-/// to the last level, four for one at each. Of a finger those at rest only, others once
-/// (nextRefinement).
+/// many levels as the error asks for, all where answers end, and four of eight parts each time. Of
+/// a finger whose answers end cells at rest to the last level, others once (nextRefinement).
 double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   const WayStep& step = way.steps[n];
   if (!step.reached && finger) return n == 0 ? 7 * levels : std::min(7, 7 * levels);
-  if (!step.reached) return 7 * (std::pow(4, levels) - 1) / 3;
-  if (step.error <= 0) return 0;
-  const double halvings =
-      std::ceil(std::log(worst_in_cell * step.error) / std::log(error_by_halving));
-  return std::pow(8, std::clamp(halvings, 0.0, double(levels))) - 1;
+  if (step.reached && step.error <= 0) return 0;
+  const double asked = std::ceil(std::log(worst_in_cell * step.error) / std::log(error_by_halving));
+  const double halvings = step.reached ? std::clamp(asked, 0.0, double(levels)) : levels;
+  return 7 * (std::pow(4, halvings) - 1) / 3;
 }
 
 /// Adds the points of one space: of a finger that only pushes, those of the pushed part.
