@@ -62,7 +62,8 @@ void replace(const std::filesystem::path& named, std::string_view what, mode_t m
   const std::filesystem::path file = linkTarget(named);
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    throw failure("{}: is there and is no file; give another name", named.string());
+    throw failure("{}: is a {}, which no file replaces; give another name", named.string(),
+                  std::filesystem::is_directory(file, ignored) ? "directory" : "device or pipe");
   std::filesystem::path aside = file;
   aside += ".tmp";
   FileDescriptor held = takeAside(aside, what, mode);

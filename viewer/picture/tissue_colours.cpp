@@ -7,9 +7,9 @@ namespace palpate {
 namespace {
 
 constexpr Rgb dark_tissue = {120, 44, 36}, light_tissue = {144, 62, 50};
-/// Of what cannot be touched: a paler red would look like a small displacement.
-constexpr Rgb grey_tissue = {172, 170, 166};
-constexpr double greyness = 0.75;
+/// What cannot be touched tends to a pale pink.
+constexpr Rgb pale_tissue = {196, 158, 148};
+constexpr double paleness = 0.62;
 constexpr double blotch_frequency = 8;  // per radius of the body
 constexpr double covered_from = 0.2;
 /// At equal distances. Between red and the blue of viridis lies grey, so it begins beside red.
@@ -59,7 +59,7 @@ const char* word(SurfaceColour colour) {
 }
 
 Rgb tissueColour(double felt, double blotch) {
-  return between(between(dark_tissue, light_tissue, blotch), grey_tissue, greyness * (1 - felt));
+  return between(between(dark_tissue, light_tissue, blotch), pale_tissue, paleness * (1 - felt));
 }
 
 double blotchAt(const Eigen::Vector3d& scaled) {

@@ -189,10 +189,10 @@ int writeBeyond(rlim_t most, const std::filesystem::path& path) {
     if (turn % 10 == 0) pieces.expectIn(file);
   }
   pieces.expectIn(file);
-  EXPECT_THAT(disk.error(), HasSubstr("File too large"));
+  EXPECT_THAT(disk.error(), HasSubstr("ulimit -f"));
   file.close();
   disk.close();
-  EXPECT_THAT(disk.error(), HasSubstr("File too large"));
+  EXPECT_THAT(disk.error(), HasSubstr("ulimit -f"));
   return testing::Test::HasFailure() ? 1 : 0;
 }
 

@@ -11,12 +11,11 @@ namespace {
 
 double lightness(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-TEST(TissueColours, AreReddishAndGreyWhereNothingIsFelt) {
+TEST(TissueColours, AreReddishAndPalerWhereNothingIsFelt) {
   const Rgb felt = tissueColour(1), none = tissueColour(0);
   EXPECT_GT(felt[0], 2 * felt[1]);
   EXPECT_GT(lightness(none), lightness(felt) + 30);
   EXPECT_GT(none[0], none[2]) << "still tissue";
-  EXPECT_LT(none[0], 1.3 * none[1]) << "no shade of the red that a small displacement has";
   for (const double blotch : {0.0, 1.0})
     EXPECT_LT(std::abs(lightness(tissueColour(1, blotch)) - lightness(felt)), 15);
 }

@@ -58,7 +58,7 @@ class Surface {
     return out;
   }
 
-  // Of wet tissue, in blotches as it has; grey where nothing can be felt.
+  // Of wet tissue, in blotches as it has; paler where nothing can be felt.
   colours() {
     const out = new Float32Array(3 * this.count), {sin} = Math;
     for (let v = 0; v < this.count; ++v) {
@@ -67,7 +67,7 @@ class Surface {
           0.5 * sin(3.1 * x + sin(2.3 * y)) * sin(2.9 * y + sin(2.7 * z)) *
               sin(3.3 * z + sin(2.1 * x));
       const tissue = add(scaled([0.49, 0.13, 0.105], 1 - blotch), [0.57, 0.185, 0.145], blotch);
-      out.set(this.felt[v] > 0 ? tissue : add(scaled(tissue, 0.25), [0.4, 0.395, 0.385]), 3 * v);
+      out.set(this.felt[v] > 0 ? tissue : add(scaled(tissue, 0.55), [0.21, 0.13, 0.115]), 3 * v);
     }
     return out;
   }
