@@ -216,12 +216,12 @@ TEST_F(Hdf5WriterTest, ADiskThatTakesNoMoreIsToldSoonByEveryCallAndIsSurvived) {
                   [&] {
                     for (; added < rows; ++added) list.add(1);
                   },
-                  {"list.h5", "cannot be written", "File too large"});
+                  {"list.h5", "cannot be written", "ulimit -f"});
       EXPECT_LE(8 * added, room + 3 * mebibyte);
       expectError(ExitCode::failed, [&] { writer.writeList("/other", vectors(1), "m"); },
-                  {"list.h5", "cannot be written", "File too large"});
+                  {"list.h5", "cannot be written", "ulimit -f"});
       expectError(ExitCode::failed, [&] { writer.close(); },
-                  {"list.h5", "cannot be written", "File too large"});
+                  {"list.h5", "cannot be written", "ulimit -f"});
       return HasFailure() ? 1 : 0;
     });
   }
