@@ -144,7 +144,7 @@ TEST_F(Problem, RefusesSurfacesThatHoldNothingToTouch) {
   refusesSurface({.boxes = {{{1, 1, 1}, {2, 2, 2}}}}, {"active \"skin\": surface.box"});
   refusesSurface({.groups = {"xmx"}},
                  {"active \"skin\": surface.group", "\"xmx\"", "the mesh has xmax"});
-  refusesSurface({.groups = {"zmin"}}, {"active \"skin\": surface", "all 25 nodes", "fixed"});
+  refusesSurface({.groups = {"zmin"}}, {"active \"skin\": surface", "25 nodes", "fixed"});
   scene.active = {{.name = "skin", .surface = SurfaceSelection{.all = true}},
                   {.name = fmt::format("skin-{}", top), .node = 30}};
   refuses({"two active nodes", fmt::format("\"skin-{}\"", top)});

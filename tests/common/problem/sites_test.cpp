@@ -187,7 +187,7 @@ TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   scene.active[0].surface = SurfaceSelection{.boxes = {{{-0.1, 0, 0}, {0.01, 0.2, 0.2}}}};
   refuses({"\"skin\": surface", "rest on what is fixed", "fix less"});
   scene.active[0].surface = SurfaceSelection{.boxes = {{{0.19, 0.09, 0.19}, {0.21, 0.11, 0.21}}}};
-  refuses({"\"skin\": surface", "holds 1 nodes", "no triangle"});
+  refuses({"\"skin\": surface", "holds 1 node ", "no triangle"});
   scene.active[0].surface.reset();
   scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.1);
   refuses({"\"skin\"", "rests by", "on what is fixed"});
