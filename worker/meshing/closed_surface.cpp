@@ -13,6 +13,7 @@
 #include "common/base/index.hpp"
 #include "common/base/interruption.hpp"
 #include "common/base/joined_sets.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/coincident_nodes.hpp"
 #include "common/mesh/node_set.hpp"
@@ -540,9 +541,9 @@ class SurfaceRepair {
     });
     if (count > 0)
       note(
-          "{} cavities narrower than {:.3g}, an edge of the elements, are filled: {:.2g} % of the "
-          "volume; more nodes, or a smaller --size, keep them",
-          count, edge, 100 * volume / whole);
+          "filled {} narrower than {:.3g}, an edge of the elements: {:.2g} % of the volume; more "
+          "nodes, or a smaller --size, keep them",
+          counted(count, "cavity", "cavities"), edge, 100 * volume / whole);
   }
 
   void turnOutward() {
