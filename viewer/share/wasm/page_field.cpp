@@ -15,9 +15,10 @@
 
 #ifdef __wasm__
 // Nothing is caught here: what is thrown ends the module, after its words went to standard error,
-// from where the page takes them. All of it is a std::exception.
+// from where the page takes them. All of it is a std::exception. The linker calls the second in
+// the place of __cxa_throw, which newer libraries of Emscripten define themselves.
 extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
-extern "C" [[noreturn]] void __cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
+extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
   std::fputs(static_cast<const std::exception*>(thrown)->what(), stderr);
   std::abort();
 }
