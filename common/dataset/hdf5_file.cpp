@@ -64,6 +64,10 @@ struct Driver {
   static hid_t id() {
     static const H5FD_class_t methods = [] {
       H5FD_class_t made = {};
+#ifdef H5FD_CLASS_VERSION  // from HDF5 1.14 on
+      made.version = H5FD_CLASS_VERSION;
+      made.value = 511;  // of those that no driver is registered for
+#endif
       made.name = "palpate";
       made.maxaddr = static_cast<haddr_t>(~std::size_t{0} - 1);
       made.fc_degree = H5F_CLOSE_WEAK;
