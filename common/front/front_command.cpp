@@ -1,5 +1,6 @@
 // The front command: `palpate VERB ...` becomes the program that knows the verb.
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -141,8 +142,26 @@ const char* programFor(const Route& route, const std::vector<std::string>& argum
              : route.program;
 }
 
+/// Whether the system grants what a program that solves takes before its first line: OpenBLAS asks
+/// again for ever, while it is loaded, where it is refused its 128 MiB.
+bool memorySuffices(const Route& route) {
+  const bool solves = std::string_view(route.program) == "palpate-worker" ||
+                      std::string_view(route.verb) == "build";
+  if (!solves) return true;
+  constexpr std::size_t needed = 384u << 20;
+  void* const room =
+      mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room != MAP_FAILED) return munmap(room, needed) == 0;
+  tell(
+      "palpate {}: the system does not grant the {} MiB of memory that solving takes at least ({}): "
+      "raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
+      route.verb, needed >> 20, errnoText());
+  return false;
+}
+
 /// Replaces this process by the program beside it. Returns only when that fails.
 int become(const Route& route, std::vector<std::string> arguments) {
+  if (!memorySuffices(route)) return static_cast<int>(ExitCode::failed);
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {

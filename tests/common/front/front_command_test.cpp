@@ -42,6 +42,18 @@ TEST_F(FrontCommand, HoldsOpenBlasToOneThreadBeforeItIsLoaded) {
   EXPECT_EQ(palpate("check x").output, "1\n");
 }
 
+TEST_F(FrontCommand, NamesALimitOfMemoryUnderWhichOpenBlasWouldWaitForEver) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
+#endif
+  for (const char* verb : {"check", "build", "work"}) {
+    const test::CommandResult refused = test::runCommand(
+        "(ulimit -v 300000; '" + (directory / "palpate").string() + "' " + verb + " x 2>&1)");
+    EXPECT_EQ(refused.exit_code, 1) << refused.output;
+    EXPECT_THAT(refused.output, testing::HasSubstr("ulimit -v"));
+  }
+}
+
 TEST_F(FrontCommand, AsksTheSchedulerToCheckADirectoryAndTheWorkerToCheckAScene) {
   std::filesystem::create_directory(directory / "x.h5.state");
   std::filesystem::create_directory(directory / "check");
