@@ -153,7 +153,8 @@ bool memorySuffices(const Route& route) {
       mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room != MAP_FAILED) return munmap(room, needed) == 0;
   tell(
-      "palpate {}: the system does not grant the {} MiB of memory that solving takes at least ({}): "
+      "palpate {}: the system does not grant the {} MiB of memory that solving takes at least "
+      "({}): "
       "raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
       route.verb, needed >> 20, errnoText());
   return false;
