@@ -154,8 +154,7 @@ bool memorySuffices(const Route& route) {
   if (room != MAP_FAILED) return munmap(room, needed) == 0;
   tell(
       "palpate {}: the system does not grant the {} MiB of memory that solving takes at least "
-      "({}): "
-      "raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
+      "({}): raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
       route.verb, needed >> 20, errnoText());
   return false;
 }
