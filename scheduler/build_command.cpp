@@ -49,9 +49,9 @@ void tellOrLog(fmt::format_string<Args...> text, Args&&... args) {
 
 /// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
 /// line every half minute. Nothing when only warnings are wanted (--quiet).
-class Progress {
+class ShownProgress {
  public:
-  Progress() {
+  ShownProgress() {
     // Log lines would tear the bar apart.
     if (wanted_ && terminal_ && spdlog::get_level() == spdlog::level::info)
       spdlog::set_level(spdlog::level::warn);
@@ -325,7 +325,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
 /// or a signal. `each_turn` is called a few times a second at least.
 void serveUntilDone(Server& server, Coordinator& coordinator,
                     const std::function<void()>& each_turn = {}) {
-  Progress progress;
+  ShownProgress progress;
   while (!coordinator.complete() && !coordinator.stopping() && !coordinator.stuck()) {
     server.turn(coordinator, longest_turn);
     if (each_turn) each_turn();

@@ -34,7 +34,7 @@ constexpr int aside_factorizations = 12;
 constexpr double twin_energy = 1e-6;
 
 /// Of this thread, which solves alone: a process that was stopped meanwhile took no longer.
-double processorSeconds() {
+double threadSeconds() {
   timespec time{};
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) != 0)
     throw failure("clock_gettime: {}", errnoText());
@@ -402,7 +402,7 @@ void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& targ
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
-  const double began = processorSeconds();
+  const double began = threadSeconds();
   Reached reached;
   Outcome& outcome = reached.outcome;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
@@ -460,7 +460,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   }
   outcome.converged = at >= 1;
   if (outcome.converged) setFields(reached.end.state, target, outcome);
-  outcome.cost.seconds = processorSeconds() - began;
+  outcome.cost.seconds = threadSeconds() - began;
   return reached;
 }
 
