@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/interpolation/field_error.hpp"
 #include "common/problem/problem.hpp"
+#include "common/space/halving_forecast.hpp"
 
 namespace palpate {
 namespace {
@@ -32,8 +34,6 @@ constexpr double enough_of_finger = 0.99;
 /// splitting does as well.
 constexpr double reach_outside = 0.25;
 
-/// What the likely error is divided by when a cell is halved.
-constexpr double error_by_halving = 8;
 /// What a halved cell adds: seven in the midst of others, less at the rim of the ball.
 constexpr double points_of_cell = 5;
 
@@ -69,7 +69,8 @@ class CellInspection {
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       // With its corners known, every second one is good.
-      halved_later += untried.empty() ? cellsHalved(leaf, ratio) - 1 : cellsHalved(leaf, ratio) / 2;
+      const double halved = halvedIn(leaf, ratio);
+      halved_later += untried.empty() ? std::max(0.0, halved - 1) : halved / 2;
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[at(leaf)];
       if (untried.empty() && cell.level < accuracy_.levels &&
@@ -81,7 +82,7 @@ class CellInspection {
     result.points.assign(points.begin(), points.end());
     std::ranges::sort(result.points, {},
                       [](const LatticePoint& p) { return std::pair(squaredNorm(p), p); });
-    result.later = points_of_cell * std::max(0.0, halved_later);
+    result.later = points_of_cell * halved_later;
     return result;
   }
 
@@ -112,13 +113,13 @@ class CellInspection {
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
-  /// How many cells are halved until a leaf is good, itself among them: as often as its error asks
-  /// for, or, where answers end in it, to the last level. Four of eight parts need it again.
-  double cellsHalved(std::int32_t leaf, double ratio) const {
+  /// How many cells are halved until a leaf is good, itself among them. Where a finger's answers
+  /// end in it, it is halved once (isAtEnd), or as often as levels allow (endsBesideRest).
+  double halvedIn(std::int32_t leaf, double ratio) const {
     const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
-    const double asked = std::ceil(std::log(ratio) / std::log(error_by_halving));
-    const double halvings = hasFailedCorner(leaf) ? left : std::clamp(asked, 0.0, double(left));
-    return (std::pow(4, halvings) - 1) / 3;
+    if (!hasFailedCorner(leaf)) return cellsHalved(ratio, left);
+    const bool once = space_.patch.finger && !endsBesideRest(leaf);
+    return cellsHalved(std::numeric_limits<double>::infinity(), once ? 1 : left);
   }
 
   const CellSlot& slot(std::int32_t number) const { return tree_.slots()[at(number)]; }

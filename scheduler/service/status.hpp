@@ -14,6 +14,7 @@ void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord&
 /// and what only a running scheduler knows (recorded, seconds, rate, time left).
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
                       const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
+/// Adds the workers (`servers`) and the counters to a status that has the rest.
 void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
                 const Counters& counters);
 /// The part of it that is kept for when no scheduler works there (Progress): points and attempts,

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/assertion.hpp"
+#include "common/space/halving_forecast.hpp"
 #include "common/space/lattice.hpp"
 
 namespace palpate {
@@ -15,9 +17,10 @@ constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
 constexpr double waiting = 1.2;
 
 /// The error that halves a cell is a likely one (nextRefinement), in the worst place of the cell:
-/// larger than that half-way along a straight way. And what an error is divided by when a cell is
-/// halved, so near to folds and limits.
-constexpr double worst_in_cell = 5, error_by_halving = 8;
+/// larger than that half-way along a straight way.
+constexpr double worst_in_cell = 5;
+/// What a halved cell adds in the midst of others.
+constexpr double points_of_cell = 7;
 
 /// What is known of the lattice points between n and n + 1 spacings from rest.
 struct Shell {
@@ -28,15 +31,13 @@ struct Shell {
 };
 
 /// Points that halving cells adds for each point of the lattice where step n of a way ended up: as
-/// many levels as the error asks for, all where answers end, and four of eight parts each time. Of
-/// a finger whose answers end cells at rest to the last level, others once (nextRefinement).
+/// its error asks for, or to the last level where answers end. Those of a finger are halved once,
+/// but beside rest, where only the part at rest is halved again (nextRefinement).
 double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   const WayStep& step = way.steps[n];
-  if (!step.reached && finger) return n == 0 ? 7 * levels : std::min(7, 7 * levels);
-  if (step.reached && step.error <= 0) return 0;
-  const double asked = std::ceil(std::log(worst_in_cell * step.error) / std::log(error_by_halving));
-  const double halvings = step.reached ? std::clamp(asked, 0.0, double(levels)) : levels;
-  return 7 * (std::pow(4, halvings) - 1) / 3;
+  if (step.reached) return points_of_cell * cellsHalved(worst_in_cell * step.error, levels);
+  if (finger) return points_of_cell * (n == 0 ? levels : std::min(1, levels));
+  return points_of_cell * cellsHalved(std::numeric_limits<double>::infinity(), levels);
 }
 
 /// Adds the points of one space: of a finger that only pushes, those of the pushed part.
