@@ -391,9 +391,13 @@ void Tables::writePriority(const std::string& name, std::int32_t priority) {
 }
 
 void Tables::writeCheck(const ResultKey& key, bool disputed) {
-  const auto& [space, to, from] = key;
-  Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-      .run(space, to[0], to[1], to[2], from[0], from[1], from[2], disputed ? 1 : 0);
+  const auto write = [&] {
+    const auto& [space, to, from] = key;
+    Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+        .run(space, to[0], to[1], to[2], from[0], from[1], from[2], disputed ? 1 : 0);
+  };
+  // Whoever contradicted is acknowledged after this, and a dispute is in no journal.
+  disputed ? durably(write) : write();
 }
 
 void Tables::forgetCheck(const ResultKey& key) {

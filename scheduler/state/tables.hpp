@@ -100,7 +100,7 @@ class Tables : public StoredTables {
   void writePaused(bool paused);
   void writePriority(const std::string& name, std::int32_t priority);
 
-  /// A check outlives a run.
+  /// A check outlives a run; a disputed one is synced when it returns, and outlives a power cut.
   void writeCheck(const ResultKey& key, bool disputed);
   void forgetCheck(const ResultKey& key);
   /// 32 bytes that nobody else knows.

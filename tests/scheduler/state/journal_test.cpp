@@ -10,20 +10,16 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/scheduler/state/synced_files.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-namespace {
-
-/// The names of files that are synced, while a test wants to know.
-std::vector<std::string>* synced_files = nullptr;
-
-}  // namespace
+std::vector<std::string>* palpate::test::synced_files = nullptr;
 
 /// In the place of the C library's.
 extern "C" int fdatasync(int file) {
-  if (synced_files != nullptr)
-    synced_files->push_back(
+  if (palpate::test::synced_files != nullptr)
+    palpate::test::synced_files->push_back(
         std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file)).filename());
   return static_cast<int>(syscall(SYS_fdatasync, file));
 }
@@ -105,9 +101,9 @@ TEST_F(JournalTest, SyncsEverySegmentWhenItIsOpened) {
     journal.sync();
   }
   std::vector<std::string> synced;
-  synced_files = &synced;
+  test::synced_files = &synced;
   const Journal again = open(100);
-  synced_files = nullptr;
+  test::synced_files = nullptr;
   EXPECT_THAT(synced, testing::IsSupersetOf(
                           {"segment-000001.dat", "segment-000002.dat", "segment-000003.dat"}));
 }

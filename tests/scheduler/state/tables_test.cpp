@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/scheduler/state/synced_files.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -35,6 +36,20 @@ TEST_F(TablesTest, SayHowFarTheBuildIsUntilSomethingIsDropped) {
   EXPECT_EQ(StoredTables(held.path()).progress()->status, "all");
   tables.forgetProgress();
   EXPECT_FALSE(StoredTables(held.path()).progress());
+}
+
+/// Whoever contradicted was told that it is kept. A power cut took it away.
+TEST_F(TablesTest, HaveADisputeOnDiskAtOnce) {
+  const ResultKey key = {0, {1, -2, 3}, {1, -2, 2}};
+  Tables tables = open();
+  std::vector<std::string> synced;
+  test::synced_files = &synced;
+  tables.writeCheck(key, false);
+  const std::size_t of_check = synced.size();
+  tables.writeCheck(key, true);
+  test::synced_files = nullptr;
+  EXPECT_EQ(of_check, 0u) << "one of a hundred results";
+  EXPECT_THAT(synced, testing::Contains(testing::EndsWith("-wal")));
 }
 
 TEST_F(TablesTest, RememberWhoIsKeptOutToTheLastByte) {
