@@ -1,0 +1,17 @@
+# ctest reads it to find the suites of a GoogleTest program. Given by palpate_suites in CMakeLists.txt: program, label, cost,
+# alone.
+get_filename_component(name ${program} NAME)
+if(NOT EXISTS ${program})
+  add_test(${name}_IS_NOT_BUILT ${program})
+  return()
+endif()
+execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "${program} --gtest_list_tests: ${failed}")
+endif()
+string(REGEX MATCHALL "\n[A-Za-z0-9_/]+\\." suites "\n${listing}")
+foreach(line ${suites})
+  string(REGEX REPLACE "\n(.*)\\." "\\1" suite "${line}")
+  add_test(${suite} ${program} --gtest_filter=${suite}.*)
+  set_tests_properties(${suite} PROPERTIES LABELS ${label} COST ${cost} RUN_SERIAL ${alone})
+endforeach()
