@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "common/base/printable.hpp"
-#include "scheduler/fleet/slurm_words.hpp"
 
 namespace palpate {
 namespace {
@@ -17,8 +16,6 @@ using std::chrono::seconds;
 
 /// A worker that its scheduler has not heard of after so long does not reach it.
 constexpr seconds long_unheard{60};
-/// Jobs that are named, of many.
-constexpr std::size_t most_named = 5;
 
 /// Queued, or started a moment ago.
 int unproven(const SlurmJobs& jobs) {
@@ -63,12 +60,6 @@ std::string nameOf(const Launches::Ended& end) {
   return fmt::format("{}{}{} ({})", end.id, end.node.empty() ? "" : " on ", end.node, end.words);
 }
 
-/// What they say in the end, and what can be done about it.
-std::string whyFailed(const Launches::Ended& end, const Slurm& engine) {
-  const std::string advice = adviceOnEnd(end.words);
-  return (advice.empty() ? "" : advice + "; ") + wroteOf(engine.logOf(end.id));
-}
-
 }  // namespace
 
 SlurmFleet::SlurmFleet(const SlurmFleetOptions& options)
@@ -101,7 +92,6 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   taken_ = taken_ || !jobs.queued.empty() || !jobs.running.empty();
   const Launches::Change change = launches_.see(jobs.ended, jobs.running, Clock::now());
   tellLaunches(change);
-  tellQueue(jobs);
   // What is left is looked at in the next turn.
   if (!options_.dry_run && cancelUnwanted(jobs, !change.left_out.empty())) return;
   // Who cannot be asked may be back in a moment: what runs, and what is queued, stays.
@@ -189,23 +179,6 @@ void SlurmFleet::tell(const SlurmJobs& jobs, int more, const std::string& why) {
   told_ = text;
 }
 
-/// Why jobs wait, where somebody can do something about it.
-void SlurmFleet::tellQueue(const SlurmJobs& jobs) {
-  std::string text;
-  for (const auto& [reason, count] : jobs.reasons()) {
-    const SlurmAdvice advice = adviceOnReason(reason);
-    if (advice.what.empty()) continue;
-    std::vector<std::string> ids;
-    for (const SlurmJobs::Queued& job : jobs.queued)
-      if (job.reason == reason && ids.size() < most_named) ids.push_back(job.id);
-    // Those that wait their turn come and go.
-    const std::string named = advice.lasting ? fmt::format(" ({})", fmt::join(ids, ", ")) : "";
-    text += fmt::format("{}{}{}: {}", text.empty() ? "" : "; ", reason, named, advice.what);
-  }
-  if (!text.empty() && text != told_of_queue_) spdlog::warn("queued jobs wait: {}", text);
-  told_of_queue_ = text;
-}
-
 void SlurmFleet::tellLaunches(const Launches::Change& change) {
   const std::deque<Launches::Ended>& failures = launches_.failures();
   for (const std::string& node : change.left_out) {
@@ -217,7 +190,7 @@ void SlurmFleet::tellLaunches(const Launches::Change& change) {
         node, Launches::early.count(),
         last == failures.rend()
             ? ""
-            : fmt::format(", the last {}; {}", nameOf(*last), whyFailed(*last, engine_)));
+            : fmt::format(", the last {}; {}", nameOf(*last), wroteOf(engine_.logOf(last->id))));
   }
   if (!change.held || failures.empty()) return;
   std::vector<std::string> names;
@@ -226,7 +199,7 @@ void SlurmFleet::tellLaunches(const Launches::Change& change) {
       "jobs fail within {} s of their start, the last: {}. No more are asked for but one at a "
       "time, in {} s, then later and later, until one lives. {}",
       Launches::early.count(), fmt::join(names, ", "), launches_.pause().count(),
-      whyFailed(failures.back(), engine_));
+      wroteOf(engine_.logOf(failures.back().id)));
 }
 
 void SlurmFleet::end() {

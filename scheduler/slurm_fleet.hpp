@@ -48,7 +48,6 @@ class SlurmFleet {
   bool isUnheard(const SlurmJobs& jobs, const wire::Status& status);
   bool cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed);
   void tell(const SlurmJobs& jobs, int more, const std::string& why);
-  void tellQueue(const SlurmJobs& jobs);
   void tellLaunches(const Launches::Change& change);
   ExitCode finish(const char* why);
   ExitCode leave() const;
@@ -59,7 +58,7 @@ class SlurmFleet {
   Launches launches_;
   Backoff refused_;
   bool taken_ = false;  ///< Slurm took a job, or has some
-  std::string told_, told_of_queue_;
+  std::string told_;
   bool told_unheard_ = false;
 };
 

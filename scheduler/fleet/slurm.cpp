@@ -15,7 +15,6 @@
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
 #include "common/base/printable.hpp"
-#include "scheduler/fleet/slurm_words.hpp"
 
 namespace palpate {
 namespace {
@@ -28,15 +27,19 @@ constexpr std::string_view comment_prefix = "palpate at ";
 /// Slurm may come a minute early, and short jobs are to work too.
 int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
+/// Whether sbatch says the same until an option is changed.
+bool isLasting(const Ran& refusal) {
+  constexpr int not_understood = 255;  // of a command line, whatever the word
+  return refusal.exit_code == not_understood || refusal.err.find("nvalid") != std::string::npos;
+}
+
 /// Ran well, or said no.
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
   Ran ran = runToItsEnd({.words = words, .package = "slurm-client", .input = input});
   if (ran.exit_code == 0) return std::move(ran.out);
   const std::string said = printable(ran.err.empty() ? ran.out : ran.err, longest_reason);
-  const SlurmAdvice advice = adviceOnRefusal(ran.exit_code, said);
-  throw Error(advice.lasting ? ExitCode::usage : ExitCode::failed,
-              fmt::format("{} says no (exit code {}): {}{}{}", words[0], ran.exit_code, said,
-                          advice.what.empty() ? "" : "; what to do: ", advice.what));
+  throw Error(words[0] == "sbatch" && isLasting(ran) ? ExitCode::usage : ExitCode::failed,
+              fmt::format("{} says no (exit code {}): {}", words[0], ran.exit_code, said));
 }
 
 /// As a shell reads it back.

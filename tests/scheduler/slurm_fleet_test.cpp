@@ -152,6 +152,21 @@ TEST_F(SlurmFleetTest, AsksForNoMoreWhereJobsRunAndTheSchedulerHasHeardOfNoWorke
   EXPECT_THAT(log.str().substr(log.str().find(told) + 1), Not(HasSubstr(told))) << "told once";
 }
 
+TEST_F(SlurmFleetTest, EndsWithTheWordsOfASlurmThatTakesNoSuchJob) {
+  std::ofstream(directory / "jobs").close();
+  writeScript("sbatch", "echo 'sbatch: error: Invalid qos specification' >&2; exit 1");
+  auto fleet = std::async(std::launch::async, [&] { return SlurmFleet(options).run(); });
+  while (fleet.wait_for(1ms) != std::future_status::ready)
+    if (const auto question = receiveMessage(router, true)) answer(*question);
+  try {
+    fleet.get();
+    ADD_FAILURE() << "nothing is refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exitCode(), ExitCode::usage);
+    EXPECT_THAT(error.what(), HasSubstr("Invalid qos specification"));
+  }
+}
+
 TEST_F(SlurmFleetTest, LeavesNoJobBehindWhenItsStateDirectoryIsRenamed) {
   const std::filesystem::path state = world.directory / "state";
   world.build().directory().announce({options.asked.where, std::nullopt});

@@ -194,24 +194,22 @@ TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
   EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
 }
 
-TEST_F(SlurmFaultsTest, AnOptionThatSlurmRefusesEndsTheFleetWithItsName) {
+TEST_F(SlurmFaultsTest, AnOptionThatSlurmRefusesEndsTheFleetWithSlurmsWords) {
   auto scheduler = serve();
   endpointIn("state");
   struct Case {
     std::vector<std::string> options;
-    const char *said, *advice;
+    const char* said;
   };
   for (const Case& wrong : {
-           Case{{"--", "--partition=nosuch"}, "Invalid partition name", "--partition=NAME"},
-           Case{{"--minutes", "100", "--", "--partition=short"},
-                "time limit is invalid",
-                "--minutes"},
-           Case{{"--constraint", "nosuch"}, "Invalid feature", "--constraint"},
-           Case{{"--", "--nosuch"}, "unrecognized option", "behind --"},
+           Case{{"--", "--partition=nosuch"}, "Invalid partition name"},
+           Case{{"--minutes", "100", "--", "--partition=short"}, "time limit is invalid"},
+           Case{{"--constraint", "nosuch"}, "Invalid feature"},
+           Case{{"--", "--nosuch"}, "unrecognized option"},
        }) {
     auto refused = fleet(wrong.options);
     EXPECT_EQ(refused->wait(), 2);
-    EXPECT_THAT(refused->output(), testing::AllOf(HasSubstr(wrong.said), HasSubstr(wrong.advice)));
+    EXPECT_THAT(refused->output(), HasSubstr(wrong.said));
   }
   EXPECT_EQ(jobs(), "");
 }
@@ -230,7 +228,6 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftThoughFleetAndSlurmAreKille
     return std::ranges::count(all, '\n') == 8 && all.find("RUNNING") == std::string::npos;
   };
   auto first = held("10.77.0.1");
-  EXPECT_TRUE(says(*first, "scontrol release")) << first->output();
   EXPECT_TRUE(says(*first, "8 are queued (8 JobHeldUser)")) << first->output();
   EXPECT_TRUE(eightAreHeld()) << "in arrays of three at most, which is all this Slurm takes";
   first->stop(SIGKILL);

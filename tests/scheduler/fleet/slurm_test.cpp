@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scheduler/fleet/slurm_words.hpp"
-
 namespace palpate {
 namespace {
 
@@ -121,77 +119,6 @@ TEST(SlurmJobs, AreNoneInWhatMakesNoSense) {
     const SlurmJobs jobs = SlurmJobs::parsed(text, "tcp://head:7411");
     EXPECT_TRUE(jobs.queued.empty() && jobs.running.empty()) << text;
   }
-}
-
-// What a Slurm of this test cannot be brought to say needs slurmdbd; texts of 22.05.8.
-TEST(SlurmWords, ARefusalThatAnOptionCausesNamesTheOption) {
-  struct Case {
-    int exit_code;
-    const char *words, *option;
-    bool lasting;
-  };
-  for (const Case& c : {
-           Case{1,
-                "sbatch: error: invalid partition specified: nosuch\nsbatch: error: Batch job "
-                "submission failed: Invalid partition name specified",
-                "--partition=", true},
-           Case{1,
-                "Batch job submission failed: Required partition not available (inactive or drain)",
-                "--partition=", false},
-           Case{1,
-                "Batch job submission failed: Invalid account or account/partition combination "
-                "specified",
-                "--account=", true},
-           Case{1, "Batch job submission failed: Invalid qos specification", "--qos=", true},
-           Case{1,
-                "Batch job submission failed: Job violates accounting/QOS policy (job submit "
-                "limit, user's size and/or time limits)",
-                "--backlog", false},
-           Case{1,
-                "Batch job submission failed: Requested time limit is invalid (missing or exceeds "
-                "some limit)",
-                "--minutes", true},
-           Case{1, "Batch job submission failed: Invalid feature specification", "--constraint",
-                true},
-           Case{1, "Batch job submission failed: Requested node configuration is not available",
-                "--constraint", true},
-           Case{1, "Batch job submission failed: More processors requested than permitted",
-                "--constraint", true},
-           Case{1, "Batch job submission failed: Invalid job array specification", "MaxArraySize",
-                true},
-           Case{1, "Slurm temporarily unable to accept job, sleeping and retrying", "--backlog",
-                false},
-           Case{1, "slurm_load_jobs error: Zero Bytes were transmitted or received", "clocks",
-                false},
-           Case{255, "sbatch: unrecognized option '--nosuchoption'", "behind --", true},
-           Case{255, "sbatch: error: Invalid --mem specification", "behind --", true},
-       }) {
-    const SlurmAdvice advice = adviceOnRefusal(c.exit_code, c.words);
-    EXPECT_THAT(advice.what, HasSubstr(c.option)) << c.words;
-    EXPECT_EQ(advice.lasting, c.lasting) << c.words;
-  }
-  EXPECT_EQ(adviceOnRefusal(1, "Unspecified error").what, "");
-  EXPECT_FALSE(adviceOnRefusal(1, "Unspecified error").lasting);
-}
-
-TEST(SlurmWords, AJobThatNeverStartsIsToldFromOneThatWaitsItsTurn) {
-  for (const char* reason : {"JobHeldUser", "JobHeldAdmin", "launch failed requeued held",
-                             "BadConstraints", "PartitionTimeLimit", "InvalidQOS"})
-    EXPECT_TRUE(adviceOnReason(reason).lasting) << reason;
-  for (const char* reason : {"QOSMaxJobsPerUserLimit", "AssocGrpCpuLimit", "PartitionDown",
-                             "ReqNodeNotAvail, UnavailableNodes:n1"}) {
-    EXPECT_FALSE(adviceOnReason(reason).lasting) << reason;
-    EXPECT_NE(adviceOnReason(reason).what, "") << reason;
-  }
-  for (const char* reason : {"Resources", "Priority", "None", "BeginTime"})
-    EXPECT_EQ(adviceOnReason(reason).what, "") << reason;
-}
-
-TEST(SlurmWords, AnEndIsToldByWhatMayHaveCausedIt) {
-  EXPECT_THAT(adviceOnEnd("exit code 127"), HasSubstr("library"));
-  EXPECT_THAT(adviceOnEnd("JobLaunchFailure, signal 53"), HasSubstr("--log"));
-  EXPECT_THAT(adviceOnEnd("JobLaunchFailure, signal 4"), HasSubstr("CPU"));
-  EXPECT_EQ(adviceOnEnd("exit code 12"), "");
 }
 
 }  // namespace
