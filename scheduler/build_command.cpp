@@ -15,7 +15,6 @@
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/changed_scene.hpp"
-#include "scheduler/copied_state.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/served_pages.hpp"
 #include "scheduler/service_manager.hpp"
@@ -278,7 +277,6 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   refuseUnwritable(out, "-o");
 
   catchInterrupts();
-  refuseCopyOfLiving(state, problemId(problem), where.keys);
   const auto began = Clock::now();
   CoordinatorSettings settings;
   settings.keys_tell_who = !where.own_keys;

@@ -63,7 +63,7 @@ void writeSmallFile(const std::filesystem::path& file, const std::string& text) 
     throw failure("{}: cannot rename: {}", aside.string(), errnoText());
 }
 
-constexpr const char *endpoint_file = "endpoint", *last_endpoint_file = "endpoint.last";
+constexpr const char* endpoint_file = "endpoint";
 
 std::optional<StateDirectory::Address> addressIn(const std::filesystem::path& path) {
   std::ifstream file(path);
@@ -103,10 +103,10 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   // is in a folder that has tables was promised to somebody.
   if (!std::filesystem::exists(database())) syncFolder(above);
   writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
-  // Nobody listens there any more, unless this is a copy: lastAddress().
-  std::filesystem::rename(path / endpoint_file, path / last_endpoint_file, error);
-  if (error && error != std::errc::no_such_file_or_directory)
-    throw failure("{}: cannot rename: {}", (path / endpoint_file).string(), error.message());
+  // Nobody listens there any more.
+  std::filesystem::remove(path / endpoint_file, error);
+  if (error)
+    throw failure("{}: cannot remove: {}", (path / endpoint_file).string(), error.message());
 }
 
 void StateDirectory::announce(const Address& address) const {
@@ -138,12 +138,6 @@ std::optional<std::string> StateDirectory::holder(const std::filesystem::path& d
 std::optional<StateDirectory::Address> StateDirectory::liveAddress(
     const std::filesystem::path& directory) {
   return holder(directory) ? addressIn(directory / endpoint_file) : std::nullopt;
-}
-
-std::optional<StateDirectory::Address> StateDirectory::lastAddress(
-    const std::filesystem::path& directory) {
-  const auto address = addressIn(directory / endpoint_file);
-  return address ? address : addressIn(directory / last_endpoint_file);
 }
 
 }  // namespace palpate

@@ -26,14 +26,11 @@ class StateDirectory {
     std::optional<std::filesystem::path> keys;
   };
   /// Writes it into the folder, all at once, so that `status` and `stop` find it there. What an
-  /// earlier run wrote is set aside since construction.
+  /// earlier run wrote is gone since construction.
   void announce(const Address& address) const;
   /// What the scheduler now holding `directory` announced; nothing when none holds it, or it has
   /// announced nothing yet.
   static std::optional<Address> liveAddress(const std::filesystem::path& directory);
-  /// What was announced last in `directory`, or in the one that it is a copy of, whoever has held
-  /// it since; nothing when nothing was.
-  static std::optional<Address> lastAddress(const std::filesystem::path& directory);
   /// Where a build keeps the keys that it and its workers alone use.
   std::filesystem::path keys() const { return path_ / "keys"; }
   /// The process number of whoever holds the lock of `directory`, "unknown" when it cannot be read;

@@ -8,7 +8,6 @@ namespace palpate {
 namespace {
 
 using test::Process;
-using testing::AllOf;
 using testing::HasSubstr;
 
 struct MovingTest : test::SmallBuild {
@@ -90,39 +89,6 @@ TEST_F(MovingTest, WithOtherKeysWorkersSayWhatIsToBeDoneAndWaitForIt) {
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
-}
-
-TEST_F(MovingTest, WhateverIsChangedInACopyItIsStillKnownForOne) {
-  introduce("head");
-  auto original = serve("state", "head");
-  endpointIn("state");
-  copy("state", "copy.h5.state");
-  for (const char* change : {"pause copy.h5.state", "resume copy.h5.state",
-                             "priority copy.h5.state tip 1", "retry copy.h5.state"})
-    EXPECT_EQ(palpate(change).exit_code, 0) << change;
-  palpate("check copy.h5.state --repair");
-  for (int again = 0; again < 2; ++again) {
-    auto build = startBuild("copy.h5", "1");
-    EXPECT_EQ(build->wait(), 1);
-    EXPECT_THAT(build->output(), HasSubstr("copy.h5.state: is a copy"));
-  }
-  EXPECT_EQ(original->stop(SIGTERM), 130);
-}
-
-TEST_F(MovingTest, ACopyOfALivingOneIsRefusedUntilThatHasEnded) {
-  introduce("head");
-  auto original = serve("state", "head");
-  const std::string endpoint = endpointIn("state");
-  copy("state", "copy");
-  copy("head", "copied-head");
-  auto refused = serve("copy", "copied-head");
-  EXPECT_EQ(refused->wait(), 1);
-  EXPECT_THAT(refused->output(),
-              AllOf(HasSubstr("copy: is a copy"), HasSubstr("palpate stop " + endpoint)));
-  EXPECT_EQ(original->stop(SIGTERM), 130);
-  auto scheduler = serve("copy", "copied-head");
-  EXPECT_NE(endpointOf(*scheduler, "copy"), endpoint);
-  EXPECT_EQ(scheduler->stop(SIGTERM), 130) << scheduler->output();
 }
 
 }  // namespace

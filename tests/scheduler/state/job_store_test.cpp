@@ -450,22 +450,6 @@ TEST(StateDirectory, TellsWhereItsSchedulerListensAsLongAsItLives) {
   EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
 }
 
-/// Whoever changed something in a copy once made it one that nobody knew for a copy.
-TEST(StateDirectory, KeepsWhereTheLastSchedulerListenedUntilAnotherOneDoes) {
-  test::TemporaryDirectory directory;
-  EXPECT_FALSE(StateDirectory::lastAddress(directory.path()));
-  const auto last = [&] { return StateDirectory::lastAddress(directory.path())->endpoint; };
-  StateDirectory(directory.path()).announce({"tcp://127.0.0.1:1234", {}});
-  EXPECT_EQ(last(), "tcp://127.0.0.1:1234");
-  for (int others = 0; others < 2; ++others) {
-    const StateDirectory held(directory.path());
-    EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
-    EXPECT_EQ(last(), "tcp://127.0.0.1:1234");
-  }
-  StateDirectory(directory.path()).announce({"tcp://127.0.0.1:5678", {}});
-  EXPECT_EQ(last(), "tcp://127.0.0.1:5678");
-}
-
 TEST(StateDirectory, KnowsNetworkFileSystems) {
   EXPECT_STREQ(networkFileSystem(0x6969), "NFS");
   EXPECT_STREQ(networkFileSystem(0x0BD00BD0), "Lustre");
