@@ -244,17 +244,17 @@ std::pair<SpaceRowsList, ExitCode> sealedBy(const Compute& compute, Build& build
 
 Event startedEvent(Build& build) {
   const Coordinator& coordinator = build.coordinator();
-  return Event(EventKind::started)
+  return Event("started")
       .with("scene", build.problem().scene.name)
       .with("build", problemId(build.problem()).hex())
       .with("version", version())
-      .with("pid", std::int64_t{getpid()})
-      .with("found", static_cast<std::int64_t>(coordinator.found()))
+      .with("pid", getpid())
+      .with("found", coordinator.found())
       .with("paused", coordinator.paused());
 }
 
 Event stoppedEvent(const Coordinator& coordinator) {
-  return Event(EventKind::stopped)
+  return Event("stopped")
       .with("reason", coordinator.stuck() ? "stuck"
                       : interrupted()     ? "signal"
                                           : "asked")
@@ -300,19 +300,19 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
         return tellWhy(build.coordinator(), state, when_stopped);
       }
       const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
-      events.add(Event(EventKind::sealed).with("file", out.string()).with("seconds", seconds));
+      events.add(Event("sealed").with("file", out.string()).with("seconds", seconds));
       return finish(rows, build.problem().scene, out,
                     fmt::format("sealed after {:.1f} s", seconds));
     } catch (const DamagedRecord& damage) {
       spdlog::warn("{}: it is dropped, and computed again", damage.what());
-      events.add(Event(EventKind::damaged).with("text", damage.what()));
+      events.add(Event("damaged").with("text", damage.what()));
       build.drop(damage);
     } catch (const LiarsFound& found) {
       build.keepOut(found);
     } catch (const FailuresRetried& retried) {
       spdlog::warn("{}", retried.what());
     } catch (const std::exception& error) {
-      events.add(Event(EventKind::stopped).with("reason", error.what()));
+      events.add(Event("stopped").with("reason", error.what()));
       throw;
     }
     stopping = build.coordinator().stopping();

@@ -20,9 +20,7 @@ constexpr std::chrono::milliseconds look_every{250};
 
 struct EventsOptions {
   std::string state;
-  EventFilter filter;
   std::vector<std::string> words;
-  std::string since;
   std::optional<std::uint32_t> last;
   bool follow = false;
   bool text = false;
@@ -30,25 +28,21 @@ struct EventsOptions {
 
 void checkWords(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    if (std::ranges::count(eventWords(), word) > 0) continue;
-    const std::string_view near = nearestWord(word, eventWords());
+    if (std::ranges::count(event_words, word) > 0) continue;
+    const std::string_view near = nearestWord(word, event_words);
     throw badInput("--event: there is no \"{}\"{}: {}", word,
-                   near.empty() ? "" : fmt::format(", is it {}?", near), listed(eventWords()));
+                   near.empty() ? "" : fmt::format(", is it {}?", near), listed(event_words));
   }
 }
 
 void show(std::string_view line, bool as_text) {
-  if (as_text)
-    fmt::print("{}\n", textOfEvent(line));
-  else
-    fmt::print("{}\n", line);
+  fmt::print("{}\n", as_text ? textOfEvent(line) : line);
 }
 
 /// What there is by now: all of it, or the last so many.
 void showPast(EventReader& reader, const EventsOptions& options) {
   std::deque<std::string> kept;
   reader.readOn([&](std::string_view line) {
-    if (!options.filter.takes(line)) return;
     if (!options.last) return show(line, options.text);
     kept.emplace_back(line);
     if (kept.size() > *options.last) kept.pop_front();
@@ -56,17 +50,14 @@ void showPast(EventReader& reader, const EventsOptions& options) {
   for (const std::string& line : kept) show(line, options.text);
 }
 
-ExitCode showEvents(EventsOptions options) {
+ExitCode showEvents(const EventsOptions& options) {
   checkWords(options.words);
-  options.filter.events = {options.words.begin(), options.words.end()};
-  if (!options.since.empty())
-    options.filter.since = sinceText(options.since, std::chrono::system_clock::now());
   // What is no state directory has no events, and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
     throw badInput("\"{}\" is no state directory: that is OUT.h5.state, or what --state said",
                    options.state);
-  EventReader reader(options.state);
+  EventReader reader(options.state, {options.words.begin(), options.words.end()});
   showPast(reader, options);
   if (!options.follow) return ExitCode::done;
   catchInterrupts();
@@ -74,9 +65,7 @@ ExitCode showEvents(EventsOptions options) {
     std::fflush(stdout);
     if (std::ferror(stdout) != 0) throw failure("cannot write to standard output");
     std::this_thread::sleep_for(look_every);
-    reader.readOn([&](std::string_view line) {
-      if (options.filter.takes(line)) show(line, options.text);
-    });
+    reader.readOn([&](std::string_view line) { show(line, options.text); });
   }
   return ExitCode::interrupted;
 }
@@ -86,15 +75,10 @@ std::function<ExitCode()> prepareEvents(CLI::App& app) {
   app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
       ->required();
   app.add_flag("-f,--follow", options->follow, "Then go on with what happens, until interrupted");
-  app.add_option("--since", options->since,
-                 "From then on: 2026-11-24T20:15:30Z (UTC), 2026-11-24, or 90s, 15m, 2h, 7d ago");
   app.add_option("--last", options->last, "Of what happened so far, the last N")->type_name("N");
   app.add_option("--event", options->words, "Only these, separated by commas (docs/commands.md)")
       ->delimiter(',')
       ->type_name("WORD,...");
-  app.add_option("--space", options->filter.space, "Only of this space, an active node's name");
-  app.add_option("--cause", options->filter.cause, "Only attempts that failed with this cause");
-  app.add_option("--worker", options->filter.worker, "Only of the workers whose id begins so");
   app.add_flag("--text", options->text, "For people, instead of one JSON object per line");
   return [options] { return showEvents(*options); };
 }

@@ -42,17 +42,6 @@ HttpAnswer jsonAnswer(std::string body) {
   return {.status = 200, .type = "application/json", .body = std::move(body), .headers = {}};
 }
 
-EventFilter filterOf(const HttpQuery& query) {
-  EventFilter filter = {.space = valueIn(query, "space"),
-                        .cause = valueIn(query, "cause"),
-                        .worker = valueIn(query, "worker")};
-  if (const std::string since = valueIn(query, "since"); !since.empty())
-    filter.since = sinceText(since, std::chrono::system_clock::now());
-  for (const std::string& word : CLI::detail::split(valueIn(query, "event"), ','))
-    if (!word.empty()) filter.events.insert(word);
-  return filter;
-}
-
 }  // namespace
 
 void PageOptions::addTo(CLI::App& app) {
@@ -120,9 +109,11 @@ HttpAnswer ServedPages::status() {
 HttpAnswer ServedPages::events(const HttpQuery& query) {
   const std::size_t last =
       valueIn(query, "last").empty() ? usual_events : numberIn<std::size_t>(query, "last");
-  const EventFilter filter = filterOf(query);
+  WantedEvents wanted;
+  for (const std::string& word : CLI::detail::split(valueIn(query, "event"), ','))
+    if (!word.empty()) wanted.insert(word);
   const std::lock_guard lock(reading_);
-  const std::vector<std::string> lines = lastEvents(state_, filter, std::min(last, most_events));
+  const std::vector<std::string> lines = lastEvents(state_, wanted, std::min(last, most_events));
   return jsonAnswer(fmt::format("{{\"events\":[{}]}}", fmt::join(lines, ",")));
 }
 

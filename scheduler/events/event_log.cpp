@@ -54,7 +54,7 @@ EventLog::EventLog(std::filesystem::path directory, std::uint64_t file_bytes,
 void EventLog::add(const Event& event) {
   const auto now = std::chrono::system_clock::now();
   if (lost_ > 0 && waiting_.empty())
-    waiting_ = Event(EventKind::left_out).with("events", lost_).line(now) + '\n';
+    waiting_ = Event("left_out").with("events", lost_).line(now) + '\n';
   waiting_ += event.line(now) + '\n';
   ++lines_;
   if (waiting_.size() >= most_waiting) flush();

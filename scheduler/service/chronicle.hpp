@@ -51,7 +51,7 @@ class Chronicle {
   void add(const Event& event);
   /// Of what workers cause at will.
   void addWithin(const Event& event, Time now);
-  Event of(EventKind kind, const TransitionKey& key, const SpacePlan& plan) const;
+  Event of(EventWord word, const TransitionKey& key, const SpacePlan& plan) const;
 
   const Problem* problem_;
   EventLog* log_;

@@ -32,13 +32,7 @@ struct ChronicleTest : testing::Test {
   }
   std::vector<std::string> events(const std::string& word) {
     log.flush();
-    EventReader reader(directory.path());
-    std::vector<std::string> lines;
-    const EventFilter filter{.events = {word}};
-    reader.readOn([&](std::string_view line) {
-      if (filter.takes(line)) lines.emplace_back(line);
-    });
-    return lines;
+    return lastEvents(directory.path(), {word}, 10000);
   }
 };
 
