@@ -3,11 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 
 #include "common/base/printable.hpp"
 #include "common/wire/curve.hpp"
+#include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
-#include "scheduler/state/tables.hpp"
 
 namespace palpate {
 namespace {
@@ -51,6 +52,9 @@ std::optional<Reachable> schedulerOf(const Asked& asked) {
                    address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
 }
 
+namespace {
+
+/// Asks one thing and waits for the answer.
 wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   const std::string& endpoint = scheduler.endpoint;
   constexpr std::chrono::duration<double> patience{5};
@@ -80,6 +84,7 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
                 patience.count());
 }
 
+/// Error when `where` is a state directory, and the scheduler is one of another build.
 wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   const std::string& endpoint = scheduler.endpoint;
   wire::Message question;
@@ -99,9 +104,50 @@ wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   return status;
 }
 
-wire::Message order(const Asked& asked, const Reachable& scheduler, const wire::Message& what) {
-  if (scheduler.endpoint != asked.where) askStatus(scheduler, asked.where);
-  return ask(scheduler, what);
+/// Of a directory in which nobody works.
+wire::Status storedStatus(const std::filesystem::path& directory) {
+  wire::Status status = progressIn(directory);
+  StoredTables tables(directory);
+  std::vector<wire::WorkerStatus> servers = tables.servers();
+  // What the tables last said; no scheduler runs that they could be idle or busy for.
+  for (wire::WorkerStatus& row : servers)
+    if (row.state() != "lost") row.set_state("left");
+  addServers(status, servers, tables.counters());
+  addKeptOut(status, tables.keptOut());
+  addDisk(status, directory,
+          JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max()));
+  status.set_paused(tables.paused());
+  setPriorities(status, tables.priorities());
+  const std::map<ResultKey, bool> checks = tables.checks();
+  status.set_checks_open(static_cast<std::int32_t>(checks.size()));
+  status.set_disputed(static_cast<std::int32_t>(
+      std::ranges::count_if(checks, [](const auto& check) { return check.second; })));
+  return status;
+}
+
+}  // namespace
+
+wire::Status statusAt(const Asked& asked) {
+  if (const auto scheduler = schedulerOf(asked)) {
+    try {
+      return askStatus(*scheduler, asked.where);
+    } catch (const Error&) {
+      // It may have ended since: then its directory knows the rest.
+      if (schedulerOf(asked)) throw;
+    }
+  }
+  return storedStatus(asked.where);
+}
+
+std::optional<wire::Message> order(const Asked& asked, const wire::Message& what,
+                                   wire::Message::BodyCase answer) {
+  const auto scheduler = schedulerOf(asked);
+  if (!scheduler) return std::nullopt;
+  if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
+  wire::Message said = ask(*scheduler, what);
+  if (said.body_case() == answer) return said;
+  throw failure("{}: what answers there is not a Palpate scheduler of this version",
+                scheduler->endpoint);
 }
 
 }  // namespace palpate

@@ -35,13 +35,14 @@ class NotListening : public Error {
 /// listen yet. Error (bad input) when it is neither.
 std::optional<Reachable> schedulerOf(const Asked& asked);
 
-/// Asks a scheduler one thing and waits for the answer. Error when none comes within 5 s, it does
-/// not let this key ask that, or the endpoint makes no sense.
-wire::Message ask(const Reachable& scheduler, const wire::Message& question);
-/// The status of the scheduler that answers. Error when `where` is a state directory and that
-/// scheduler is one of another build: somebody took the endpoint over.
-wire::Status askStatus(const Reachable& scheduler, const std::string& where);
-/// Tells the scheduler what to do, if it is the one of the place that was named. Its answer.
-wire::Message order(const Asked& asked, const Reachable& scheduler, const wire::Message& what);
+// Both wait 5 s for an answer. Error when none comes, the scheduler does not let this key ask that,
+// or one of another build took over the endpoint that the state directory names.
+
+/// How far the build there is: as its scheduler says, or "complete" or "stopped" as a directory
+/// says in which none works.
+wire::Status statusAt(const Asked& asked);
+/// Tells the scheduler what to do. Its answer, of this kind; nothing when none works there.
+std::optional<wire::Message> order(const Asked& asked, const wire::Message& what,
+                                   wire::Message::BodyCase answer);
 
 }  // namespace palpate

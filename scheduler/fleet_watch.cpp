@@ -2,28 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
-#include "scheduler/recorded_build.hpp"
-
 namespace palpate {
-namespace {
-
-/// Of a directory in which nobody works.
-wire::Status ended(const std::string& directory) {
-  wire::Status status = progressIn(directory);
-  if (status.state() != "complete")
-    throw failure(
-        "{}: no scheduler is working there now: start palpate serve again, or, when it moved, this "
-        "command with its new place",
-        directory);
-  return status;
-}
-
-}  // namespace
-
 std::optional<wire::Status> FleetWatch::look() {
   try {
-    const auto scheduler = schedulerOf(asked_);
-    wire::Status status = scheduler ? askStatus(*scheduler, asked_.where) : ended(asked_.where);
+    wire::Status status = statusAt(asked_);
+    if (status.state() == "stopped")
+      throw failure(
+          "{}: no scheduler is working there now: start palpate serve again, or, when it moved, "
+          "this command with its new place",
+          asked_.where);
     heard_ = Clock::now();
     answered_ = true;
     told_.clear();

@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <limits>
 #include <memory>
 #include <thread>
 
@@ -27,44 +26,11 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// Of a directory in which nobody works.
-wire::Status storedStatus(const std::filesystem::path& directory) {
-  wire::Status status = progressIn(directory);
-  StoredTables tables(directory);
-  std::vector<wire::WorkerStatus> servers = tables.servers();
-  // What the tables last said; no scheduler runs that they could be idle or busy for.
-  for (wire::WorkerStatus& row : servers)
-    if (row.state() != "lost") row.set_state("left");
-  addServers(status, servers, tables.counters());
-  addKeptOut(status, tables.keptOut());
-  addDisk(status, directory,
-          JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max()));
-  status.set_paused(tables.paused());
-  setPriorities(status, tables.priorities());
-  const std::map<ResultKey, bool> checks = tables.checks();
-  status.set_checks_open(static_cast<std::int32_t>(checks.size()));
-  status.set_disputed(static_cast<std::int32_t>(
-      std::ranges::count_if(checks, [](const auto& check) { return check.second; })));
-  return status;
-}
-
-wire::Status statusOfBuild(const Asked& asked) {
-  if (const auto scheduler = schedulerOf(asked)) {
-    try {
-      return askStatus(*scheduler, asked.where);
-    } catch (const Error&) {
-      // It may have ended since: then its directory knows the rest.
-      if (schedulerOf(asked)) throw;
-    }
-  }
-  return storedStatus(asked.where);
-}
-
-/// And as a page for people.
+/// The status, and as a page for people.
 std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
   wire::Status status;
   try {
-    status = statusOfBuild(asked);
+    status = statusAt(asked);
     return {status, describe(status)};
   } catch (const NotListening& starting) {
     status.set_state("starting");
@@ -101,40 +67,29 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
 }
 
 ExitCode stop(const Asked& asked) {
-  const auto scheduler = schedulerOf(asked);
-  if (!scheduler) throw failure("{}: no scheduler is working there now", asked.where);
   wire::Message question;
   question.mutable_stop_request();
-  if (!order(asked, *scheduler, question).stop_reply().stopping())
-    throw failure("{}: the scheduler did not agree to stop", scheduler->endpoint);
-  fmt::print("{}: stopping; the same command goes on from what is recorded\n", scheduler->endpoint);
+  if (!order(asked, question, wire::Message::kStopReply))
+    throw failure("{}: no scheduler is working there now", asked.where);
+  fmt::print("{}: stopping; the same command goes on from what is recorded\n", asked.where);
   return ExitCode::done;
 }
 
 // ---- pause, resume ----
 
-/// Of a directory in which nobody works.
-void setStoredPaused(const std::filesystem::path& directory, bool paused) {
-  // What is no state directory is refused before one is made of it.
-  const StoredTables there{directory};
-  writePaused(StateDirectory(directory), paused);
-}
-
 ExitCode setPaused(const Asked& asked, bool paused) {
-  const auto scheduler = schedulerOf(asked);
-  if (!scheduler) {
-    setStoredPaused(asked.where, paused);
-  } else {
-    wire::Message question;
-    question.mutable_pause_request()->set_paused(paused);
-    if (!order(asked, *scheduler, question).has_pause_reply())
-      throw failure("{}: what answers there is not a Palpate scheduler of this version",
-                    scheduler->endpoint);
+  wire::Message question;
+  question.mutable_pause_request()->set_paused(paused);
+  const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
+  if (!works) {
+    // What is no state directory is refused before one is made of it.
+    const StoredTables there{std::filesystem::path(asked.where)};
+    writePaused(StateDirectory(asked.where), paused);
   }
-  fmt::print("{}: {}{}\n", asked.where, scheduler ? "" : "the next build there ",
-             !paused     ? "goes on"
-             : scheduler ? "paused; workers finish what they hold and wait for palpate resume"
-                         : "waits for palpate resume");
+  fmt::print("{}: {}{}\n", asked.where, works ? "" : "the next build there ",
+             !paused ? "goes on"
+             : works ? "paused; workers finish what they hold and wait for palpate resume"
+                     : "waits for palpate resume");
   return ExitCode::done;
 }
 
@@ -156,34 +111,26 @@ struct PriorityOptions {
 
 /// Of a directory in which nobody works.
 void setStoredPriority(const PriorityOptions& options) {
+  std::vector<std::string> names;
   const wire::Status status = progressIn(options.asked.where);
-  std::string names;
-  for (const wire::SpaceStatus& row : status.spaces()) {
-    if (row.name() == options.space)
-      return writePriority(StateDirectory(options.asked.where), options.space, options.priority);
-    names += (names.empty() ? "" : ", ") + row.name();
-  }
-  throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
-                 names);
+  for (const wire::SpaceStatus& row : status.spaces()) names.push_back(row.name());
+  if (std::ranges::find(names, options.space) == names.end())
+    throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
+                   fmt::join(names, ", "));
+  writePriority(StateDirectory(options.asked.where), options.space, options.priority);
 }
 
 ExitCode setPriority(const PriorityOptions& options) {
-  const auto scheduler = schedulerOf(options.asked);
-  if (!scheduler) {
+  wire::Message question;
+  question.mutable_priority_request()->set_space(options.space);
+  question.mutable_priority_request()->set_priority(options.priority);
+  const auto answer = order(options.asked, question, wire::Message::kPriorityReply);
+  if (!answer)
     setStoredPriority(options);
-  } else {
-    wire::Message question;
-    question.mutable_priority_request()->set_space(options.space);
-    question.mutable_priority_request()->set_priority(options.priority);
-    const wire::Message answer = order(options.asked, *scheduler, question);
-    if (!answer.has_priority_reply())
-      throw failure("{}: what answers there is not a Palpate scheduler of this version",
-                    scheduler->endpoint);
-    if (const std::string& objection = answer.priority_reply().objection(); !objection.empty())
-      throw badInput("{}: {}", scheduler->endpoint, printable(objection, 600));
-  }
+  else if (const std::string& objection = answer->priority_reply().objection(); !objection.empty())
+    throw badInput("{}: {}", options.asked.where, printable(objection, 600));
   fmt::print("{}: {} has priority {} {}\n", options.asked.where, options.space, options.priority,
-             scheduler ? "from now on" : "in the next build there");
+             answer ? "from now on" : "in the next build there");
   return ExitCode::done;
 }
 
@@ -218,21 +165,13 @@ std::int64_t retryStored(const RetryOptions& options) {
 }
 
 ExitCode retry(const RetryOptions& options) {
-  const auto scheduler = schedulerOf(options.asked);
-  std::int64_t transitions = 0;
-  if (!scheduler) {
-    transitions = retryStored(options);
-  } else {
-    wire::Message question;
-    question.mutable_retry_request()->set_cause(options.failed);
-    const wire::Message answer = order(options.asked, *scheduler, question);
-    if (!answer.has_retry_reply())
-      throw failure("{}: what answers there is not a Palpate scheduler", scheduler->endpoint);
-    transitions = answer.retry_reply().transitions();
-  }
-  fmt::print("{}: {} transition(s) that {} {}\n", options.asked.where, transitions,
+  wire::Message question;
+  question.mutable_retry_request()->set_cause(options.failed);
+  const auto answer = order(options.asked, question, wire::Message::kRetryReply);
+  fmt::print("{}: {} transition(s) that {} {}\n", options.asked.where,
+             answer ? answer->retry_reply().transitions() : retryStored(options),
              options.failed.empty() ? "were set aside" : "failed with " + options.failed,
-             scheduler ? "are tried again" : "will be tried again by the next build");
+             answer ? "are tried again" : "will be tried again by the next build");
   return ExitCode::done;
 }
 
