@@ -83,14 +83,18 @@ std::string pointTable(const wire::Status& status, bool with_stages) {
   return text;
 }
 
+/// "1 step_budget, 11 unreachable", in the order of the words.
+std::string countsText(const std::map<std::string, std::int32_t>& counts) {
+  std::vector<std::string> parts;
+  for (const auto& [word, count] : counts) parts.push_back(fmt::format("{} {}", count, word));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 /// "TITLE: 1 step_budget, 11 unreachable" and a line feed; nothing when there is none.
 std::string causesLine(const char* title,
                        const google::protobuf::Map<std::string, std::int32_t>& causes) {
-  std::string text;
-  for (const auto& [cause, count] :
-       std::map<std::string, std::int32_t>(causes.begin(), causes.end()))
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, cause);
-  return text.empty() ? "" : fmt::format("{}: {}\n", title, text);
+  if (causes.empty()) return "";
+  return fmt::format("{}: {}\n", title, countsText({causes.begin(), causes.end()}));
 }
 
 /// "kept out: the machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
@@ -209,12 +213,10 @@ namespace {
 
 /// "priority: tip 3, dome -1"; empty where all are alike.
 std::string prioritiesLine(const wire::Status& status) {
-  std::string text;
+  std::vector<std::string> parts;
   for (const wire::SpaceStatus& row : status.spaces())
-    if (row.priority() != 0)
-      text +=
-          fmt::format("{}{} {}", text.empty() ? "priority: " : ", ", row.name(), row.priority());
-  return text.empty() ? "" : text + '\n';
+    if (row.priority() != 0) parts.push_back(fmt::format("{} {}", row.name(), row.priority()));
+  return parts.empty() ? "" : fmt::format("priority: {}\n", fmt::join(parts, ", "));
 }
 
 /// One by one as long as a person would read that, else by machine.
@@ -228,7 +230,7 @@ std::string workersOf(const wire::Status& status) {
     return text;
   }
   struct Machine {
-    std::map<std::string, int> workers;  // by state
+    std::map<std::string, std::int32_t> workers;  // by state
     std::int64_t results = 0;
   };
   std::map<std::string, Machine> machines;
@@ -236,12 +238,20 @@ std::string workersOf(const wire::Status& status) {
     ++machines[w.host()].workers[w.state()];
     machines[w.host()].results += w.results();
   }
-  for (const auto& [host, machine] : machines) {
-    std::string counts;
-    for (const auto& [state, count] : machine.workers)
-      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, state);
-    text += fmt::format("workers on {}: {}; {} results\n", host, counts, machine.results);
-  }
+  for (const auto& [host, machine] : machines)
+    text += fmt::format("workers on {}: {}; {} results\n", host, countsText(machine.workers),
+                        machine.results);
+  return text;
+}
+
+/// "TITLE: COUNT" where something is to be looked at.
+std::string alarmsOf(const wire::Status& status) {
+  std::string text;
+  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
+                            "unchecked_results", "closed_connections"})
+    if (const auto found = status.counters().find(alarm);
+        found != status.counters().end() && found->second > 0)
+      text += fmt::format("{}: {}\n", alarm, found->second);
   return text;
 }
 
@@ -257,21 +267,13 @@ std::string describe(const wire::Status& status) {
   text += pointTable(status, true) + '\n' + prioritiesLine(status);
   text += causesLine("failed points", status.failed_points()) +
           causesLine("failed transitions", status.failed_attempts());
-  if (status.set_aside() > 0)
-    text += fmt::format(
-        "set aside, because workers ended on them: {} transition(s); see palpate retry\n",
-        status.set_aside());
-  if (status.disputed() > 0)
-    text +=
-        fmt::format("disputed: {} result(s), which workers found differently; others are asked\n",
-                    status.disputed());
+  if (const auto aside = status.set_aside(); aside > 0)
+    text += fmt::format("set aside: {} transition(s) on which workers ended; see palpate retry\n",
+                        aside);
+  if (const auto disputed = status.disputed(); disputed > 0)
+    text += fmt::format("disputed: {} result(s) that workers found differently\n", disputed);
   for (const wire::KeptOut& k : status.kept_out()) text += keptOutLine(k);
-  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
-                            "unchecked_results", "closed_connections"})
-    if (const auto found = status.counters().find(alarm);
-        found != status.counters().end() && found->second > 0)
-      text += fmt::format("{}: {}\n", alarm, found->second);
-  return text + workersOf(status);
+  return text + alarmsOf(status) + workersOf(status);
 }
 
 }  // namespace palpate
