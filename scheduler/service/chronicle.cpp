@@ -128,10 +128,10 @@ void Chronicle::add(const Event& event) {
 }
 
 void Chronicle::addWithin(const Event& event, Time now) {
-  if (log_ == nullptr || !budget_.spend(now)) return;
-  if (const std::int64_t events = budget_.takeLeftOut(); events > 0)
-    log_->add(Event("left_out").with("events", events));
-  log_->add(event);
+  const auto left_out = budget_.spend(now);
+  if (!left_out) return;
+  if (*left_out > 0) add(Event("left_out").with("events", *left_out));
+  add(event);
 }
 
 Event Chronicle::of(EventWord word, const TransitionKey& key, const SpacePlan& plan) const {

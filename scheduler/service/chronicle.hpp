@@ -3,7 +3,7 @@
 #include "scheduler/events/event_log.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
-#include "scheduler/service/line_budget.hpp"
+#include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/worker_registry.hpp"
 
 namespace palpate {

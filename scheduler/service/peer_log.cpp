@@ -1,15 +1,30 @@
 #include "scheduler/service/peer_log.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace palpate {
 
+std::optional<std::int64_t> LineBudget::spend(Time now) {
+  const std::int64_t earned = std::max<std::int64_t>(0, (now - filled_) / interval);
+  filled_ += earned * interval;
+  lines_ = std::min(burst, lines_ + earned);
+  if (lines_ == 0) {
+    ++left_out_;
+    return std::nullopt;
+  }
+  --lines_;
+  return std::exchange(left_out_, 0);
+}
+
 bool PeerLog::mayTell(Time now) {
-  if (!budget_.spend(now)) return false;
-  if (const std::int64_t left_out = budget_.takeLeftOut(); left_out > 0)
+  const auto left_out = budget_.spend(now);
+  if (left_out.value_or(0) > 0)
     spdlog::warn(
         "workers come, go or are refused faster than anybody reads: {} lines about them "
         "were left out; palpate status says how many are here, were refused or lost",
-        left_out);
-  return true;
+        *left_out);
+  return left_out.has_value();
 }
 
 }  // namespace palpate

@@ -2,9 +2,33 @@
 
 #include <spdlog/spdlog.h>
 
-#include "scheduler/service/line_budget.hpp"
+#include <chrono>
+#include <cstdint>
+#include <optional>
 
 namespace palpate {
+
+/// How many lines peers may cause. They come and go as often as they like, and the disk must not
+/// fill with it. One thread.
+class LineBudget {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// A fleet of a thousand workers that starts, and a line a second after that.
+  static constexpr std::int64_t burst = 1000;
+  static constexpr std::chrono::seconds interval{1};
+
+  explicit LineBudget(Time now) : filled_(now) {}
+
+  /// How many lines were left out since the last one, for which there is room now; nothing: this
+  /// one is left out too.
+  std::optional<std::int64_t> spend(Time now);
+
+ private:
+  Time filled_;  ///< up to when lines were given
+  std::int64_t lines_ = burst;
+  std::int64_t left_out_ = 0;
+};
 
 /// Lines of the log that peers cause: what is beyond the budget is left out, and the next line says
 /// how much. One thread.
@@ -26,12 +50,9 @@ class PeerLog {
     if (mayTell(now)) spdlog::error(text, std::forward<Args>(args)...);
   }
 
-  /// Whether a line fits; it is counted as told, or as left out.
-  bool mayTell(Time now);
-  /// Since the last line that fitted.
-  std::int64_t leftOut() const { return budget_.leftOut(); }
-
  private:
+  bool mayTell(Time now);
+
   LineBudget budget_;
 };
 
