@@ -143,7 +143,8 @@ void Coordinator::addTimeLeft(wire::Status& status, Time now) const {
 }
 
 wire::Status Coordinator::status(Time now) const {
-  wire::Status status = statusOf(*problem_, plans_, registry_.rows(leases_, now), counters_);
+  wire::Status status = statusOf(*problem_, plans_);
+  addServers(status, registry_.rows(leases_, now), counters_);
   status.set_build(build_.hex());
   status.set_set_aside(static_cast<std::int32_t>(asideCount()));
   status.set_checks_open(static_cast<std::int32_t>(checks_.openCount() + due_checks_.size()));
@@ -156,8 +157,7 @@ wire::Status Coordinator::status(Time now) const {
   setPriorities(status, priorities_);
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());
-  const double rate = pace_.perSecond(now, converged_);
-  status.set_configurations_per_second(rate);
+  status.set_configurations_per_second(pace_.perSecond(now, converged_));
   addTimeLeft(status, now);
   return status;
 }

@@ -70,9 +70,6 @@ void setPriorities(wire::Status& status, const std::map<std::string, std::int32_
       row.set_priority(found->second);
 }
 
-namespace {
-
-/// Points and attempts.
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
   PALPATE_ASSERT(plans.size() == problem.active.size(), "every active node has its plan");
   wire::Status status;
@@ -98,15 +95,6 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     status.set_may_grow(status.may_grow() || plan.mayGrow());
     status.set_ready(status.ready() + plan.openCount());
   }
-  return status;
-}
-
-}  // namespace
-
-wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
-                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters) {
-  wire::Status status = statusOf(problem, plans);
-  addServers(status, servers, counters);
   return status;
 }
 

@@ -10,15 +10,13 @@ namespace palpate {
 /// Counts one point of `space` more, by its tag and, when it failed, by its cause.
 void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point);
 
-/// Where a build is, as its plans, servers and counters tell: everything but `build` and `state`,
-/// and what only a running scheduler knows (recorded, seconds, rate, time left).
-wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
-                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
-/// Adds the workers (`servers`) and the counters to a status that has the rest.
+/// Where a build is, as its plans tell: points and attempts.
+wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans);
+/// Adds the workers (`servers`) and the counters.
 void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
                 const Counters& counters);
-/// The part of it that is kept for when no scheduler works there (Progress): points and attempts,
-/// `build`, `kernel_family` and, as `state`, "complete" or "stopped".
+/// What is kept for when no scheduler works there (Progress): points and attempts, `build`,
+/// `kernel_family` and, as `state`, "complete" or "stopped".
 wire::Status progressOf(const Problem& problem, const ContentId& build,
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         bool complete);

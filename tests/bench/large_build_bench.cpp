@@ -260,7 +260,7 @@ Json lookAhead(const Problem& problem) {
         plan.record(transition, *fromWire(header), fieldsOf(header));
       }
   }
-  return {{"status_seconds", secondsOf([&] { statusOf(problem, plans, {}, {}); })},
+  return {{"status_seconds", secondsOf([&] { statusOf(problem, plans); })},
           {"forecast_seconds", secondsOf([&] { forecastOf(problem, plans); })}};
 }
 

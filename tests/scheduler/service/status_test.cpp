@@ -42,7 +42,7 @@ TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
   std::vector<SpacePlan> plans;
   for (std::uint32_t space = 0; space < problem.active.size(); ++space)
     plans.emplace_back(problem, space);
-  const wire::Status status = statusOf(problem, plans, {}, {});
+  const wire::Status status = statusOf(problem, plans);
   ASSERT_EQ(status.spaces_size(), static_cast<int>(problem.active.size()) - 4);
   const wire::SpaceStatus& row = *status.spaces().rbegin();
   EXPECT_EQ(row.name(), "probes of top");
