@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 #include "common/base/shell_word.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/explanation.hpp"
@@ -29,13 +29,10 @@ std::string valueIn(const HttpQuery& query, const char* name) {
 }
 
 template <class Number>
-Number numberIn(const HttpQuery& query, const char* name) {
+Number numberOf(const HttpQuery& query, const char* name) {
   const std::string text = valueIn(query, name);
-  Number number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    throw badInput("{}=\"{}\" is no number", name, text);
-  return number;
+  if (const auto number = numberIn<Number>(text)) return *number;
+  throw badInput("{}=\"{}\" is no number", name, text);
 }
 
 HttpAnswer jsonAnswer(std::string body) {
@@ -108,7 +105,7 @@ HttpAnswer ServedPages::status() {
 
 HttpAnswer ServedPages::events(const HttpQuery& query) {
   const std::size_t last =
-      valueIn(query, "last").empty() ? usual_events : numberIn<std::size_t>(query, "last");
+      valueIn(query, "last").empty() ? usual_events : numberOf<std::size_t>(query, "last");
   WantedEvents wanted;
   for (const std::string& word : CLI::detail::split(valueIn(query, "event"), ','))
     if (!word.empty()) wanted.insert(word);
@@ -118,8 +115,8 @@ HttpAnswer ServedPages::events(const HttpQuery& query) {
 }
 
 HttpAnswer ServedPages::explain(const HttpQuery& query) {
-  const Eigen::Vector3d point(numberIn<double>(query, "i"), numberIn<double>(query, "j"),
-                              numberIn<double>(query, "k"));
+  const Eigen::Vector3d point(numberOf<double>(query, "i"), numberOf<double>(query, "j"),
+                              numberOf<double>(query, "k"));
   std::int64_t points = 0;
   for (const wire::SpaceStatus& space : snapshot().status->spaces()) points += space.points();
   if (points > most_points_explained)

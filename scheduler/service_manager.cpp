@@ -7,13 +7,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <cstdlib>
-#include <string_view>
 
 #include "common/base/error.hpp"
 #include "common/base/file_descriptor.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 namespace {
@@ -29,19 +28,13 @@ std::string takeVariable(const char* name) {
   return text;
 }
 
-std::int64_t numberIn(std::string_view text) {
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), number);
-  return error == std::errc() && end == text.end() ? number : 0;
-}
-
 std::int64_t microsecondsIn(std::chrono::seconds time) { return microseconds(time).count(); }
 
 }  // namespace
 
 ServiceManager::ServiceManager() : socket_(takeVariable("NOTIFY_SOCKET")) {
-  const std::int64_t pid = numberIn(takeVariable("WATCHDOG_PID"));
-  const microseconds watchdog(numberIn(takeVariable("WATCHDOG_USEC")));
+  const std::int64_t pid = numberIn<std::int64_t>(takeVariable("WATCHDOG_PID")).value_or(0);
+  const microseconds watchdog(numberIn<std::int64_t>(takeVariable("WATCHDOG_USEC")).value_or(0));
   // It may be meant for a parent of this process.
   if (pid == 0 || pid == getpid()) watchdog_ = std::max(watchdog, microseconds(0));
 }

@@ -6,11 +6,11 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 namespace {
@@ -24,10 +24,7 @@ std::optional<std::uint32_t> numberOfFile(std::string_view name) {
   if (!name.starts_with(event_file_prefix) || !name.ends_with(event_file_suffix)) return {};
   name.remove_prefix(event_file_prefix.size());
   name.remove_suffix(event_file_suffix.size());
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (error != std::errc() || end != name.data() + name.size()) return {};
-  return number;
+  return numberIn<std::uint32_t>(name);
 }
 
 }  // namespace

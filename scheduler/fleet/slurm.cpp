@@ -7,13 +7,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <optional>
 #include <sstream>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
+#include "common/base/number_in.hpp"
 #include "common/base/printable.hpp"
 
 namespace palpate {
@@ -78,14 +77,6 @@ std::array<std::string, columns.size()> cellsOf(std::string_view line) {
     cells[n] = printable(cell, columns[n].width);
   }
   return cells;
-}
-
-template <class Number>
-std::optional<Number> numberIn(std::string_view text) {
-  Number number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 /// "[days-][[hours:]minutes:]seconds"; what is none of that lasted no time.

@@ -5,15 +5,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr std::chrono::seconds first_pause{5};
-constexpr int most_doublings = 6;
 /// A connection that lasted so long was a good one.
 constexpr std::chrono::minutes long_enough{2};
 
@@ -26,10 +24,7 @@ HostWords parsed(const std::string& host) {
   HostWords words{host, "$(nproc)"};
   if (const auto colon = host.rfind(':'); colon != std::string::npos) {
     const std::string number = host.substr(colon + 1);
-    int workers = 0;
-    const auto [end, error] =
-        std::from_chars(number.data(), number.data() + number.size(), workers);
-    if (error != std::errc() || end != number.data() + number.size() || workers < 1)
+    if (numberIn<int>(number).value_or(0) < 1)
       throw badInput("{}: behind the colon stands the number of workers", host);
     words = {host.substr(0, colon), number};
   }
@@ -78,13 +73,12 @@ void SshHosts::keep(Time now) {
     for (const WorkerPool::Ended& ended : host.connection.reap()) {
       host.done = ended.how == "exit code 0";
       if (host.done) continue;
-      if (now - host.begun > long_enough) host.failures = 0;
-      const auto pause = first_pause * (1 << std::min(host.failures++, most_doublings));
-      host.next_try = now + pause;
+      if (now - host.begun > long_enough) host.retry.succeeded();
+      host.retry.failed(now);
       spdlog::warn("{}: ssh ended with {} ({}its words are above); again in {} s", host.name,
-                   ended.how, meaningOf(ended.how), pause.count());
+                   ended.how, meaningOf(ended.how), host.retry.pause().count());
     }
-    if (host.connection.running() > 0 || host.done || now < host.next_try) continue;
+    if (host.connection.running() > 0 || host.done || !host.retry.over(now)) continue;
     host.connection.start();
     host.begun = now;
     spdlog::info("{}: workers are started", host.name);

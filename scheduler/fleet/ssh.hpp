@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/fleet/launches.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
 
 namespace palpate {
@@ -19,7 +20,7 @@ struct SshOptions {
 /// thread.
 class SshHosts {
  public:
-  using Time = std::chrono::steady_clock::time_point;
+  using Time = Backoff::Time;
 
   /// `hosts` as ssh takes them, "node1" or "me@node1", or "node1:4" for four workers instead of one
   /// a core: all passed checkHost().
@@ -45,8 +46,8 @@ class SshHosts {
         : name(std::move(of)), connection(std::move(command)) {}
     std::string name;
     WorkerPool connection;
-    Time begun, next_try;
-    int failures = 0;  ///< in a row
+    Time begun;
+    Backoff retry{std::chrono::seconds(5)};
     bool done = false;
   };
   std::deque<Host> hosts_;  // a pool cannot be moved

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -21,6 +20,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 namespace {
@@ -90,14 +90,6 @@ class BoundedPool : public httplib::TaskQueue {
   std::vector<std::thread> threads_;
 };
 
-std::optional<int> portOf(std::string_view text) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port < 0 || port > 65535)
-    return std::nullopt;
-  return port;
-}
-
 /// Of a name or a number, that of IPv6 without brackets.
 bool namesLoopback(std::string name) {
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -111,7 +103,8 @@ std::string nameIn(const std::string& host) {
   const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
   if (bracket == std::string::npos) return "";
   const std::size_t end = std::min(host.find(':', bracket), host.size());
-  if (end < host.size() && !portOf(std::string_view(host).substr(end + 1))) return "";
+  if (end < host.size() && !numberIn<std::uint16_t>(std::string_view(host).substr(end + 1)))
+    return "";
   if (bracket == 0) return host.substr(0, end);
   return end == bracket + 1 ? host.substr(1, bracket - 1) : "";
 }
@@ -138,8 +131,8 @@ HttpAddress HttpAddress::parse(const std::string& text, const char* option) {
   HttpAddress address;
   const std::size_t colon = text.rfind(':');
   std::string host = colon == std::string::npos ? "" : text.substr(0, colon);
-  const auto port =
-      portOf(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1));
+  const auto port = numberIn<std::uint16_t>(
+      std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1));
   const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (bracketed) host = host.substr(1, host.size() - 2);
   if (!port || (colon != std::string::npos && host.empty()) ||
