@@ -37,8 +37,8 @@ bool RecordedBuild::complete() {
 
 std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {
   const auto found = where_.find(key);
-  if (!found) return std::nullopt;
-  return journal_.read(*found);
+  if (found == where_.end()) return std::nullopt;
+  return journal_.read(found->second);
 }
 
 SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {

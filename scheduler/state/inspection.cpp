@@ -147,7 +147,7 @@ class Inspector {
       return;
     }
     ++found_.records;
-    recorded_.add(key, where);
+    if (recorded_.emplace(key, where).second) in_order_.push_back(key);
   }
 
   /// Whether these are the fields that later transitions start from.
@@ -184,9 +184,8 @@ class Inspector {
   void replay() {
     const auto read = [&](const ResultKey& key) { return readRecorded(journal_, recorded_, key); };
     Replay replayed(*found_.problem);
-    recorded_.forEach([&](const ResultKey& key, const JournalPosition&) {
+    for (const ResultKey& key : in_order_)
       if (const auto result = read(key)) replayed.take(key, *result);
-    });
     replayed.finish(read);
     found_.spare = replayed.spare.size();
     for (const JournalDamage& damage : found_.damage)
@@ -215,6 +214,7 @@ class Inspector {
   JournalReader journal_;
   std::optional<StoredTables> tables_;
   ResultIndex recorded_;
+  std::vector<ResultKey> in_order_;  ///< of recording
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
   Inspection found_;
 };

@@ -43,9 +43,9 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
   std::vector<JournalPosition> positions;
   for (const ResultKey& key : keys) {
     const auto where = found_.recorded.where.find(key);
-    PALPATE_ASSERT(where, "what is dropped was recorded");
-    positions.push_back(*where);
-    found_.recorded.where.erase(key);
+    PALPATE_ASSERT(where != found_.recorded.where.end(), "what is dropped was recorded");
+    positions.push_back(where->second);
+    found_.recorded.where.erase(where);
   }
   journal_.dropAll(std::move(positions));
 }
@@ -59,14 +59,14 @@ void JobStore::append(const wire::Result& header, std::string_view payload) {
 
 void JobStore::commit() {
   journal_.sync();
-  for (const auto& [key, where] : appended_) found_.recorded.where.add(key, where);
+  for (const auto& [key, where] : appended_) found_.recorded.where.emplace(key, where);
   appended_.clear();
 }
 
 std::optional<JournalRecord> JobStore::find(const ResultKey& key) const {
   const auto where = found_.recorded.where.find(key);
-  if (!where) return std::nullopt;
-  return journal_.read(*where);
+  if (where == found_.recorded.where.end()) return std::nullopt;
+  return journal_.read(where->second);
 }
 
 std::optional<StoredResult> JobStore::read(const ResultKey& key) const {

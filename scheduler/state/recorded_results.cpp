@@ -64,7 +64,7 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
           ContentId::fromBytes(result.header.build()).value_or(ContentId()).shortHex(),
           build.shortHex());
     const ResultKey key = keyOf(result.header);
-    if (!recorded.where.add(key, where)) return;
+    if (!recorded.where.emplace(key, where).second) return;
     take(key, result);
   };
   JournalScan scan = JournalReader(directory).scan(readRecord);
@@ -78,9 +78,9 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
 std::optional<StoredResult> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key) {
   const auto position = where.find(key);
-  PALPATE_ASSERT(position, "callers know that it is recorded");
+  PALPATE_ASSERT(position != where.end(), "callers know that it is recorded");
   try {
-    return storedResult(journal.readHeader(*position));
+    return storedResult(journal.readHeader(position->second));
   } catch (const DamagedRecord& damage) {
     spdlog::warn("{}: it is computed again", damage.what());
     return std::nullopt;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <unordered_map>
 
 #include "common/space/configuration.hpp"
-#include "scheduler/state/result_index.hpp"
+#include "scheduler/state/journal.hpp"
+#include "scheduler/state/result_key.hpp"
 
 namespace palpate {
 
@@ -17,6 +19,10 @@ std::optional<StoredResult> storedResult(std::string_view header);
 
 /// The id of a result's nodal fields; all zero of a failure.
 ContentId fieldsOf(const wire::Result& result);
+
+/// Where each recorded result lies in the journal, in about 90 bytes each: there may be ten
+/// million.
+using ResultIndex = std::unordered_map<ResultKey, JournalPosition, HashOfResultKey>;
 
 /// What the journal of a build holds, but for the results themselves.
 struct RecordedResults {

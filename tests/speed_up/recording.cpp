@@ -19,9 +19,7 @@ Recording::Recording(const std::filesystem::path& directory)
   };
   const RecordedResults recorded = readResults(directory, tables_.build().build, take);
   if (solves_.empty()) throw badInput("{}: nothing is recorded there", directory.string());
-  recorded.where.forEach([&](const ResultKey& key, const JournalPosition& where) {
-    solves_.at(key).payload = journal.read(where).payload;
-  });
+  for (auto& [key, solve] : solves_) solve.payload = journal.read(recorded.where.at(key)).payload;
 }
 
 double Recording::longest() const {

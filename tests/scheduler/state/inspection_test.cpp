@@ -53,7 +53,7 @@ struct InspectionTest : testing::Test {
     return repair(held, inspect(held));
   }
   ReplayedJournal recorded() { return replayJournal(state, problem, problemId(problem), {}); }
-  JournalPosition whereIs(const ResultKey& key) { return *recorded().recorded.where.find(key); }
+  JournalPosition whereIs(const ResultKey& key) { return recorded().recorded.where.at(key); }
   void flip(const fs::path& file, std::uint64_t byte) {
     std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
     stream.seekg(static_cast<std::streamoff>(byte));

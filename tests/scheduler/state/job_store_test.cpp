@@ -44,7 +44,7 @@ struct JobStoreTest : testing::Test {
   RecordedResults found() {
     return readResults(state, problemId(problem), [](auto&&...) {});
   }
-  JournalPosition whereIs(const ResultKey& key) { return *found().where.find(key); }
+  JournalPosition whereIs(const ResultKey& key) { return found().where.at(key); }
 };
 
 TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
@@ -127,7 +127,7 @@ TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
     store.commit();
   }
   const RecordedResults after = found();
-  const JournalPosition again = *after.where.find(key);
+  const JournalPosition again = after.where.at(key);
   EXPECT_EQ(again.segment, 2u);
   EXPECT_NO_THROW(JournalReader(state).read(again));
 }
