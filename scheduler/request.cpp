@@ -84,7 +84,7 @@ ExitCode setPaused(const Asked& asked, bool paused) {
   if (!works) {
     // What is no state directory is refused before one is made of it.
     const StoredTables there{std::filesystem::path(asked.where)};
-    writePaused(StateDirectory(asked.where), paused);
+    Tables(StateDirectory(asked.where)).writePaused(paused);
   }
   fmt::print("{}: {}{}\n", asked.where, works ? "" : "the next build there ",
              !paused ? "goes on"
@@ -117,7 +117,7 @@ void setStoredPriority(const PriorityOptions& options) {
   if (std::ranges::find(names, options.space) == names.end())
     throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
                    fmt::join(names, ", "));
-  writePriority(StateDirectory(options.asked.where), options.space, options.priority);
+  Tables(StateDirectory(options.asked.where)).writePriority(options.space, options.priority);
 }
 
 ExitCode setPriority(const PriorityOptions& options) {
@@ -157,7 +157,7 @@ std::int64_t retryStored(const RetryOptions& options) {
   const StoredTables there{std::filesystem::path(options.asked.where)};
   const StateDirectory directory(options.asked.where);
   const RecordedBuild build(options.asked.where);
-  if (options.failed.empty()) return forgetLosses(directory);
+  if (options.failed.empty()) return Tables(directory).forgetLosses();
   const std::vector<ResultKey> failed = failedWith(build.plans(), *causeNamed(options.failed));
   if (!failed.empty())
     JobStore(directory, build.problem(), encodeProblem(build.problem())).drop(failed);

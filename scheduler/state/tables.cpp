@@ -77,16 +77,12 @@ std::string makerOf(Database& database) {
   return meta_there.step() && meta_there.integer(0) == 1 ? meta(database, "made_by") : "";
 }
 
-void putPaused(Database& database, bool paused) {
-  Statement(database, "INSERT OR REPLACE INTO meta VALUES ('paused', ?)").run(paused ? 1 : 0);
+template <class Value>
+void putMeta(Database& database, const std::string& key, const Value& value) {
+  Statement(database, "INSERT OR REPLACE INTO meta VALUES (?, ?)").run(key, value);
 }
 
 constexpr std::string_view priority_of = "priority of ";
-
-void putPriority(Database& database, const std::string& name, std::int32_t priority) {
-  Statement(database, "INSERT OR REPLACE INTO meta VALUES (?, ?)")
-      .run(std::string(priority_of) + name, priority);
-}
 
 /// With the state version, which may differ between programs of one version.
 std::string thisProgram() {
@@ -274,6 +270,11 @@ std::map<ResultKey, bool> StoredTables::checks() {
   return checks;
 }
 
+Tables::Tables(const StateDirectory& directory)
+    : StoredTables(Database(directory.database(), Database::Access::read_write_create)) {
+  readBuild();
+}
+
 Tables::Tables(const StateDirectory& directory, const Problem& problem,
                const std::string& problem_bytes)
     : Tables(directory, problem, problem_bytes, problemId(problem)) {}
@@ -301,20 +302,18 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes,
     database_.execute(schema);
     database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                   application_id, schema_version));
-    Statement put_meta(database_, "INSERT INTO meta VALUES (?, ?)");
-    put_meta.run("build", build.hex());
-    put_meta.run("scene_name", problem.scene.name);
-    put_meta.run("problem", Blob{problem_bytes});
-    put_meta.run("made_by", thisProgram());
-    put_meta.run("secret", Blob{randomBytes(secret_bytes)});
+    putMeta(database_, "build", build.hex());
+    putMeta(database_, "scene_name", problem.scene.name);
+    putMeta(database_, "problem", Blob{problem_bytes});
+    putMeta(database_, "made_by", thisProgram());
+    putMeta(database_, "secret", Blob{randomBytes(secret_bytes)});
   });
 }
 
 void Tables::writeProgress(const Progress& progress) {
   inTransaction(database_, [&] {
-    Statement& put = prepared(write_progress_, "INSERT OR REPLACE INTO meta VALUES (?, ?)");
-    put.run("recorded", progress.recorded);
-    put.run("status", progress.status);
+    putMeta(database_, "recorded", progress.recorded);
+    putMeta(database_, "status", progress.status);
   });
 }
 
@@ -322,30 +321,27 @@ void Tables::forgetProgress() {
   durably([&] { database_.execute("DELETE FROM meta WHERE key IN ('recorded', 'status')"); });
 }
 
-Statement& Tables::prepared(std::optional<Statement>& statement, const char* sql) {
-  return statement ? *statement : statement.emplace(database_, sql);
-}
-
 void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
   inTransaction(database_, [&] {
-    Statement& insert = prepared(write_server_,
-                                 "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
-                                 "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
+    Statement insert(database_,
+                     "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
+                     "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
     for (const wire::WorkerStatus& row : servers)
       insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
                  row.heard_seconds_ago(), row.results());
     // Who comes and goes without a result could fill the disk. A replaced row is a new one.
-    prepared(forget_idle_,
-             "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
-             "(SELECT rowid FROM servers WHERE results = 0 AND state IN ('lost', 'left') "
-             "ORDER BY rowid DESC LIMIT ?)")
+    Statement(
+        database_,
+        "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
+        "(SELECT rowid FROM servers WHERE results = 0 AND state IN ('lost', 'left') "
+        "ORDER BY rowid DESC LIMIT ?)")
         .run(most_idle_departed);
   });
 }
 
 void Tables::writeCounters(const Counters& counters) {
   inTransaction(database_, [&] {
-    Statement& insert = prepared(write_counter_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
+    Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
     for (const auto& [name, value] : counters) insert.run(name, value);
   });
 }
@@ -383,11 +379,11 @@ void Tables::durably(const std::function<void()>& change) {
 }
 
 void Tables::writePaused(bool paused) {
-  durably([&] { putPaused(database_, paused); });
+  durably([&] { putMeta(database_, "paused", paused); });
 }
 
 void Tables::writePriority(const std::string& name, std::int32_t priority) {
-  durably([&] { putPriority(database_, name, priority); });
+  durably([&] { putMeta(database_, std::string(priority_of) + name, priority); });
 }
 
 void Tables::writeCheck(const ResultKey& key, bool disputed) {
@@ -413,39 +409,18 @@ std::string Tables::secret() {
   if (secret.size() == secret_bytes) return secret;
   // Of damaged tables. What was signed with the old one is solved again.
   secret = randomBytes(secret_bytes);
-  Statement(database_, "INSERT OR REPLACE INTO meta VALUES ('secret', ?)").run(Blob{secret});
+  putMeta(database_, "secret", Blob{secret});
   return secret;
 }
 
-void Tables::forgetLosses() { database_.execute("DELETE FROM losses"); }
-
-namespace {
-
-Database tablesOfNobody(const StateDirectory& directory) {
-  Database database(directory.database(), Database::Access::read_write_create);
-  checkVersion(database);
-  return database;
-}
-
-}  // namespace
-
-void writePaused(const StateDirectory& directory, bool paused) {
-  Database database = tablesOfNobody(directory);
-  putPaused(database, paused);
-}
-
-void writePriority(const StateDirectory& directory, const std::string& name,
-                   std::int32_t priority) {
-  Database database = tablesOfNobody(directory);
-  putPriority(database, name, priority);
-}
-
-std::int64_t forgetLosses(const StateDirectory& directory) {
-  Database database = tablesOfNobody(directory);
-  Statement count(database, "SELECT COUNT(*) FROM losses WHERE deaths >= ?");
-  const std::int64_t aside = count.bind(deaths_before_aside).step() ? count.integer(0) : 0;
-  count.reset();
-  database.execute("DELETE FROM losses");
+std::int64_t Tables::forgetLosses() {
+  std::int64_t aside = 0;
+  inTransaction(database_, [&] {
+    Statement count(database_, "SELECT COUNT(*) FROM losses WHERE deaths >= ?");
+    if (count.bind(deaths_before_aside).step()) aside = count.integer(0);
+    count.reset();
+    database_.execute("DELETE FROM losses");
+  });
   return aside;
 }
 

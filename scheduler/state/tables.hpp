@@ -77,6 +77,8 @@ class Tables : public StoredTables {
   /// Error (bad input) when they belong to another build, naming its scene, or to another version.
   /// Tables that SQLite finds damaged are put aside (state.db.damaged) and made anew.
   Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes);
+  /// Those that are there, of whichever build.
+  explicit Tables(const StateDirectory& directory);
 
   void writeProgress(const Progress& progress);
   /// Before something is dropped from the journal; synced when it returns.
@@ -91,7 +93,8 @@ class Tables : public StoredTables {
   /// What is known of workers that ended while they solved a transition, which outlives a run.
   void writeLosses(const TransitionKey& key, const Losses& losses);
   std::map<TransitionKey, Losses> losses();
-  void forgetLosses();
+  /// Returns how many transitions were set aside.
+  std::int64_t forgetLosses();
 
   /// From now on, whatever happens: synced when it returns.
   void keepOut(std::span<const KeptOut> liars);
@@ -112,21 +115,10 @@ class Tables : public StoredTables {
   void create(const Problem& problem, const std::string& problem_bytes, const ContentId& build);
   /// As a rule these tables may lose their last moments. Not this: synced when it returns.
   void durably(const std::function<void()>& change);
-  /// What is run again and again is read by SQLite once.
-  Statement& prepared(std::optional<Statement>& statement, const char* sql);
-
-  /// Once they are wanted.
-  std::optional<Statement> write_server_, forget_idle_, write_counter_, write_progress_;
 };
 
 /// Renames damaged tables to state.db.damaged, so that the next ones are made anew; one that is
 /// there already is replaced. Error when that cannot be done.
 void putTablesAside(const StateDirectory& directory);
-
-/// Of directories in which no scheduler works.
-void writePaused(const StateDirectory& directory, bool paused);
-void writePriority(const StateDirectory& directory, const std::string& name, std::int32_t priority);
-/// Returns how many transitions were set aside.
-std::int64_t forgetLosses(const StateDirectory& directory);
 
 }  // namespace palpate

@@ -296,7 +296,7 @@ class World {
   void retryDirectory() {
     tell("palpate retry");
     try {
-      forgetLosses(StateDirectory(scheduler_.stateDirectory()));
+      Tables(StateDirectory(scheduler_.stateDirectory())).forgetLosses();
       deaths_ = 0;
     } catch (const Error& error) {
       // Damaged tables are put aside by the next start, and with them what they knew of deaths.

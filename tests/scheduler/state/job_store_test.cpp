@@ -235,7 +235,7 @@ TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
   {
     const StateDirectory held(state);
     EXPECT_EQ(open(held).tables().losses().at(key), (Losses{7, 4, 5}));
-    EXPECT_EQ(forgetLosses(held), 1) << "as many were set aside";
+    EXPECT_EQ(Tables(held).forgetLosses(), 1) << "as many were set aside";
   }
   const StateDirectory held(state);
   EXPECT_TRUE(open(held).tables().losses().empty());
