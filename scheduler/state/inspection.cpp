@@ -12,7 +12,7 @@ namespace {
 std::optional<Problem> problemIn(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
-    Database database(file, Database::Access::read_copy);
+    Database database(file, Database::Access::read_untouched);
     Statement query(database, "SELECT value FROM meta WHERE key = 'problem'");
     return query.step() ? std::optional(decodeProblem(query.text(0))) : std::nullopt;
   } catch (const Error&) {
@@ -53,9 +53,9 @@ class Inspector {
       return;
     }
     try {
-      // Beside a scheduler a copy would be torn, and its files are there anyway.
-      tables_.emplace(directory_,
-                      found_.scheduler ? Database::Access::read_only : Database::Access::read_copy);
+      // Beside a scheduler its index of the log is there anyway.
+      tables_.emplace(directory_, found_.scheduler ? Database::Access::read_only
+                                                   : Database::Access::read_untouched);
       tables_->verify();
       takeBuild(tables_->build());
     } catch (const DamagedDatabase& damage) {

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 
 #include "common/base/assertion.hpp"
 
@@ -13,65 +12,30 @@ namespace palpate {
 
 namespace {
 
-/// The files of a database, copied: SQLite cannot read one that was left in WAL mode where it may
-/// not write. Gone with the object.
-class CopiedDatabase {
- public:
-  explicit CopiedDatabase(const std::filesystem::path& file) {
-    std::string folder = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr)
-      throw failure("{}: cannot make a folder to read {} in: {}", folder, file.string(),
-                    errnoText());
-    folder_ = folder;
-    for (const char* part : {"", "-wal"})
-      if (const auto error = copy(file.string() + part)) {
-        remove();  // which nobody does for an object that was not made
-        throw failure("{}{}: cannot be copied to {}, to be read there: {}", file.string(), part,
-                      folder, error.message());
-      }
-  }
-  ~CopiedDatabase() { remove(); }
-  CopiedDatabase(const CopiedDatabase&) = delete;
-  CopiedDatabase& operator=(const CopiedDatabase&) = delete;
-  std::filesystem::path in(const std::filesystem::path& file) const {
-    return folder_ / file.filename();
-  }
-
- private:
-  /// What went wrong; nothing where there is no such file. A signal only delays it.
-  std::error_code copy(const std::filesystem::path& from) const {
-    std::error_code error;
-    if (!std::filesystem::exists(from, error)) return error;
-    do
-      std::filesystem::copy_file(from, in(from), std::filesystem::copy_options::overwrite_existing,
-                                 error);
-    while (error == std::errc::interrupted);
-    return error;
-  }
-  void remove() const {
-    std::error_code error;
-    std::filesystem::remove_all(folder_, error);
-    if (error) spdlog::warn("{}: cannot remove: {}", folder_.string(), error.message());
-  }
-
-  std::filesystem::path folder_;
-};
+/// What SQLite opens to change nothing. To read a database that was left in WAL mode it makes an
+/// index of the log beside it, or writes into the one that is there.
+std::string untouched(const std::filesystem::path& file) {
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(file).string())
+    uri += std::string_view("%?#").find(c) == std::string_view::npos
+               ? std::string(1, c)
+               : fmt::format("%{:02x}", static_cast<int>(c));
+  // Whoever closed it last removed both, and left all of it in the file.
+  const bool logged = std::filesystem::exists(file.string() + "-wal") &&
+                      std::filesystem::exists(file.string() + "-shm");
+  return uri + (logged ? "?readonly_shm=1" : "?immutable=1");
+}
 
 bool mayWriteIn(const std::filesystem::path& folder) { return access(folder.c_str(), W_OK) == 0; }
 
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Access access) : file_(file) {
-  std::filesystem::path opened = file;
-  const bool from_copy = access == Access::read_copy ||
-                         (access == Access::read_only && !mayWriteIn(file.parent_path()));
-  if (from_copy) {
-    const auto copy = std::make_shared<const CopiedDatabase>(file);
-    opened = copy->in(file);
-    copy_ = copy;
-  }
-  const int flags = access == Access::read_write_create ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
-                                                        : SQLITE_OPEN_READONLY;
+  const bool writes = access == Access::read_write_create;
+  const bool touches = writes || (access == Access::read_only && mayWriteIn(file.parent_path()));
+  const int flags = writes ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                           : SQLITE_OPEN_READONLY | (touches ? 0 : SQLITE_OPEN_URI);
+  const std::string opened = touches ? file.string() : untouched(file);
   if (sqlite3_open_v2(opened.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string reason = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
     sqlite3_close(handle_);

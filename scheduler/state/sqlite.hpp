@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,16 +26,13 @@ class DamagedDatabase : public Error {
 /// Never carried across fork().
 class Database {
  public:
-  /// read_only: also where nobody may write. SQLite itself cannot read a database in WAL mode
-  /// there, so a copy is read. read_copy: that copy in any case, so that no file beside it is made
-  /// or changed; only of a database that nobody writes.
-  enum class Access { read_write_create, read_only, read_copy };
+  /// read_only: also where nobody may write. read_untouched: no file is made or changed; only of a
+  /// database that nobody writes.
+  enum class Access { read_write_create, read_only, read_untouched };
   Database(const std::filesystem::path& file, Access access);
   ~Database();
   Database(Database&& other) noexcept
-      : file_(std::move(other.file_)),
-        copy_(std::move(other.copy_)),
-        handle_(std::exchange(other.handle_, nullptr)) {}
+      : file_(std::move(other.file_)), handle_(std::exchange(other.handle_, nullptr)) {}
   Database& operator=(Database&&) = delete;
 
   /// Runs one or more statements without results.
@@ -49,7 +45,6 @@ class Database {
 
  private:
   std::filesystem::path file_;
-  std::shared_ptr<const void> copy_;  ///< what is read instead; null: the file itself
   sqlite3* handle_ = nullptr;
 };
 

@@ -38,7 +38,8 @@ class StoredTables {
   static constexpr int schema_version = 6;
 
   /// Error (bad input) when `directory` is not a state directory, or that of another version. It
-  /// need not be writable; with Access::read_copy nothing in it is touched.
+  /// need not be writable; with Access::read_untouched nothing in it is
+  /// changed.
   explicit StoredTables(const std::filesystem::path& directory,
                         Database::Access access = Database::Access::read_only);
 
