@@ -154,11 +154,12 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
     return;
   }
   std::optional<JournalRecord> found;
-  if (const auto key = keyOf(request.space(), request.point(), request.point()))
+  const LatticePoint point = fromWire(request.point());
+  if (const auto key = transitionOf(plans_, {request.space(), point, point}))
     // The point may have another equilibrium by now than the one the job started from.
     if (const CompactPoints& points = plans_[key->space].points();
         isSolved(points.tag(key->target)) && points.fields(key->target).bytes() == request.id())
-      found = store_->find(resultKeyOf({key->space, key->target, points.parent(key->target)}));
+      found = store_->find(keyOf(plans_, {key->space, key->target, points.parent(key->target)}));
   if (!found)
     if (const auto solver = checks_.solverOfStart(request.id())) found = store_->find(*solver);
   const bool known = found.has_value();
@@ -178,10 +179,11 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
           check_.objectionTo(message, incoming.payload, worker.kernel_family);
       !objection.empty())
     return badMessage(worker.peer, objection);
-  const auto key = keyOf(message.space(), message.target(), message.parent());
+  const ResultKey name = keyOf(message);
+  const auto key = transitionOf(plans_, name);
   if (!key) return badMessage(worker.peer, "a result for a point that does not exist");
   // Who keeps results over the loss of our secret has them solved again.
-  if (!seal_.isSealOf({worker.id, palpate::keyOf(message), message.start_id()}, message.lease())) {
+  if (!seal_.isSealOf({worker.id, name, message.start_id()}, message.lease())) {
     badMessage(worker.peer, "a result that it was not asked for");
     return unwanted(worker, message);
   }
@@ -196,7 +198,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     if (message.start_id() != startIdOf(plans_[key->space], {key->target, key->parent}))
       return unwanted(worker, message);
     take(worker, *key, incoming, now);
-  } else if (const auto recorded = store_->find(palpate::keyOf(message))) {
+  } else if (const auto recorded = store_->find(name)) {
     wire::Result first;
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
@@ -231,7 +233,7 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
   if (!stored.header.start_id().empty())
     *stored.header.mutable_start_parent() =
         toWire(plan.positions().point(plan.point(key.parent).parent));
-  const bool picked = checks_.pick(resultKeyOf(key), lookOf(key, stored.outcome));
+  const bool picked = checks_.pick(keyOf(plans_, key), lookOf(key, stored.outcome));
   group_.add(key, std::move(stored), incoming.payload, now);
   ResultGroup::Member& member = *group_.find(key);
   member.is_checked = picked;
@@ -270,7 +272,7 @@ void Coordinator::commitGroup(Time now) {
   if (group_.size() == 0 || !begins_anew_.empty()) return;
   // Before they are durable, or one that is killed in between would never be checked.
   for (const auto& [key, member] : group_.members())
-    if (member.is_checked) noteCheck(palpate::keyOf(member.result.header), member.is_disputed);
+    if (member.is_checked) noteCheck(keyOf(member.result.header), member.is_disputed);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
   for (const auto& [key, member] : durable) {
@@ -282,7 +284,7 @@ void Coordinator::commitGroup(Time now) {
     converged_ += member.result.outcome.converged;
     if (!member.result.outcome.converged)
       chronicle_.failed(key, plan, member.result.outcome.failure, member.result.header.given_by());
-    add(settle(plan, key.space, spare_,
+    add(settle(plans_, key.space, spare_,
                [this](const ResultKey& spare) { return store_->read(spare); }));
     chronicle_.wentOn(key.space, plan);
   }
@@ -298,20 +300,6 @@ void Coordinator::add(const Settled& settled) {
     const auto known = losses_.find(key);
     leases_.add(key, known == losses_.end() ? Losses() : known->second);
   }
-}
-
-ResultKey Coordinator::resultKeyOf(const TransitionKey& key) const {
-  const Lattice& positions = plans_[key.space].positions();
-  return {key.space, positions.point(key.target), positions.point(key.parent)};
-}
-
-std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire::Point& target,
-                                                const wire::Point& parent) const {
-  if (space >= plans_.size()) return std::nullopt;
-  const Lattice& positions = plans_[space].positions();
-  const auto to = positions.indexOf(fromWire(target)), from = positions.indexOf(fromWire(parent));
-  if (!to || !from) return std::nullopt;
-  return TransitionKey{space, *to, *from};
 }
 
 void Coordinator::finishIfComplete(Time now) {
@@ -411,13 +399,13 @@ void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   // Whatever goes to several targets is none of the rest state, which has a job of its own.
   const TransitionKey first = {handout.space, handout.targets.front(), handout.parent};
-  const bool is_check = checks_.isOpen(resultKeyOf(first));
-  job.set_start_id(is_check ? checks_.startOf(resultKeyOf(first)).id
+  const bool is_check = checks_.isOpen(keyOf(plans_, first));
+  job.set_start_id(is_check ? checks_.startOf(keyOf(plans_, first)).id
                             : startIdOf(plan, {first.target, first.parent}));
   for (const std::int32_t target : handout.targets) {
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(plan.positions().point(target));
-    const ResultKey key = resultKeyOf({handout.space, target, handout.parent});
+    const ResultKey key = keyOf(plans_, {handout.space, target, handout.parent});
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
     entry.set_steps(is_check ? checks_.startOf(key).steps
                              : static_cast<std::uint32_t>(plan.stepsOf({target, handout.parent})));

@@ -178,9 +178,6 @@ class Coordinator {
   void unwanted(const Worker& worker, const wire::Result& result);
   SpotChecks::Look lookOf(const TransitionKey& key, const Outcome& outcome) const;
   void settleKernels(const std::string& family, Time now);
-  ResultKey resultKeyOf(const TransitionKey& key) const;
-  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
-                                     const wire::Point& parent) const;
   bool duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
                  Time now);
   bool groupIsDue(Time now, bool all_read);

@@ -16,12 +16,6 @@ std::string nameOf(const wire::Provenance& worker) {
   return name;
 }
 
-std::string textOf(const ResultKey& key) {
-  const auto& [space, target, parent] = key;
-  return fmt::format("space {}, point ({}, {}, {}) from ({}, {}, {})", space, target[0], target[1],
-                     target[2], parent[0], parent[1], parent[2]);
-}
-
 /// Of a result that has a start.
 ResultKey solverOfStart(const wire::Result& header) {
   return {header.space(), fromWire(header.parent()), fromWire(header.start_parent())};
@@ -69,12 +63,12 @@ bool Coordinator::openCheck(const ResultKey& key, bool disputed) {
   SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
   if (first.has_start_parent()) start.solved_by = solverOfStart(first);
   checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);
-  leases_.addCheck(*keyOf(key.space, toWire(key.target), toWire(key.parent)));
+  leases_.addCheck(*transitionOf(plans_, key));
   return true;
 }
 
 bool Coordinator::isRecordedInPlan(const ResultKey& key) const {
-  const auto known = keyOf(key.space, toWire(key.target), toWire(key.parent));
+  const auto known = transitionOf(plans_, key);
   // In work once more, since what was recorded is lost: then it is checked when it comes.
   return known && plans_[known->space].isRecorded({known->target, known->parent}) &&
          !group_.has(*known);
@@ -96,7 +90,7 @@ void Coordinator::forgetChecksOfNothing() {
 /// was lost, or a worker taken for dead finished after all.
 void Coordinator::compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
                           const wire::Result& second, Time now) {
-  const ResultKey name = resultKeyOf(key);
+  const ResultKey name = keyOf(plans_, key);
   const Opinion opinion = opinionOf(second, worker.provenance);
   const bool was_open = checks_.isOpen(name);
   if (!was_open || checks_.apart(name, worker.provenance) == Apart::same_process) {
@@ -126,16 +120,14 @@ void Coordinator::differs(const Worker& worker, const wire::Result& first,
                           const wire::Result& second, Time now) {
   ++counters_["divergent_results"];
   peer_log_.error(now, "{}: {} found other bits than {}: others are asked who is right",
-                  textOf(palpate::keyOf(second)), nameOf(worker.provenance),
-                  nameOf(first.given_by()));
-  if (const auto key = keyOf(second.space(), second.target(), second.parent()))
+                  textOf(keyOf(second)), nameOf(worker.provenance), nameOf(first.given_by()));
+  if (const auto key = transitionOf(plans_, keyOf(second)))
     chronicle_.disputed(*key, plans_[key->space], first.given_by(), worker.provenance, now);
 }
 
 /// Who gives two results of one transition needs no others to be found wrong.
 LiarsFound Coordinator::contradiction(const Worker& worker, const wire::Result& result) {
-  const std::string reason =
-      fmt::format("it gave two results of {}", textOf(palpate::keyOf(result)));
+  const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
   // Other workers of its machine, and of its key, may have nothing to do with it.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
@@ -183,12 +175,12 @@ std::map<TransitionKey, Apart> Coordinator::wantedOfChecks() const {
     if (asksForWork(worker)) at_work.add(worker.provenance.key(), worker.provenance.host());
   const Crowd& may_come = othersMayCome() ? heard_ : at_work;
   for (const TransitionKey& key : leases_.waitingChecks())
-    wanted.emplace(key, checks_.wanted(resultKeyOf(key), at_work, may_come));
+    wanted.emplace(key, checks_.wanted(keyOf(plans_, key), at_work, may_come));
   return wanted;
 }
 
 bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker, Apart wanted) const {
-  const Apart apart = checks_.apart(resultKeyOf(key), worker.provenance);
+  const Apart apart = checks_.apart(keyOf(plans_, key), worker.provenance);
   return apart != Apart::same_process && apart >= wanted;
 }
 
@@ -224,14 +216,14 @@ bool Coordinator::asksForWork(const Worker& worker) const {
 }
 
 bool Coordinator::isHopeless(const TransitionKey& check, Apart wanted) const {
-  if (checks_.isDisputed(resultKeyOf(check))) return false;
+  if (checks_.isDisputed(keyOf(plans_, check))) return false;
   return checks_hopeless_ || std::ranges::none_of(registry_.all(), [&](const auto& other) {
            return asksForWork(other.second) && mayCheck(check, other.second, wanted);
          });
 }
 
 void Coordinator::giveUp(const TransitionKey& check) {
-  const ResultKey key = resultKeyOf(check);
+  const ResultKey key = keyOf(plans_, check);
   checks_.close(key);
   leases_.finish(check);
   store_->tables().forgetCheck(key);

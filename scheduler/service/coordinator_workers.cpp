@@ -268,11 +268,10 @@ void Coordinator::blame(const Leases::Suspects& suspects) {
     store_->tables().writeLosses(key, losses);
     if (losses.deaths != deaths_before_aside) continue;
     chronicle_.setAside(key, plans_[key.space], losses.deaths);
-    const auto& [space, target, parent] = resultKeyOf(key);
     spdlog::error(
-        "space {}, point ({}, {}, {}) from ({}, {}, {}): {} workers ended while they solved it; it "
-        "is set aside, and the rest goes on without it",
-        space, target[0], target[1], target[2], parent[0], parent[1], parent[2], losses.deaths);
+        "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without "
+        "it",
+        textOf(keyOf(plans_, key)), losses.deaths);
   }
 }
 

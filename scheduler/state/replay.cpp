@@ -15,17 +15,6 @@ bool startsThere(const SpacePlan& plan, const Transition& transition, const wire
              : start == plan.points().fields(transition.parent).bytes();
 }
 
-ResultKey keyOf(const SpacePlan& plan, std::uint32_t space, const Transition& transition) {
-  return {space, plan.positions().point(transition.target),
-          plan.positions().point(transition.parent)};
-}
-
-/// One of this plan's, if it has both points.
-std::optional<Transition> transitionOf(const SpacePlan& plan, const ResultKey& key) {
-  const auto to = plan.positions().indexOf(key.target), from = plan.positions().indexOf(key.parent);
-  return to && from ? std::optional(Transition{*to, *from}) : std::nullopt;
-}
-
 void append(Settled& all, const Settled& more) {
   all.missing.insert(all.missing.end(), more.missing.begin(), more.missing.end());
   all.stale.insert(all.stale.end(), more.stale.begin(), more.stale.end());
@@ -41,13 +30,29 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
-Settled settle(SpacePlan& plan, std::uint32_t space, SpareResults& spare, const ReadSpare& read) {
+ResultKey keyOf(const std::vector<SpacePlan>& plans, const TransitionKey& key) {
+  const Lattice& positions = plans[key.space].positions();
+  return {key.space, positions.point(key.target), positions.point(key.parent)};
+}
+
+std::optional<TransitionKey> transitionOf(const std::vector<SpacePlan>& plans,
+                                          const ResultKey& key) {
+  if (key.space >= plans.size()) return std::nullopt;
+  const Lattice& positions = plans[key.space].positions();
+  const auto to = positions.indexOf(key.target), from = positions.indexOf(key.parent);
+  return to && from ? std::optional(TransitionKey{key.space, *to, *from}) : std::nullopt;
+}
+
+Settled settle(std::vector<SpacePlan>& plans, std::uint32_t space, SpareResults& spare,
+               const ReadSpare& read) {
+  SpacePlan& plan = plans[space];
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
       // Recorded meanwhile.
       if (!plan.isOpen(transition)) continue;
-      const ResultKey key = keyOf(plan, space, transition);
+      const TransitionKey missing = {space, transition.target, transition.parent};
+      const ResultKey key = keyOf(plans, missing);
       const bool known = spare.erase(key) > 0;
       const std::optional<StoredResult> result = known ? read(key) : std::nullopt;
       if (result && startsThere(plan, transition, result->header)) {
@@ -55,7 +60,7 @@ Settled settle(SpacePlan& plan, std::uint32_t space, SpareResults& spare, const 
         continue;
       }
       if (known) settled.stale.push_back(key);
-      settled.missing.push_back({space, transition.target, transition.parent});
+      settled.missing.push_back(missing);
     }
   return settled;
 }
@@ -67,25 +72,21 @@ Replay::Replay(const Problem& problem) {
 }
 
 void Replay::take(const ResultKey& key, const StoredResult& result) {
-  if (key.space < plans.size()) {
-    SpacePlan& plan = plans[key.space];
-    const std::optional<Transition> transition = transitionOf(plan, key);
-    if (transition && plan.isOpen(*transition)) {
-      if (startsThere(plan, *transition, result.header))
-        plan.record(*transition, result.outcome, fieldsOf(result.header));
-      else
-        settled.stale.push_back(key);
-      return;
-    }
+  const std::optional<TransitionKey> known = transitionOf(plans, key);
+  const Transition transition = known ? Transition{known->target, known->parent} : Transition();
+  if (!known || !plans[key.space].isOpen(transition)) {
+    spare.insert(key);
+  } else if (SpacePlan& plan = plans[key.space]; startsThere(plan, transition, result.header)) {
+    plan.record(transition, result.outcome, fieldsOf(result.header));
+  } else {
+    settled.stale.push_back(key);
   }
-  spare.insert(key);
 }
 
 void Replay::finish(const ReadSpare& read) {
   for (std::uint32_t space = 0; space < plans.size(); ++space) {
-    SpacePlan& plan = plans[space];
-    append(settled, settle(plan, space, spare, read));
-    PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
+    append(settled, settle(plans, space, spare, read));
+    PALPATE_ASSERT(plans[space].complete() || plans[space].openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }
 }
@@ -118,20 +119,18 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
     for (std::int32_t n = 0; n < plan.size(); ++n)
       for (const FailedAttempt& attempt : plan.attempts(n))
         if (attempt.failure.cause == cause)
-          keys.push_back(
-              {space, plan.positions().point(n), plan.positions().point(attempt.parent)});
+          keys.push_back(keyOf(plans, {space, n, attempt.parent}));
   }
   return keys;
 }
 
 void refuseSpare(const SpareResults& spare) {
   if (spare.empty()) return;
-  const auto& [space, target, parent] = *spare.begin();
   throw failure(
-      "the state directory holds {} results that nobody asked for (the first: space {}, "
-      "point ({}, {}, {}) from ({}, {}, {})): another version of palpate began it, which asked for "
-      "others; go on with that one, or remove the directory to compute everything again",
-      spare.size(), space, target[0], target[1], target[2], parent[0], parent[1], parent[2]);
+      "the state directory holds {} results that nobody asked for (the first: {}): another version "
+      "of palpate began it, which asked for others; go on with that one, or remove the directory "
+      "to compute everything again",
+      spare.size(), textOf(*spare.begin()));
 }
 
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans) {

@@ -13,6 +13,12 @@ namespace palpate {
 /// fields; empty when that is the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
+/// A transition by the names that results give it.
+ResultKey keyOf(const std::vector<SpacePlan>& plans, const TransitionKey& key);
+/// By the numbers of its plan; nothing when no plan has both points.
+std::optional<TransitionKey> transitionOf(const std::vector<SpacePlan>& plans,
+                                          const ResultKey& key);
+
 /// What becomes of results when they are put into a plan.
 struct Settled {
   std::vector<TransitionKey> missing;  ///< ready, and not known: to be solved
@@ -24,9 +30,10 @@ struct Settled {
 using SpareResults = std::set<ResultKey>;
 /// One of them; nothing when it cannot be read any more.
 using ReadSpare = std::function<std::optional<StoredResult>(const ResultKey&)>;
-/// Records in `plan`, of `space`, those of the spare ones whose transitions are ready, and those
+/// Records in the plan of `space` those of the spare ones whose transitions are ready, and those
 /// that this makes ready, and so on; takes them out.
-Settled settle(SpacePlan& plan, std::uint32_t space, SpareResults& spare, const ReadSpare& read);
+Settled settle(std::vector<SpacePlan>& plans, std::uint32_t space, SpareResults& spare,
+               const ReadSpare& read);
 
 /// Puts recorded results into fresh plans, one after the other, in the order in which they were
 /// recorded: then each is asked for when it comes, unless something was lost before it.

@@ -17,6 +17,7 @@ struct ResultKey {
   auto operator<=>(const ResultKey&) const = default;
 };
 ResultKey keyOf(const wire::Result& result);
+std::string textOf(const ResultKey& key);  ///< for people
 
 /// For unordered containers. Not noexcept: the standard library keeps hashes beside the keys then,
 /// which costs no memory here and spares half of the work of growing.

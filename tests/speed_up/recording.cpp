@@ -45,11 +45,9 @@ void Recording::scaleTo(double mean_seconds) {
 const Recording::Solve& Recording::find(const ResultKey& key) const {
   const auto found = solves_.find(key);
   if (found != solves_.end()) return found->second;
-  const auto& [space, target, parent] = key;
   throw failure(
-      "{}: space {}, point ({}, {}, {}) from ({}, {}, {}) is not recorded: let palpate build come "
-      "to its end there, with this version",
-      directory_.string(), space, target[0], target[1], target[2], parent[0], parent[1], parent[2]);
+      "{}: {} is not recorded: let palpate build come to its end there, with this version",
+      directory_.string(), textOf(key));
 }
 
 const Recording::Solve& Recording::find(const SpacePlan& plan, const TransitionKey& key) const {
