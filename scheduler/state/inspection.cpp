@@ -86,9 +86,8 @@ class Inspector {
   std::string pathOfTables() const { return StateDirectory::databaseIn(directory_).string(); }
 
   void readJournal() {
-    std::vector<JournalPosition> records;
     JournalScan scan = journal_.scan(
-        [&](const JournalPosition& where, std::string_view) { records.push_back(where); });
+        [&](const JournalPosition& where, std::string_view header) { readRecord(where, header); });
     found_.end = scan.end;
     for (const std::uint32_t segment : journal_.segments()) {
       ++found_.segments;
@@ -98,7 +97,6 @@ class Inspector {
             std::filesystem::file_size(journal_.segmentPath(segment)) - scan.end.offset;
     }
     for (JournalGap& gap : scan.gaps) takeGap(gap);
-    for (const JournalPosition& record : records) readRecord(record);
   }
 
   void takeGap(JournalGap& gap) {
@@ -118,7 +116,7 @@ class Inspector {
     found_.damage.push_back(std::move(damage));
   }
 
-  void readRecord(const JournalPosition& where) {
+  void readRecord(const JournalPosition& where, std::string_view header_bytes) {
     const auto add = [&](std::vector<JournalDamage>& list, const std::string& what,
                          const std::optional<ResultKey>& key) {
       list.push_back({where,
@@ -126,12 +124,7 @@ class Inspector {
                                   journal_.segmentPath(where.segment).string(), where.offset, what),
                       key});
     };
-    std::optional<StoredResult> result;
-    try {
-      result = storedResult(journal_.readHeader(where));
-    } catch (const DamagedRecord&) {
-      // Since it was found.
-    }
+    const std::optional<StoredResult> result = storedResult(header_bytes);
     if (!result) return add(found_.damage, "a result that makes no sense", std::nullopt);
     const wire::Result& header = result->header;
     const ResultKey key = keyOf(header);
