@@ -11,7 +11,7 @@ import sys
 
 JOURNAL = "scheduler/state/journal.cpp"
 STORE = "scheduler/state/job_store.cpp"
-RESULTS = "scheduler/state/recorded_results.cpp"
+REPLAY = "scheduler/state/replay.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
 RECORDED = "scheduler/recorded_build.cpp"
 COORDINATOR = "scheduler/service/coordinator.cpp"
@@ -40,7 +40,7 @@ DEFECTS = [
     ("drop-forgotten", "a damaged record is not marked", JOURNAL,
      "void Journal::dropAll(std::vector<JournalPosition> positions) {",
      "void Journal::dropAll(std::vector<JournalPosition> positions) {\n  if (@) return;"),
-    ("record-forgotten", "a restart does not know every record", RESULTS,
+    ("record-forgotten", "a restart does not know every record", REPLAY,
      "    if (!recorded.where.emplace(key, where).second) return;",
      "    if (@ && recorded.where.size() % 20 == 19) return;\n    if (!recorded.where.emplace(key, where).second) return;"),
     ("lock-not-taken", "two schedulers may share a state directory", DIRECTORY,

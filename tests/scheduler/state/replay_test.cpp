@@ -1,4 +1,4 @@
-#include "scheduler/state/recorded_results.hpp"
+#include "scheduler/state/replay.hpp"
 
 #include <gtest/gtest.h>
 
