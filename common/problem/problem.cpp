@@ -12,12 +12,11 @@
 #include "common/base/number_text.hpp"
 #include "common/base/shell_word.hpp"
 #include "common/base/units.hpp"
-#include "common/base/whole_file.hpp"
 #include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"
-#include "common/scene/key_line.hpp"
+#include "common/scene/key_lines.hpp"
 
 namespace palpate {
 namespace {
@@ -73,23 +72,29 @@ void refuseLoosePieces(const Problem& problem) {
   if (loose.empty()) return;
   const NodeSet& piece = *loose.front();
   const NodeSet nodes = heldOf(piece);
+  const int mesh_line = problem.scene.lines.of("mesh");
   const std::string where = fmt::format("the one of {} nodes around node {} at {}", piece.size(),
                                         piece.front(), placeText(mesh.nodes[at(piece.front())]));
   if (nodes.empty())
-    throw badInput(
-        "the mesh consists of {} pieces that share no face, and {} has no fixed node: nothing "
-        "holds it (join it: palpate mesh --weld makes coincident nodes one; or remove or fix it)",
-        pieces.size(), where);
+    throw SceneError(
+        mesh_line,
+        badInput("the mesh consists of {} pieces that share no face, and {} has no fixed node: "
+                 "nothing holds it (join it: palpate mesh --weld makes coincident nodes one; or "
+                 "remove or fix it)",
+                 pieces.size(), where));
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
-    throw badInput(
-        "the mesh consists of {} pieces that share no face, and {} hangs on the others by {} "
-        "on one line (node {} at {}): it can turn there; join it by faces, or remove it",
-        pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge);
-  throw badInput(
-      "[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
-      "fix at least three nodes that are not on a line",
-      counted(nodes.size(), "node"), nodes.front(), hinge);
+    throw SceneError(
+        mesh_line,
+        badInput(
+            "the mesh consists of {} pieces that share no face, and {} hangs on the others by "
+            "{} on one line (node {} at {}): it can turn there; join it by faces, or remove it",
+            pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge));
+  throw SceneError(
+      problem.scene.fixed.lines.table,
+      badInput("[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
+               "fix at least three nodes that are not on a line",
+               counted(nodes.size(), "node"), nodes.front(), hinge));
 }
 
 /// Nodes of the mesh, sorted, each once: what came over the wire may be anything.
@@ -134,11 +139,13 @@ void refuseContrast(const std::vector<Region>& regions) {
     return region.isRest() ? std::string("[material]") : "[[region]] \"" + region.name() + '"';
   };
   if (young(stiff) > largest_contrast * shear(soft))
-    throw badInput(
-        "{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear modulus of "
-        "{}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as good as rigid, or fix "
-        "what is rigid",
-        named(stiff), young(stiff), largest_contrast, named(soft), shear(soft), 1e5 * shear(soft));
+    throw SceneError(
+        stiff.lines.table,
+        badInput("{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear "
+                 "modulus of {}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as "
+                 "good as rigid, or fix what is rigid",
+                 named(stiff), young(stiff), largest_contrast, named(soft), shear(soft),
+                 1e5 * shear(soft)));
 }
 
 void checkRegions(const Problem& problem) {
@@ -236,6 +243,27 @@ void checkProbe(const Problem& problem, std::size_t number) {
         problem.active[number].name, placeText(*probe), least, workspace.radius);
 }
 
+void checkActive(const Problem& problem, std::size_t i, const NodeSet& surface) {
+  if (problem.active[i].name != problem.scene.active[i].name)
+    throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
+                   problem.scene.active[i].name);
+  checkPatch(problem, i, surface);
+  checkProbe(problem, i);
+  if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
+    throw badInput("active \"{}\" stands behind the places of probes", problem.active[i].name);
+}
+
+void checkWorkspace(const Problem& problem) {
+  const double radius = problem.scene.workspace.radius,
+               diagonal = boundingBox(problem.mesh).diagonal().norm();
+  Lattice::check(radius, problem.scene.workspace.spacing);
+  if (radius > 3 * diagonal)
+    throw badInput(
+        "workspace.radius = {:.4g} m is more than 3 times the diagonal "
+        "of the mesh's bounding box ({:.4g} m); is its unit that of length_unit?",
+        radius, diagonal);
+}
+
 /// Here the scene's file and key can be named; the reader knows the mesh only.
 void refuseOtherMeshes(const Scene& scene) {
   std::error_code ignored;
@@ -251,39 +279,26 @@ void refuseOtherMeshes(const Scene& scene) {
 
 /// The error with its place in the scene's file.
 Error inScene(const std::filesystem::path& scene_file, const Error& error) {
-  const std::size_t line = lineOfKey(readText(scene_file, "scene"), error.what());
-  return {error.exitCode(), line > 0
-                                ? fmt::format("{}:{}: {}", scene_file.string(), line, error.what())
-                                : fmt::format("{}: {}", scene_file.string(), error.what())};
+  const auto* const of_line = dynamic_cast<const SceneError*>(&error);
+  const std::string line =
+      of_line != nullptr && of_line->line() > 0 ? fmt::format(":{}", of_line->line()) : "";
+  return {error.exitCode(), fmt::format("{}{}: {}", scene_file.string(), line, error.what())};
 }
 
 }  // namespace
 
 void checkProblem(const Problem& problem) {
-  checkFixed(problem);
+  const Scene& scene = problem.scene;
+  atLine(scene.fixed.lines.table, [&] { checkFixed(problem); });
   checkRegions(problem);
   const NodeSet surface = surfaceNodes(problem.mesh);
-  if (problem.active.size() != problem.scene.active.size())
+  if (problem.active.size() != scene.active.size())
     throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
-                   problem.scene.active.size());
-  for (std::size_t i = 0; i < problem.active.size(); ++i) {
-    if (problem.active[i].name != problem.scene.active[i].name)
-      throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
-                     problem.scene.active[i].name);
-    checkPatch(problem, i, surface);
-    checkProbe(problem, i);
-    if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
-      throw badInput("active \"{}\" stands behind the places of probes", problem.active[i].name);
-  }
+                   scene.active.size());
+  for (std::size_t i = 0; i < problem.active.size(); ++i)
+    atLine(scene.active[i].lines.of("name"), [&] { checkActive(problem, i, surface); });
   refuseLoosePieces(problem);
-  Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
-  const double radius = problem.scene.workspace.radius,
-               diagonal = boundingBox(problem.mesh).diagonal().norm();
-  if (radius > 3 * diagonal)
-    throw badInput(
-        "workspace.radius = {:.4g} m is more than 3 times the diagonal "
-        "of the mesh's bounding box ({:.4g} m); is its unit that of length_unit?",
-        radius, diagonal);
+  atLine(scene.workspace.lines.of("radius"), [&] { checkWorkspace(problem); });
 }
 
 PressureSlots pressureSlots(const Problem& problem) {
@@ -333,7 +348,7 @@ std::int32_t probesIn(const Scene& scene, std::size_t space) {
 }
 
 Problem resolve(Scene scene, Mesh mesh) {
-  refuseMistakenUnit(mesh, scene.metres_per_unit);
+  atLine(scene.lines.of("mesh"), [&] { refuseMistakenUnit(mesh, scene.metres_per_unit); });
   // Before the selectors, which select mid-edge nodes too.
   if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   Problem problem;
@@ -342,7 +357,8 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.fixed = selectFixed(scene.fixed, mesh);
   scene.active = expandSurfaces(scene, mesh, problem.fixed);
   for (const ActiveSelection& active : scene.active) {
-    ActivePatch& patch = problem.active.emplace_back(selectPatch(active, mesh, problem.fixed));
+    ActivePatch& patch = problem.active.emplace_back(
+        atLine(active.lines.of("name"), [&] { return selectPatch(active, mesh, problem.fixed); }));
     if (patch.finger && scene.contact == ContactMode::unilateral)
       patch.finger->reach = pushedAround(mesh, *patch.finger);
   }
@@ -360,7 +376,7 @@ Problem resolve(Scene scene, Mesh mesh) {
 Problem loadProblem(const std::filesystem::path& scene_file) {
   Scene scene = readScene(scene_file);
   try {
-    refuseOtherMeshes(scene);
+    atLine(scene.lines.of("mesh"), [&] { refuseOtherMeshes(scene); });
   } catch (const Error& error) {
     throw inScene(scene_file, error);
   }

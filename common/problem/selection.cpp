@@ -14,6 +14,7 @@
 #include "common/problem/finger.hpp"
 #include "common/problem/probe_places.hpp"
 #include "common/problem/sites.hpp"
+#include "common/scene/key_lines.hpp"
 
 namespace palpate {
 namespace {
@@ -146,8 +147,9 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
 std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
                                      const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, const Scene& scene) {
-  const std::vector<Eigen::Vector3d> sites =
-      sitesOn(mesh, triangles, fixed, selection.radius, siteDistance(scene, selection.radius));
+  const std::vector<Eigen::Vector3d> sites = atLine(selection.lines.of("radius"), [&] {
+    return sitesOn(mesh, triangles, fixed, selection.radius, siteDistance(scene, selection.radius));
+  });
   if (sites.empty())
     throw badInput(
         "active \"{}\": surface: everywhere in it a finger would rest on what is fixed; "
@@ -258,27 +260,33 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
 
 constexpr std::uint16_t nowhere = std::numeric_limits<std::uint16_t>::max();
 
+const std::vector<std::int32_t>& tetrahedraOfGroup(const std::string& name, const Mesh& mesh) {
+  const auto& elements =
+      entryNamed(mesh.element_groups, name,
+                 fmt::format("region.group: there is no \"{}\" of volume elements", name),
+                 "physical groups of volumes");
+  if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", name);
+  return elements;
+}
+
 /// Those of the group, and those whose middle is in a box or a sphere; sorted.
 std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
   std::vector<std::int32_t> elements;
-  if (!region.group.empty()) {
+  if (!region.group.empty())
     elements =
-        entryNamed(mesh.element_groups, region.group,
-                   fmt::format("region.group: there is no \"{}\" of volume elements", region.group),
-                   "physical groups of volumes");
-    if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", region.group);
-  }
+        atLine(region.lines.of("group"), [&] { return tetrahedraOfGroup(region.group, mesh); });
   const auto addThoseIn = [&](const auto& places, const char* key) {
     for (const auto& place : places) {
       const std::size_t before = elements.size();
       for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
         if (isIn(place, middleOf(mesh, e))) elements.push_back(static_cast<std::int32_t>(e));
       if (elements.size() == before)
-        throw badInput(
-            "region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to {} m, and "
-            "edges are {:.3g} m on average",
-            key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
-            measure(mesh).mean_edge);
+        throw SceneError(
+            region.lines.of(key),
+            badInput("region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to "
+                     "{} m, and edges are {:.3g} m on average",
+                     key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
+                     measure(mesh).mean_edge));
     }
   };
   addThoseIn(region.boxes, "box");
@@ -302,8 +310,9 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   const NodeSet nodes = allNodes(mesh);
   const Eigen::AlignedBox3d box = boundingBox(mesh);
   const auto nothing = [&](const char* key) {
-    return badInput("fixed.{} selects no node; the mesh reaches from {} to {} m", key,
-                    placeText(box.min()), placeText(box.max()));
+    return SceneError(selection.lines.of(key),
+                      badInput("fixed.{} selects no node; the mesh reaches from {} to {} m", key,
+                               placeText(box.min()), placeText(box.max())));
   };
   NodeSet fixed;
   for (const HalfSpace& half : selection.half_spaces)
@@ -312,13 +321,15 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
         [&] { return nothing(half.below ? "below" : "above"); });
   selectPlaces(fixed, selection, nodes, mesh, nothing);
   for (const std::string& group : selection.groups) {
-    const NodeSet& in_group = groupNamed(mesh, group, "fixed.group");
+    const NodeSet in_group =
+        atLine(selection.lines.of("group"), [&] { return groupNamed(mesh, group, "fixed.group"); });
     fixed.insert(fixed.end(), in_group.begin(), in_group.end());
   }
   for (const std::int32_t node : selection.nodes) {
     if (node >= mesh.vertices())
-      throw badInput("fixed.nodes: there is no node {}; the mesh has nodes 0 to {}", node,
-                     mesh.vertices() - 1);
+      throw SceneError(selection.lines.of("nodes"),
+                       badInput("fixed.nodes: there is no node {}; the mesh has nodes 0 to {}",
+                                node, mesh.vertices() - 1));
     fixed.push_back(node);
   }
   addNodesBetween(selection.nodes, mesh, fixed);
@@ -331,18 +342,15 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
   PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts them");
   const NodeSet surface = surfaceNodes(mesh);
   std::vector<ActiveSelection> expanded, probes;
-  for (const ActiveSelection& selection : scene.active) {
-    if (!selection.surface) {
-      (selection.isProbe() ? probes : expanded).push_back(selection);
-      continue;
-    }
+  const auto expand = [&](const ActiveSelection& selection) {
+    if (!selection.surface) return (selection.isProbe() ? probes : expanded).push_back(selection);
     if (selection.tool == ToolKind::finger) {
       const std::vector<std::int32_t> triangles = trianglesOf(selection, mesh);
       std::ranges::move(sitesOf(selection, mesh, triangles, fixed, scene),
                         std::back_inserter(expanded));
       std::ranges::move(probesOf(selection, mesh, triangles, fixed, scene),
                         std::back_inserter(probes));
-      continue;
+      return;
     }
     for (const std::int32_t node : movableOf(selection, mesh, surface, fixed)) {
       ActiveSelection& one = expanded.emplace_back(selection);
@@ -350,16 +358,19 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
       one.surface.reset();
       one.node = node;
     }
-  }
+  };
+  for (const ActiveSelection& selection : scene.active)
+    atLine(selection.lines.of("name"), [&] { expand(selection); });
   std::ranges::move(probes, std::back_inserter(expanded));
   std::set<std::string> names;
   for (const ActiveSelection& one : scene.active)
     if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // of its area
   for (const ActiveSelection& one : expanded)
     if (!names.insert(one.name).second)
-      throw badInput(
-          "two active nodes are called \"{}\", one of them by a surface; rename the other",
-          one.name);
+      throw SceneError(
+          one.lines.of("name"),
+          badInput("two active nodes are called \"{}\", one of them by a surface; rename the other",
+                   one.name));
   return expanded;
 }
 
@@ -390,19 +401,24 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
   for (std::size_t r = has_rest ? 1 : 0; r < regions.size(); ++r)
     for (const std::int32_t element : tetrahedraOf(regions[r], mesh)) {
       if (region_of[element] != nowhere)
-        throw badInput(
-            "region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
-            placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
+        throw SceneError(
+            regions[r].lines.of("group"),
+            badInput("region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
+                     placeOf(mesh, element), regions[region_of[element]].name(),
+                     regions[r].name()));
       region_of[element] = static_cast<std::uint16_t>(r);
     }
   // [material] takes what no group names; without one every tetrahedron must be named.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
-    throw badInput(
-        "[material]: the regions are the whole body and leave no tetrahedron for it; remove it");
+    throw SceneError(regions.front().lines.table,
+                     badInput("[material]: the regions are the whole body and leave no tetrahedron "
+                              "for it; remove it"));
   if (rest != region_of.end() && !has_rest)
-    throw badInput("[[region]]: {} is in none; write a [material] for what no region names",
-                   placeOf(mesh, rest - region_of.begin()));
+    throw SceneError(
+        regions.front().lines.table,
+        badInput("[[region]]: {} is in none; write a [material] for what no region names",
+                 placeOf(mesh, rest - region_of.begin())));
   std::ranges::replace(region_of, nowhere, std::uint16_t{0});
   return region_of;
 }
@@ -418,15 +434,18 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const Mesh& mesh) {
   if (!hasFibers(regions)) return {};
   std::vector<const std::vector<Eigen::Vector3d>*> fields;
-  for (const Region& region : regions) fields.push_back(fieldOf(region.material, mesh));
+  const auto line = [&](std::size_t region) { return regions[region].lines.of("fiber"); };
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    fields.push_back(atLine(line(r), [&] { return fieldOf(regions[r].material, mesh); }));
   std::vector<std::array<Eigen::Vector3d, 2>> fibers(
       region_of.size(), {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
   for (std::size_t e = 0; e < region_of.size(); ++e) {
     const Material& material = regions[region_of[e]].material;
     if (const auto* field = fields[region_of[e]]) {
       if ((*field)[e].isZero(0))
-        throw badInput("material.fiber: \"{}\" is zero, or missing, in {}", material.fiber_field,
-                       placeOf(mesh, e));
+        throw SceneError(line(region_of[e]),
+                         badInput("material.fiber: \"{}\" is zero, or missing, in {}",
+                                  material.fiber_field, placeOf(mesh, e)));
       fibers[e][0] = (*field)[e].stableNormalized();
     }
     std::ranges::copy(material.fibers, fibers[e].begin());

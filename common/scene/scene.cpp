@@ -57,7 +57,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
     for (const char* key : {"group", "box", "sphere"})
       if (section.has(key))
         throw section.wrong(key, "[material] is the rest of the body; write [[region]] for a part");
-    regions.push_back({"", readMaterial(section)});
+    regions.push_back({"", readMaterial(section), {}, {}, section.lines()});
   }
   if (!root.has("region")) {
     root.require("material",
@@ -67,6 +67,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
   for (const toml::node& element : root.tables("region", "part of the body")) {
     const TomlSection section = root.inner("region", element, materialKeys());
     Region& region = regions.emplace_back();
+    region.lines = section.lines();
     region.group = section.optional("group", &TomlSection::text).value_or("");
     readBoxesAndSpheres(section, region);
     if (region.isRest())
@@ -161,6 +162,7 @@ void readPlaces(const TomlSection& section, Selection& selection) {
 
 FixedSelection readFixed(const TomlSection& section) {
   FixedSelection fixed;
+  fixed.lines = section.lines();
   for (const bool below : {true, false}) {
     const std::string_view key = below ? "below" : "above";
     for (const toml::node* node : section.oneOrMany(key))
@@ -196,6 +198,7 @@ SurfaceSelection readSurface(const TomlSection& active, const toml::node& node) 
 
 ActiveSelection readActive(const TomlSection& section) {
   ActiveSelection active;
+  active.lines = section.lines();
   active.name = section.require("name", "every active node needs a name", &TomlSection::text);
   if (!isPlainName(active.name))
     throw section.wrong("name", "\"{}\" may hold letters, digits, - and _ only", active.name);
@@ -294,6 +297,7 @@ Workspace readWorkspace(const TomlSection& root, std::optional<Device>& device) 
   const auto section =
       root.inner("workspace", {"radius", "spacing", "max_force", "reject_inverted"});
   if (!section) return workspace;
+  workspace.lines = section->lines();
   section->read("radius", workspace.radius, &TomlSection::positiveLength);
   section->read("spacing", workspace.spacing, &TomlSection::positiveLength);
   section->read("max_force", workspace.max_force, &TomlSection::positive);
@@ -348,6 +352,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
     context.metres_per_unit = length_units[root.choice("length_unit", *unit, unit_words)].metres;
 
   Scene scene;
+  scene.lines = root.lines();
   scene.metres_per_unit = context.metres_per_unit;
   scene.name = root.optional("name", &TomlSection::text)
                    .value_or(std::filesystem::path(source).stem().string());

@@ -4,6 +4,7 @@
 
 #include "common/scene/device_profile.hpp"
 #include "common/scene/formulation.hpp"
+#include "common/scene/key_lines.hpp"
 #include "common/scene/material.hpp"
 
 namespace palpate {
@@ -29,6 +30,7 @@ struct Region {
   Material material;
   std::vector<Box> boxes = {};
   std::vector<Sphere> spheres = {};
+  KeyLines lines = {};
   /// [material]: what no other region takes.
   bool isRest() const { return group.empty() && boxes.empty() && spheres.empty(); }
   /// The group, or the first place, for people; empty for [material].
@@ -69,6 +71,7 @@ struct FixedSelection {
   std::vector<Sphere> spheres;
   std::vector<std::string> groups;
   std::vector<std::int32_t> nodes;
+  KeyLines lines;
   bool operator==(const FixedSelection&) const = default;
 };
 
@@ -101,6 +104,7 @@ struct ActiveSelection {
   /// `probe` (metres) is compared with what the area `probe_of` answers. Both or none.
   std::string probe_of = {};
   std::optional<Eigen::Vector3d> probe = {};
+  KeyLines lines = {};
   bool isProbe() const { return probe.has_value(); }
   bool operator==(const ActiveSelection&) const = default;
 };
@@ -112,6 +116,7 @@ struct Workspace {
   double max_force = 8.5;  ///< N; beyond it a configuration is terminating
   /// A converged state with min det F <= 0 is failed, cause inverted_element.
   bool reject_inverted = true;
+  KeyLines lines = {};
   bool operator==(const Workspace&) const = default;
 };
 
@@ -189,6 +194,7 @@ struct Scene {
   Accuracy accuracy;
   Storage storage;
   ContactMode contact = ContactMode::unilateral;
+  KeyLines lines;  ///< of the keys above the first table
   bool operator==(const Scene&) const = default;
 };
 

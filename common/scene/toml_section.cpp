@@ -18,6 +18,9 @@ std::string hint(std::string_view word, TomlSection::Words words) {
   return fmt::format("; did you mean \"{}\"?", nearest);
 }
 
+/// 0 of a table that is there by way of its inner tables alone.
+int sceneLine(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
+
 std::string_view kindOf(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "a list";
@@ -33,13 +36,20 @@ TomlSection::TomlSection(const TomlContext& context, const toml::table& table, s
     : context_(context), table_(table), name_(std::move(name)) {
   for (const auto& [key, node] : table_)
     if (std::ranges::find(keys, key.str()) == keys.end())
-      throw badInput("{}:{}: unknown key \"{}\"{}", context_.source, node.source().begin.line,
+      throw badInput("{}:{}: unknown key \"{}\"{}", context_.source, sceneLine(node.source()),
                      pathOf(key.str()), hint(key.str(), keys));
 }
 
 const toml::node& TomlSection::require(std::string_view key, std::string_view meaning) const {
   if (const toml::node* node = find(key)) return *node;
   throw badInput("{}: \"{}\" is missing: {}", place(table_), pathOf(key), meaning);
+}
+
+KeyLines TomlSection::lines() const {
+  KeyLines lines = {sceneLine(table_.source())};
+  for (const auto& [key, node] : table_)
+    lines.keys.emplace_back(key.str(), sceneLine(key.source()));
+  return lines;
 }
 
 double TomlSection::number(std::string_view key, const toml::node& node) const {
@@ -161,8 +171,7 @@ std::string TomlSection::pathOf(std::string_view key) const {
 }
 
 std::string TomlSection::place(const toml::node& node) const {
-  // A table that is there by way of its inner tables alone has no line.
-  const auto line = node.source().begin.line;
+  const int line = sceneLine(node.source());
   return line > 0 ? fmt::format("{}:{}", context_.source, line) : context_.source;
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "common/scene/formulation.hpp"
+#include "common/scene/key_lines.hpp"
 
 namespace palpate {
 
@@ -35,6 +36,9 @@ class TomlSection {
   bool has(std::string_view key) const { return find(key) != nullptr; }
   /// The value of a key that must be there; `meaning` says what is missing.
   const toml::node& require(std::string_view key, std::string_view meaning) const;
+
+  /// Where the table and its keys stand.
+  KeyLines lines() const;
 
   /// An error about the value of `key`, or about the table where there is none.
   template <class... Args>
