@@ -86,8 +86,7 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   allowed.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
       ->required();
   allowed
-      .add_option("ROLES", order->roles,
-                  "worker, observer, operator, simulator, or several: worker,observer")
+      .add_option("ROLES", order->roles, "worker, observer, operator, or several: worker,observer")
       ->required();
   allowed.add_option("NAME", order->name, "For people");
   declare(app, order, "withdraw", "Let nobody in with this key any more")

@@ -18,13 +18,13 @@ namespace {
 
 struct RoleWord {
   std::string_view word;
-  Role role;
+  Roles role;
 };
 
-constexpr std::array<RoleWord, 4> role_words = {{{"worker", Role::worker},
-                                                 {"observer", Role::observer},
-                                                 {"operator", Role::system_operator},
-                                                 {"simulator", Role::simulator}}};
+/// An operator before what else he is.
+constexpr std::array<RoleWord, 3> role_words = {{{"worker", Roles::worker},
+                                                 {"operator", Roles::system_operator},
+                                                 {"observer", Roles::observer}}};
 
 /// Error unless nobody but this user and root could read or change it. False when it is not there.
 bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
@@ -102,44 +102,29 @@ void changeAllowed(const KeyFolder& folder,
 
 }  // namespace
 
-void Roles::add(Role role) {
-  bits_ |= static_cast<unsigned>(role);
-  if (role == Role::system_operator) add(Role::observer);
-}
-
-Roles Roles::all() {
-  Roles roles;
-  for (const RoleWord& entry : role_words) roles.add(entry.role);
-  return roles;
-}
-
 Roles rolesOf(std::string_view words) {
-  Roles roles;
+  Roles roles = Roles::none;
   for (std::size_t at = 0; at <= words.size();) {
     const std::size_t end = std::min(words.find(',', at), words.size());
     const std::string_view word = words.substr(at, end - at);
     const auto* const known = std::ranges::find(role_words, word, &RoleWord::word);
     if (known == role_words.end())
       throw badInput(
-          "\"{}\" is no role: worker, observer, operator, simulator, or several with "
-          "commas between them",
+          "\"{}\" is no role: worker, observer, operator, or several with commas between them",
           word);
-    roles.add(known->role);
+    roles = roles | known->role;
     at = end + 1;
   }
   return roles;
 }
 
-std::string wordOf(Role role) {
-  return std::string(std::ranges::find(role_words, role, &RoleWord::role)->word);
-}
-
-std::string wordsOf(const Roles& roles) {
+std::string wordsOf(Roles roles) {
   std::string words;
-  for (const RoleWord& entry : role_words) {
-    if (!roles.has(entry.role)) continue;
-    if (!words.empty()) words += ',';
-    words += entry.word;
+  Roles written = Roles::none;
+  for (const auto& [word, role] : role_words) {
+    if (!include(roles, role) || include(written, role)) continue;
+    words += fmt::format("{}{}", words.empty() ? "" : ",", word);
+    written = written | role;
   }
   return words;
 }

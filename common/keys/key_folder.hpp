@@ -11,36 +11,30 @@
 
 namespace palpate {
 
-/// What the holder of a key may do. A set of them is their sum.
-enum class Role : std::uint8_t {
-  worker = 1,           ///< takes work and delivers results
-  observer = 2,         ///< reads the status
-  system_operator = 4,  ///< stops a build, tries again; reads the status
-  simulator = 8,        ///< takes a haptic device and pushes the hand that holds it
+/// What the holder of a key may do: a sum of bits.
+enum class Roles : std::uint8_t {
+  none = 0,
+  worker = 1,    ///< takes work and delivers results
+  observer = 2,  ///< reads the status
+  /// Stops a build, tries again, takes a haptic device and pushes the hand that holds it. Is an
+  /// observer too.
+  system_operator = 4 | observer,
+  all = worker | system_operator
 };
-class Roles {
- public:
-  Roles() = default;
-  /// An operator is an observer.
-  void add(Role role);
-  bool has(Role role) const { return (bits_ & static_cast<unsigned>(role)) != 0; }
-  bool none() const { return bits_ == 0; }
-  static Roles all();
-  bool operator==(const Roles&) const = default;
-
- private:
-  unsigned bits_ = 0;
-};
+constexpr Roles operator|(Roles a, Roles b) {
+  return static_cast<Roles>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
+}
+/// Whether `wanted` is among the roles that somebody has.
+constexpr bool include(Roles held, Roles wanted) { return (held | wanted) == held; }
 
 /// "worker,operator" and back. Error (bad input) for a word that is no role, which lists them.
 Roles rolesOf(std::string_view words);
-std::string wordsOf(const Roles& roles);
-std::string wordOf(Role role);
+std::string wordsOf(Roles roles);
 
 /// A key that a server lets in.
 struct AllowedKey {
   PublicKey key;
-  Roles roles;
+  Roles roles = Roles::none;
   std::string name;  ///< for people; may be empty
 };
 

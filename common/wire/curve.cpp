@@ -69,9 +69,7 @@ void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::stri
 
 Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys)
     : questions_(context, zmq::socket_type::rep),
-      // One of the two tells when the list cannot be read.
-      to_connect_(madeSure(keys), false),
-      to_say_(keys),
+      admission_(madeSure(keys)),
       wake_up_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (wake_up_ < 0) throw failure("eventfd: {}", errnoText());
   socket.set(zmq::sockopt::curve_server, true);
@@ -103,13 +101,13 @@ void Gatekeeper::answer() {
   if (request.empty()) return;
   const auto key = request.size() == 7 && request[5] == "CURVE" ? PublicKey::fromBytes(request[6])
                                                                 : std::nullopt;
-  const bool admitted = key && !to_connect_.rolesOf(*key).none();
+  const bool admitted = key && admission_.rolesOf(*key) != Roles::none;
   sendFrames(questions_, {"1.0", request.size() > 1 ? request[1] : "", admitted ? "200" : "400",
                           admitted ? "" : "not let in", admitted ? key->hex() : "", ""});
 }
 
 Roles Gatekeeper::rolesOf(const std::optional<PublicKey>& sender) {
-  return sender ? to_say_.rolesOf(*sender) : Roles();
+  return sender ? admission_.rolesOf(*sender) : Roles::none;
 }
 
 HandshakeWatch::HandshakeWatch(zmq::context_t& context, zmq::socket_t& socket)

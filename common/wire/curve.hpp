@@ -38,8 +38,7 @@ class Gatekeeper {
   void answer();
 
   zmq::socket_t questions_;
-  Admission to_connect_;  ///< of the thread that answers
-  Admission to_say_;      ///< of the thread of the socket
+  Admission admission_;
   int wake_up_;
   std::jthread thread_;  ///< the last member: it ends before what it uses goes
 };

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 /// What one must be to say this; nothing of what servers alone say.
-std::optional<Role> roleFor(const wire::Message& message) {
+std::optional<Roles> roleFor(const wire::Message& message) {
   using wire::Message;
   switch (message.body_case()) {
     case Message::kHello:
@@ -17,12 +17,12 @@ std::optional<Role> roleFor(const wire::Message& message) {
     case Message::kFieldsRequest:
     case Message::kResult:
     case Message::kHeartbeat:
-    case Message::kGoodbye: return Role::worker;
-    case Message::kStatusRequest: return Role::observer;
+    case Message::kGoodbye: return Roles::worker;
+    case Message::kStatusRequest: return Roles::observer;
     case Message::kStopRequest:
     case Message::kPauseRequest:
     case Message::kPriorityRequest:
-    case Message::kRetryRequest: return Role::system_operator;
+    case Message::kRetryRequest: return Roles::system_operator;
     default: return std::nullopt;
   }
 }
@@ -69,11 +69,11 @@ std::string Server::refusalOf(const Incoming& incoming) {
   if (!gatekeeper_) return "";
   const auto wanted = roleFor(incoming.message);
   const Roles roles = gatekeeper_->rolesOf(incoming.key);
-  if (roles.none()) return "its key is not let in any more";
-  if (!wanted || roles.has(*wanted)) return "";
+  if (roles == Roles::none) return "its key is not let in any more";
+  if (!wanted || include(roles, *wanted)) return "";
   return fmt::format(
       "its key has the role {}, and this needs {}: palpate key allow, where the server runs",
-      wordsOf(roles), wordOf(*wanted));
+      wordsOf(roles), wordsOf(*wanted));
 }
 
 Sent Server::send(const Outgoing& message) {

@@ -76,7 +76,7 @@ Verb deviceVerb() {
             options->keys.addTo(app, "Ask for no keys: whoever reaches the port pushes the hand");
             app.footer(
                 "Over there: palpate view ... --device tcp://HOST:PORT, with a key that is let in "
-                "here as a simulator.\n"
+                "here as an operator.\n"
                 "The force is zero whenever the simulator is silent.\n"
                 "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
             return std::function<ExitCode()>([options] { return serveDevice(*options); });

@@ -79,10 +79,11 @@ void DeviceServer::turn() {
 void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
   const wire::DeviceMessage& message = incoming.message;
   const bool of_holder = !holder_.empty() && incoming.peer == holder_;
-  if (gatekeeper_ && !gatekeeper_->rolesOf(incoming.key).has(Role::simulator)) {
+  if (gatekeeper_ && !include(gatekeeper_->rolesOf(incoming.key), Roles::system_operator)) {
     if (of_holder) release();
-    return refuse(incoming.peer,
-                  "your key has not the role of a simulator: palpate key allow, where it is lent");
+    return refuse(
+        incoming.peer,
+        "your key is not allowed to use this device: palpate key allow KEY operator, where it is lent");
   }
   if (of_holder) last_heard_ = Clock::now();
   switch (message.body_case()) {

@@ -36,8 +36,8 @@ class DeviceServer {
   };
 
   /// The device must outlive this object and be used by nobody else. endpoint: port * lets the
-  /// system choose. rate: Hz, at which the device is read, 1 to 100000. keys: only who has the role
-  /// of a simulator there gets the device; nothing: anybody. Error when it cannot listen there, and
+  /// system choose. rate: Hz, at which the device is read, 1 to 100000. keys: only an operator
+  /// gets the device; nothing: anybody. Error when it cannot listen there, and
   /// (bad input) for another rate.
   DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000,
                const std::optional<KeyFolder>& keys = std::nullopt);

@@ -82,7 +82,7 @@ TEST_F(CurveTest, MessagesCarryTheKeyOfTheirSender) {
 TEST_F(CurveTest, WhoHasTheServersFolderIsLetInWithoutAnyList) {
   const Outcome outcome = say(server_keys);
   ASSERT_TRUE(outcome.incoming) << outcome.trouble;
-  EXPECT_EQ(gatekeeper->rolesOf(outcome.incoming->key), Roles::all());
+  EXPECT_EQ(gatekeeper->rolesOf(outcome.incoming->key), Roles::all);
 }
 
 TEST_F(CurveTest, AKeyThatIsNotLetInIsTurnedAwayAndLearnsWhy) {

@@ -63,21 +63,21 @@ TEST_F(NetworkDeviceTest, TakesOverTheLimitsOfTheFarDevice) {
   EXPECT_THAT(device->name(), HasSubstr("tray"));
 }
 
-TEST_F(NetworkDeviceTest, IsLentToSimulatorsWithAKeyAlone) {
+TEST_F(NetworkDeviceTest, IsLentToOperatorsWithAKeyAlone) {
   const test::TemporaryDirectory directory;
   const KeyFolder here(directory / "here"), there(directory / "there");
   there.ownOrNew();
   server.reset();
-  here.allow({there.ownOrNew().open(), rolesOf("observer"), "there"});
+  here.allow({there.ownOrNew().open(), rolesOf("worker,observer"), "there"});
   DeviceServer lent(tray, "tcp://127.0.0.1:*", 1000, here);
   there.trust(here.own().open(), "*");
   {
     NetworkDevice refused({.endpoint = lent.endpoint(), .keys = there, .wait = 1ms});
     EXPECT_TRUE(eventually([&] {
-      return refused.trouble().find("role of a simulator") != std::string::npos;
+      return refused.trouble().find("KEY operator") != std::string::npos;
     })) << refused.trouble();
     EXPECT_FALSE(lent.state().held);
-    here.allow({there.own().open(), rolesOf("simulator"), "there"});
+    here.allow({there.own().open(), rolesOf("operator"), "there"});
     EXPECT_TRUE(eventually([&] { return lent.state().held; })) << refused.trouble();
     here.withdraw("there");
     EXPECT_TRUE(eventually([&] { return !lent.state().held; })) << "within a second";
