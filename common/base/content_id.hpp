@@ -1,34 +1,16 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
+
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 
-/// BLAKE2b-256 of some bytes: names a start configuration, a problem or a dataset by what is in it.
-class ContentId {
- public:
-  ContentId() = default;  ///< all zero: "no content"
-  static ContentId of(std::string_view bytes);
-  /// From 64 hexadecimal digits; nothing if it is not that.
-  static std::optional<ContentId> fromHex(std::string_view hex);
-  /// From exactly 32 raw bytes; nothing if there are not 32.
-  static std::optional<ContentId> fromBytes(std::string_view bytes);
-
-  std::string hex() const;         ///< 64 digits
-  std::string shortHex() const;    ///< the first 12, for messages
-  std::string_view bytes() const;  ///< 32 raw bytes, valid as long as this object
-  auto operator<=>(const ContentId&) const = default;
-
- private:
-  std::array<std::uint8_t, 32> bytes_{};
-};
+/// Names a start configuration, a problem or a dataset by what is in it: its BLAKE2b-256.
+using ContentId = Bytes32;
 
 /// Feeds bytes piece by piece into one ContentId. Not thread-safe.
 class ContentHasher {

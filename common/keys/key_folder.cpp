@@ -79,7 +79,7 @@ void writePrivate(const std::filesystem::path& file, const std::function<std::st
   replaceFile(file, text, "keys", 0600);
 }
 
-std::string lineOf(const KeyPair& own) { return hexOf(own.secret()) + '\n'; }
+std::string lineOf(const KeyPair& own) { return own.secret().hex() + '\n'; }
 
 std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
 
@@ -136,7 +136,7 @@ KeyPair KeyFolder::own() const {
   if (!lines)
     throw badInput("{}: there is no key of yours: palpate key new makes one",
                    ownFile(folder_).string());
-  const auto secret = lines->advance() ? keyBytesOf(lines->takeWord()) : std::nullopt;
+  const auto secret = lines->advance() ? Bytes32::fromHex(lines->takeWord()) : std::nullopt;
   if (!secret || lines->advance())
     throw badInput("{}: is no key (64 hexadecimal digits): palpate key new --replace makes another",
                    ownFile(folder_).string());

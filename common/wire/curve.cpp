@@ -23,7 +23,7 @@ void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t
                   zmq_strerror(zmq_errno()));
 }
 
-void setKey(zmq::socket_t& socket, int option, const KeyBytes& key) {
+void setKey(zmq::socket_t& socket, int option, const Bytes32& key) {
   setOption(socket, option, key.data(), key.size());
 }
 
@@ -56,8 +56,8 @@ const KeyFolder& madeSure(const KeyFolder& keys) {
 }  // namespace
 
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server) {
-  setKey(socket, ZMQ_CURVE_SERVERKEY, server.bytes());
-  setKey(socket, ZMQ_CURVE_PUBLICKEY, own.open().bytes());
+  setKey(socket, ZMQ_CURVE_SERVERKEY, server);
+  setKey(socket, ZMQ_CURVE_PUBLICKEY, own.open());
   setKey(socket, ZMQ_CURVE_SECRETKEY, own.secret());
 }
 

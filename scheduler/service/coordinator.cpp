@@ -9,7 +9,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/printable.hpp"
-#include "common/base/random_bytes.hpp"
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {

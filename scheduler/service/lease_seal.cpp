@@ -3,7 +3,7 @@
 #include <sodium.h>
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {
@@ -32,7 +32,7 @@ const unsigned char* bytesOf(std::string_view text) {
 }  // namespace
 
 LeaseSeal::LeaseSeal(std::string secret) : secret_(std::move(secret)) {
-  if (sodium_init() < 0) throw failure("libsodium could not be initialised");
+  startSodium();
   PALPATE_ASSERT(secret_.size() >= crypto_generichash_KEYBYTES_MIN &&
                      secret_.size() <= crypto_generichash_KEYBYTES_MAX,
                  "a secret of the length that BLAKE2b takes");

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/base/random_bytes.hpp"
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 

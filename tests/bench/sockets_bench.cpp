@@ -14,7 +14,7 @@
 #include <deque>
 #include <memory>
 
-#include "common/base/random_bytes.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/wire/bundle.hpp"
 #include "common/wire/curve.hpp"
 #include "tests/support/table_worker.hpp"

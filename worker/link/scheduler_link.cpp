@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "common/base/program.hpp"
-#include "common/base/random_bytes.hpp"
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {

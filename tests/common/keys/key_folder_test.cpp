@@ -39,7 +39,7 @@ struct KeyFolderTest : testing::Test {
 TEST(KeyPair, IsTheOneOfItsSecret) {
   // RFC 7748, section 6.1: Bob.
   const auto secret =
-      keyBytesOf("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb");
+      Bytes32::fromHex("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb");
   ASSERT_TRUE(secret);
   EXPECT_EQ(KeyPair(*secret).open().hex(),
             "de9edb7d7b7dc1b4d35b61c2ece435373f8343c85b78674dadfc7e146f882b4f");

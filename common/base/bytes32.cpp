@@ -1,0 +1,57 @@
+#include "common/base/bytes32.hpp"
+
+#include <sodium.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+
+Bytes32 Bytes32::of(std::string_view bytes) {
+  startSodium();
+  Bytes32 hash;
+  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                     bytes.size(), nullptr, 0);
+  return hash;
+}
+
+std::optional<Bytes32> Bytes32::fromHex(std::string_view hex) {
+  Bytes32 read;
+  std::size_t length = 0;
+  // sodium_hex2bin alone would take fewer digits.
+  if (hex.size() != 2 * read.size() ||
+      sodium_hex2bin(read.data(), read.size(), hex.data(), hex.size(), nullptr, &length, nullptr) !=
+          0 ||
+      length != read.size())
+    return std::nullopt;
+  return read;
+}
+
+std::optional<Bytes32> Bytes32::fromBytes(std::string_view bytes) {
+  Bytes32 read;
+  if (bytes.size() != read.size()) return std::nullopt;
+  std::ranges::copy(bytes, read.data());
+  return read;
+}
+
+std::string Bytes32::hex() const {
+  std::array<char, 65> text;
+  sodium_bin2hex(text.data(), text.size(), data(), size());
+  return text.data();
+}
+
+std::string Bytes32::shortHex() const { return hex().substr(0, 12); }
+
+void startSodium() {
+  if (sodium_init() < 0) throw failure("libsodium could not be initialised");
+}
+
+std::string randomBytes(std::size_t count) {
+  startSodium();
+  std::string bytes(count, '\0');
+  randombytes_buf(bytes.data(), bytes.size());
+  return bytes;
+}
+
+}  // namespace palpate
