@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <unsupported/Eigen/BVH>
 
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
@@ -89,76 +90,6 @@ bool isFlatOn(const Corners& s, const Corners& t) {
       s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p, one_plane) == 0; });
 }
 
-/// The tree: boxes around runs of triangles, halved down to a few.
-class BoxTree {
- public:
-  BoxTree(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
-      : order_(triangles.size()) {
-    boxes_.reserve(triangles.size());
-    for (const Triangle& triangle : triangles) {
-      Eigen::AlignedBox3d box;
-      for (const std::int32_t node : triangle) box.extend(points[node]);
-      boxes_.push_back(box);
-    }
-    std::iota(order_.begin(), order_.end(), 0);
-    if (!order_.empty()) build(0, order_.size());
-  }
-
-  /// Calls visit(other) for the triangles whose boxes meet that of `triangle`.
-  template <class Visit>
-  void meeting(std::int32_t triangle, Visit visit) const {
-    const Eigen::AlignedBox3d& box = boxes_[triangle];
-    std::vector<std::size_t>& open = open_;
-    open.assign(1, 0);
-    while (!open.empty()) {
-      const Node& node = nodes_[open.back()];
-      open.pop_back();
-      if (!node.box.intersects(box)) continue;
-      if (node.right != 0) {
-        open.push_back(node.left);
-        open.push_back(node.right);
-        continue;
-      }
-      for (std::size_t i = node.begin; i < node.end; ++i)
-        if (boxes_[order_[i]].intersects(box)) visit(order_[i]);
-    }
-  }
-
- private:
-  struct Node {
-    Eigen::AlignedBox3d box;
-    std::size_t begin, end;       ///< of order_
-    std::size_t left, right = 0;  ///< children; none where right is 0
-  };
-  static constexpr std::size_t few = 8;
-
-  std::size_t build(std::size_t begin, std::size_t end) {
-    const std::size_t number = nodes_.size();
-    Node node{{}, begin, end, 0};
-    for (std::size_t i = begin; i < end; ++i) node.box.extend(boxes_[order_[i]]);
-    nodes_.push_back(node);
-    if (end - begin <= few) return number;
-    int axis = 0;
-    node.box.sizes().maxCoeff(&axis);
-    const std::size_t middle = (begin + end) / 2;
-    const auto at = [this](std::size_t i) {
-      return order_.begin() + static_cast<std::ptrdiff_t>(i);
-    };
-    std::nth_element(at(begin), at(middle), at(end), [&](std::int32_t a, std::int32_t b) {
-      return boxes_[a].center()[axis] < boxes_[b].center()[axis];
-    });
-    const std::size_t left = build(begin, middle), right = build(middle, end);
-    nodes_[number].left = left;
-    nodes_[number].right = right;
-    return number;
-  }
-
-  std::vector<Eigen::AlignedBox3d> boxes_;  ///< per triangle
-  std::vector<std::int32_t> order_;
-  std::vector<Node> nodes_;
-  mutable std::vector<std::size_t> open_;
-};
-
 /// Whether two triangles have more in common than the corners that they share.
 class PairCheck {
  public:
@@ -200,22 +131,47 @@ class PairCheck {
   const std::vector<Triangle>& triangles_;
 };
 
+/// The triangles after one that cut it, as Eigen asks its tree for them.
+struct CutsOfOne {
+  const PairCheck& check;
+  const std::vector<Eigen::AlignedBox3d>& boxes;
+  std::int32_t triangle;
+  std::int64_t count = 0;
+  std::int32_t lowest = -1;
+
+  bool intersectVolume(const Eigen::AlignedBox3d& volume) const {
+    return volume.intersects(boxes[triangle]);
+  }
+  /// False: go on.
+  bool intersectObject(std::int32_t other) {
+    if (other > triangle && boxes[other].intersects(boxes[triangle]) &&
+        check.cut(triangle, other)) {
+      ++count;
+      if (lowest < 0 || other < lowest) lowest = other;
+    }
+    return false;
+  }
+};
+
 }  // namespace
 
 SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
                    const std::vector<Triangle>& triangles) {
-  SurfaceCuts cuts;
-  const BoxTree tree(points, triangles);
+  std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
+  std::vector<std::int32_t> numbers(triangles.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  for (const std::int32_t t : numbers)
+    for (const std::int32_t node : triangles[t]) boxes[t].extend(points[node]);
+  const Eigen::KdBVH<double, 3, std::int32_t> tree(numbers.begin(), numbers.end(), boxes.begin(),
+                                                   boxes.end());
   const PairCheck check(points, triangles);
-  for (std::int32_t a = 0; a < static_cast<std::int32_t>(triangles.size()); ++a) {
+  SurfaceCuts cuts;
+  for (const std::int32_t a : numbers) {
     endWhenInterrupted();
-    std::int32_t lowest = -1;
-    tree.meeting(a, [&](std::int32_t b) {
-      if (b <= a || !check.cut(a, b)) return;
-      ++cuts.count;
-      if (lowest < 0 || b < lowest) lowest = b;
-    });
-    if (lowest >= 0 && cuts.first[0] < 0) cuts.first = {a, lowest};
+    CutsOfOne query{check, boxes, a};
+    Eigen::BVIntersect(tree, query);
+    cuts.count += query.count;
+    if (query.lowest >= 0 && cuts.first[0] < 0) cuts.first = {a, query.lowest};
   }
   return cuts;
 }
