@@ -4,13 +4,16 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <csignal>
 #include <deque>
 #include <future>
 #include <thread>
 
+#include "common/base/random_bytes.hpp"
 #include "common/keys/key_options.hpp"
 #include "worker/elements/blas_kernels.hpp"
+#include "worker/elements/kernel_family.hpp"
 #include "worker/link/job_loop.hpp"
 #include "worker/link/scheduler_link.hpp"
 #include "worker/verbs.hpp"
@@ -18,8 +21,9 @@
 namespace palpate {
 namespace {
 
+/// Of the session, what the command line says.
 struct WorkOptions {
-  LinkOptions link;
+  SessionOptions session;
   KeyOptions keys;
   int workers = 1;
   bool alone = false;  ///< nobody watches this process but who started it
@@ -56,15 +60,28 @@ class SolverThread {
   std::thread thread_;
 };
 
-ExitCode runOneWorker(const WorkOptions& options) {
+std::string hostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+std::string randomWorkerId() { return randomBytes(16); }
+
+ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys) {
   catchInterrupts();
   prepareBlas();  // a worker that cannot solve says so before it is given work
   const ElementKernels& kernels = chooseKernels();
+  SessionOptions session = options.session;
+  if (session.worker_id.empty()) session.worker_id = randomWorkerId();
+  session.host = hostName();
+  session.pid = static_cast<std::uint32_t>(getpid());
+  session.kernel_family = arithmetic(kernels);
+  session.runs = otherArithmetic();
   std::string wanted_kernels;
   {
     zmq::context_t context;
     const auto mailbox = std::make_shared<Mailbox>();
-    SchedulerLink link(context, *mailbox, kernels, options.link);
+    SchedulerLink link(context, *mailbox, std::move(session), std::move(keys));
     const SolverThread solver(mailbox, kernels);
     const ExitCode end = link.run();
     wanted_kernels = link.wantedKernels();
@@ -106,13 +123,13 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
                                     "work",
                                     "--alone",
                                     "--connect",
-                                    options.link.endpoint,
+                                    options.session.endpoint,
                                     "--give-up",
-                                    std::to_string(options.link.give_up_s),
+                                    std::to_string(options.session.give_up_s),
                                     "--drain",
-                                    std::to_string(options.link.drain_s),
+                                    std::to_string(options.session.drain_s),
                                     "--leave-idle",
-                                    std::to_string(options.link.leave_idle_s),
+                                    std::to_string(options.session.leave_idle_s),
                                     "--id",
                                     hexOf(id)};
   if (options.keys.insecure) words.emplace_back("--insecure");
@@ -191,7 +208,7 @@ class Supervisor {
       if (!done) result_ = ExitCode::failed;
       // The scheduler needs nobody any more; who has not reached it yet would wait for it in vain.
       // One that leaves for want of work says nothing about the others.
-      if (done && options_->link.leave_idle_s == 0) endOthers();
+      if (done && options_->session.leave_idle_s == 0) endOthers();
       return true;
     }
     ended_.push_back(child.mapped().id);
@@ -220,20 +237,20 @@ class Supervisor {
 
 std::function<ExitCode()> prepareWork(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
-  app.add_option("--connect", options->link.endpoint, "The scheduler, tcp://HOST:PORT")
+  app.add_option("--connect", options->session.endpoint, "The scheduler, tcp://HOST:PORT")
       ->capture_default_str();
   app.add_option("-j,--workers", options->workers, "Worker processes; each uses one core")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.add_option("--give-up", options->link.give_up_s,
+  app.add_option("--give-up", options->session.give_up_s,
                  "End after this many seconds without a word from the scheduler")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--drain", options->link.drain_s,
+  app.add_option("--drain", options->session.drain_s,
                  "On SIGTERM, wait at most this many seconds for the solve in work")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--leave-idle", options->link.leave_idle_s,
+  app.add_option("--leave-idle", options->session.leave_idle_s,
                  "Leave after this many seconds without work; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -241,21 +258,21 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
   // What a supervisor tells its children.
   app.add_flag("--alone", options->alone)->group("");
   app.add_option_function<std::string>(
-         "--id", [options](const std::string& hex) { options->link.worker_id = bytesOf(hex); })
+         "--id", [options](const std::string& hex) { options->session.worker_id = bytesOf(hex); })
       ->group("");
-  app.add_option_function<std::vector<std::string>>("--ended",
-                                                    [options](const std::vector<std::string>& all) {
-                                                      for (const std::string& hex : all)
-                                                        options->link.ended.push_back(bytesOf(hex));
-                                                    })
+  app.add_option_function<std::vector<std::string>>(
+         "--ended",
+         [options](const std::vector<std::string>& all) {
+           for (const std::string& hex : all) options->session.ended.push_back(bytesOf(hex));
+         })
       ->group("");
   app.footer(
       "Workers keep nothing: start and stop them at any time, "
       "on any machine that reaches the scheduler.");
   return [options] {
-    checkEndpoint(options->link.endpoint);
-    options->link.keys = options->keys.keys();
-    return options->alone ? runOneWorker(*options) : Supervisor(*options).run();
+    checkEndpoint(options->session.endpoint);
+    auto keys = options->keys.keys();  // a supervisor says, too, that there are none
+    return options->alone ? runOneWorker(*options, std::move(keys)) : Supervisor(*options).run();
   };
 }
 

@@ -84,7 +84,7 @@ class FuzzedWorker {
 
   /// As the solver's thread does, but that it looks the answers up.
   void solve() {
-    const std::optional<ReadyJob> ready = mailbox_.tryNext();
+    const std::optional<ReadyJob> ready = mailbox_.next(false);
     if (!ready) return;
     require(ready->problem && ready->job.targets_size() > 0 &&
                 ready->job.space() < ready->problem->active.size(),

@@ -125,7 +125,7 @@ void WorkerProcess::solve(Seconds now) {
   }
   // As the solver's thread: next() is what says that nothing is solved any more.
   if (work_ || mailbox_->solverError()) return;
-  if (auto job = mailbox_->tryNext()) {
+  if (auto job = mailbox_->next(false)) {
     work_ = Work{std::move(*job), 0, 0};
     beginTarget(now);
   }

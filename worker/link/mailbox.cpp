@@ -64,26 +64,12 @@ bool Mailbox::hasWork() {
   return !jobs_.empty() || progress_.heartbeat.solving();
 }
 
-std::optional<ReadyJob> Mailbox::next() {
+std::optional<ReadyJob> Mailbox::next(bool waits) {
   std::unique_lock lock(mutex_);
-  rest();
-  changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
-  return take();
-}
-
-std::optional<ReadyJob> Mailbox::tryNext() {
-  const std::lock_guard lock(mutex_);
-  rest();
-  return take();
-}
-
-void Mailbox::rest() {
   progress_.heartbeat.set_solving(false);
   // Whatever was to be forgotten was the job before this one.
   forget_current_ = false;
-}
-
-std::optional<ReadyJob> Mailbox::take() {
+  if (waits) changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
   if (jobs_.empty()) return std::nullopt;
   ReadyJob job = std::move(jobs_.front());
   jobs_.pop_front();

@@ -64,10 +64,8 @@ class Mailbox {
   int wakeUpDescriptor() const { return event_; }
 
   // Solver side.
-  /// Waits for a job. Nothing: closed, end the thread.
-  std::optional<ReadyJob> next();
-  /// The same without waiting. Nothing also when there is no job.
-  std::optional<ReadyJob> tryNext();
+  /// Waits for a job, if it `waits`. Nothing: closed, end the thread; else, there is none yet.
+  std::optional<ReadyJob> next(bool waits = true);
   /// Call before each target. False: the job was forgotten, go on with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
   /// Leaves a target for the network thread. Wakes it, unless it was woken a moment ago and the job
@@ -77,8 +75,6 @@ class Mailbox {
   void solverEnds(const std::string& error);
 
  private:
-  void rest();
-  std::optional<ReadyJob> take();
   void wakeNetwork();
 
   const std::chrono::milliseconds gathers_for_;

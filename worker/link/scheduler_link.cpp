@@ -8,7 +8,6 @@
 #include <cstdlib>
 
 #include "common/base/program.hpp"
-#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {
@@ -17,40 +16,20 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds poll_interval{50};
 
-std::string hostName() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
-
-SessionOptions sessionOf(const LinkOptions& options, const ElementKernels& kernels) {
-  return {.endpoint = options.endpoint,
-          .worker_id = options.worker_id,
-          .ended = options.ended,
-          .host = hostName(),
-          .pid = static_cast<std::uint32_t>(getpid()),
-          .kernel_family = arithmetic(kernels),
-          .runs = otherArithmetic(),
-          .give_up_s = options.give_up_s,
-          .leave_idle_s = options.leave_idle_s,
-          .drain_s = options.drain_s};
-}
-
 /// Should this thread wait for the solver's, for a lock that it never lets go.
 void endAnyway(double drain_s) { alarm(static_cast<unsigned>(std::ceil(drain_s)) + 1); }
 
 }  // namespace
 
-std::string randomWorkerId() { return randomBytes(16); }
-
-SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox,
-                             const ElementKernels& kernels, LinkOptions options)
-    : context_(context), mailbox_(mailbox), kernels_(kernels), options_(std::move(options)) {}
+SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
+                             std::optional<KeyFolder> keys)
+    : context_(context), mailbox_(mailbox), options_(std::move(options)), keys_(std::move(keys)) {}
 
 void SchedulerLink::connect() {
   handshakes_.reset();
   socket_ = makeDealer(context_);
   // Read again each time: keys may be replaced while workers run.
-  if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
+  if (keys_) proveAsClient(socket_, *keys_, options_.endpoint);
   handshakes_.emplace(context_, socket_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
   socket_.set(zmq::sockopt::routing_id, "w" + options_.worker_id);
@@ -77,7 +56,7 @@ ExitCode SchedulerLink::run() {
   const auto add = [this](wire::Message message, std::string_view payload) {
     outbox_.add(std::move(message), payload);
   };
-  WorkerSession session(mailbox_, sessionOf(options_, kernels_), add, Clock::now());
+  WorkerSession session(mailbox_, options_, add, Clock::now());
   for (bool draining = false;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
     tellTrouble(handshakes_->trouble());

@@ -3,36 +3,22 @@
 #include "common/base/error.hpp"
 #include "common/wire/bundle.hpp"
 #include "common/wire/curve.hpp"
-#include "worker/elements/kernel_family.hpp"
 #include "worker/link/worker_session.hpp"
 
 namespace palpate {
 
-/// 16 random bytes.
-std::string randomWorkerId();
-
-struct LinkOptions {
-  /// Of the scheduler, as checkEndpoint() wants it.
-  std::string endpoint = default_endpoint;
-  std::optional<KeyFolder> keys;  ///< nothing: the scheduler asks for none
-  double give_up_s = SessionOptions().give_up_s;
-  double drain_s = SessionOptions().drain_s;  ///< counted from SIGTERM
-  double leave_idle_s = 0;                    ///< as SessionOptions has it
-  std::string worker_id = randomWorkerId();
-  std::vector<std::string> ended;  ///< as SessionOptions has it
-};
-
 /// The network thread of a worker process: the socket and the clock around a WorkerSession.
 class SchedulerLink {
  public:
-  /// The references must outlive this object.
-  SchedulerLink(zmq::context_t& context, Mailbox& mailbox, const ElementKernels& kernels,
-                LinkOptions options);
+  /// The references must outlive this object. Without `keys` the scheduler asks for none.
+  SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
+                std::optional<KeyFolder> keys);
 
   /// Serves until there is no more work (done), or SIGINT or SIGTERM came and what was in work was
-  /// delivered or handed back (interrupted), within LinkOptions::drain_s whatever the solver does.
-  /// Error when the scheduler refuses this worker or says nothing for LinkOptions::give_up_s, when
-  /// the solver thread gave up. A solve that hangs ends the process (SIGKILL).
+  /// delivered or handed back (interrupted), within SessionOptions::drain_s whatever the solver
+  /// does. Error when the scheduler refuses this worker or says nothing for
+  /// SessionOptions::give_up_s, when the solver thread gave up. A solve that hangs ends the process
+  /// (SIGKILL).
   ExitCode run();
   /// run() ended because the scheduler wants this worker with these kernels (beginAnewWith); empty
   /// otherwise.
@@ -45,8 +31,8 @@ class SchedulerLink {
 
   zmq::context_t& context_;
   Mailbox& mailbox_;
-  const ElementKernels& kernels_;
-  const LinkOptions options_;
+  const SessionOptions options_;
+  const std::optional<KeyFolder> keys_;
   zmq::socket_t socket_;
   Inbox inbox_;
   Bundler outbox_;

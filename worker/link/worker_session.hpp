@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// What a worker says of itself, and how patient it is.
+/// Where a worker goes, what it says of itself, and how patient it is.
 struct SessionOptions {
-  /// Of the scheduler, for messages to people.
+  /// Of the scheduler, as checkEndpoint() wants it.
   std::string endpoint = default_endpoint;
   /// Its own name, 1 to 64 bytes, and those of the workers in whose place it was started because
   /// their processes ended, which the scheduler is told.

@@ -16,7 +16,7 @@ bool isAwake(const Mailbox& mailbox) {
 /// With a job in work.
 void begin(Mailbox& mailbox) {
   mailbox.put({std::make_shared<Problem>(), {}, nullptr});
-  ASSERT_TRUE(mailbox.tryNext());
+  ASSERT_TRUE(mailbox.next(false));
 }
 
 void finish(Mailbox& mailbox, bool last = false) {

@@ -86,7 +86,7 @@ struct WorkerSessionTest : testing::Test {
   }
   /// The solver takes a job and begins with its first target.
   wire::Job beginJob() {
-    const auto ready = mailbox.tryNext();
+    const auto ready = mailbox.next(false);
     EXPECT_TRUE(ready && mailbox.begin(ready->job.id(), ready->job.targets(0).point()));
     return ready ? ready->job : wire::Job();
   }
@@ -94,7 +94,7 @@ struct WorkerSessionTest : testing::Test {
     auto [result, payload] =
         test::solve(problem, job.space(), fromWire(job.targets(0).point()), fromWire(job.start()));
     mailbox.finish({result, payload, true});
-    EXPECT_FALSE(mailbox.tryNext());
+    EXPECT_FALSE(mailbox.next(false));
   }
   void solveOrigin() {
     giveJob(originJob());
