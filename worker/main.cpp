@@ -12,13 +12,13 @@ using namespace palpate;
 ExitCode printKernels() {
   prepareBlas();
   fmt::print("{}\n", arithmetic(chooseKernels()));
-  if (const std::string why = whyBlasIsSlow(); !why.empty()) fmt::print("{}\n", why);
+  if (const std::string why = whyOtherBlasKernels(); !why.empty()) fmt::print("{}\n", why);
   return ExitCode::done;
 }
 
 /// `palpate-worker kernels`: the kernels that solve on this machine ("avx512/SkylakeX"), and on a
-/// second line why they are slower than its CPU allows, when they are. For `palpate doctor`, whose
-/// program has no OpenBLAS; exit 1 when they compute wrong products.
+/// second line why they are not those of its CPU's family, when they are not. For `palpate doctor`,
+/// whose program has no OpenBLAS; exit 1 when the system refuses it memory.
 const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
                            [](CLI::App&) { return std::function<ExitCode()>(printKernels); }};
 

@@ -86,7 +86,7 @@ SceneReport reportOf(const Problem& problem) {
   report.cores = coreCount();
   report.arithmetic = arithmetic(chooseKernels());
   report.warnings = warningsOf(problem);
-  if (const std::string why = whyBlasIsSlow(); !why.empty()) report.warnings.push_back(why);
+  if (const std::string why = whyOtherBlasKernels(); !why.empty()) report.warnings.push_back(why);
   warnOfWays(report);
   return report;
 }

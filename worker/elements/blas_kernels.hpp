@@ -8,12 +8,10 @@
 /// OPENBLAS_CORETYPE, read at that moment, overrules it.
 namespace palpate {
 
-/// Call first thing in main(). Starts the program anew, in the same process and with the same
-/// arguments: with OPENBLAS_NUM_THREADS=1 when it was loaded without, because each of its threads
-/// takes 128 MiB of address space; and, when OpenBLAS chose other kernels than those of this CPU's
-/// family (blasKernelsOf), or kernels that compute wrong products here, with OPENBLAS_CORETYPE set
-/// to the fastest that are right. Returns in the process that is to go on. A core type that the
-/// user set stays.
+/// Call first thing in main(). Starts the program once more, in the same process and with the same
+/// arguments, with OPENBLAS_CORETYPE set to the kernels of this CPU's family (blasKernelsOf), and
+/// with OPENBLAS_NUM_THREADS=1, because each thread of OpenBLAS takes 128 MiB of address space.
+/// Returns in the process that is to go on. A core type that the user set stays.
 ///
 /// Kernels that are as fast have other bits (Cooperlake and SkylakeX in single precision), so all
 /// machines of a family take the same ones.
@@ -28,12 +26,11 @@ bool blasKernelsMayBeChosen();
 /// For the program that takes the place of this one (execve): it computes with these.
 void chooseBlasKernelsOfNext(const std::string& kernels);
 
-/// Why they are slower than this CPU allows, and what to do; empty when they are not.
-std::string whyBlasIsSlow();
+/// Why they are not those of this CPU's family, and what to do; empty when they are.
+std::string whyOtherBlasKernels();
 
-/// For what is to compute with OpenBLAS in this process, on any thread: holds it to one thread.
-/// Error when the system refuses the memory that it needs, or its products are wrong; both are
-/// checked once. Ends the process (exit 1) when OpenBLAS computes no product within a minute.
+/// For what is to compute with OpenBLAS in this process, on any thread: holds it to one thread and
+/// lets it take its memory, once. Error when the system refuses it.
 void prepareBlas();
 
 }  // namespace palpate

@@ -43,7 +43,7 @@ enum class Precision : std::uint8_t { single_precision, double_precision };
 /// thread. BLAS is held to one thread.
 class LinearSolver {
  public:
-  /// A new one, never null. Error when the analysis fails, or OpenBLAS computes wrong products
+  /// A new one, never null. Error when the analysis fails, or OpenBLAS gets no memory
   /// (prepareBlas). `pattern` is copied. `singular`: the matrix may have a null space (the spurious
   /// pressure modes of P1/P1); pivots that vanish are then detected and their unknowns kept at
   /// zero.
