@@ -276,8 +276,8 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
       scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
-      // Another finger may be taken; what else is wrong stays wrong.
-      if (std::string(error.what()).find("finger") == std::string::npos) throw;
+      // Another finger may be taken; what else is wrong stays wrong, and the first says it.
+      if (error.exitCode() != ExitCode::usage) throw;
       if (!refusal) refusal = error;
       continue;
     }
