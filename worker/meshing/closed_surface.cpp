@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "common/base/assertion.hpp"
@@ -186,26 +187,12 @@ class SurfaceRepair {
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
     if (flat > 0) note("{} triangles without area are left out", flat);
-    std::vector<std::pair<Triangle, std::int32_t>> order;
-    order.reserve(triangles_.size());
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      Triangle sorted = triangles_[t];
-      std::ranges::sort(sorted);
-      order.emplace_back(sorted, static_cast<std::int32_t>(t));
-    }
-    std::ranges::sort(order);
-    std::vector<bool> repeated(triangles_.size());
-    std::int64_t count = 0;
-    for (std::size_t i = 1; i < order.size(); ++i)
-      if (order[i].first == order[i - 1].first) {
-        repeated[order[i].second] = true;
-        ++count;
-      }
-    if (count > 0) {
-      note("{} triangles that are there twice are left out", count);
-      std::size_t number = 0;
-      std::erase_if(triangles_, [&](const Triangle&) { return repeated[number++]; });
-    }
+    std::set<Triangle> known;
+    const auto repeated = std::erase_if(triangles_, [&](Triangle corners) {
+      std::ranges::sort(corners);
+      return !known.insert(corners).second;
+    });
+    if (repeated > 0) note("{} triangles that are there twice are left out", repeated);
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
   }
 
@@ -291,8 +278,7 @@ class SurfaceRepair {
       }
     });
     if (more.empty()) return false;
-    std::size_t number = 0;
-    std::erase_if(triangles_, [&](const Triangle&) { return done[number++]; });
+    remove(done);
     triangles_.insert(triangles_.end(), more.begin(), more.end());
     return true;
   }
@@ -341,22 +327,32 @@ class SurfaceRepair {
 
   /// Where the largest is meant, a leaf that floats beside it is no reason to refuse.
   void leaveOutOpenScraps() {
-    const auto largest = std::ranges::max_element(shells_, {}, &SurfaceShell::area);
-    const auto isScrap = [&](const SurfaceShell& s) { return &s != &*largest && s.open_edges > 0; };
-    const auto count = std::ranges::count_if(shells_, isScrap);
-    if (count == 0) return;
-    std::vector<bool> kept(triangles_.size(), true);
-    for (const SurfaceShell& shell : shells_)
-      if (isScrap(shell))
-        for (const std::int32_t t : shell.triangles) kept[t] = false;
-    keep(kept);
-    note("{} open pieces beside the largest are left out", count);
+    const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
+    const std::size_t count = leaveOut(
+        [&](const SurfaceShell& shell) { return shell.area < largest && shell.open_edges > 0; });
+    if (count > 0) note("{} open pieces beside the largest are left out", count);
   }
 
-  void keep(const std::vector<bool>& kept) {
+  /// How many of the shells are `idle`; they go.
+  template <class Idle>
+  std::size_t leaveOut(Idle idle) {
+    std::vector<bool> gone(triangles_.size());
+    std::size_t count = 0;
+    for (const SurfaceShell& shell : shells_) {
+      if (!idle(shell)) continue;
+      ++count;
+      for (const std::int32_t t : shell.triangles) gone[t] = true;
+    }
+    if (count > 0) {
+      remove(gone);
+      findShells();
+    }
+    return count;
+  }
+
+  void remove(const std::vector<bool>& gone) {
     std::size_t number = 0;
-    std::erase_if(triangles_, [&](const Triangle&) { return !kept[number++]; });
-    findShells();
+    std::erase_if(triangles_, [&](const Triangle&) { return gone[number++]; });
   }
 
   Eigen::Vector3d middleOf(const Side& side) const {
@@ -451,18 +447,13 @@ class SurfaceRepair {
     }
     // Of a sphere it is 0.094.
     constexpr double flat = 1e-6;
-    std::vector<bool> kept(triangles_.size(), true);
-    std::int64_t left_out = 0;
-    for (const SurfaceShell& shell : shells_)
-      if (std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5)) {
-        ++left_out;
-        for (const std::int32_t t : shell.triangles) kept[t] = false;
-      }
-    if (left_out == static_cast<std::int64_t>(shells_.size()))
-      throw wrong("the surface encloses no volume: it is flat, or lies on itself");
+    const std::size_t left_out = leaveOut([](const SurfaceShell& shell) {
+      return std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5);
+    });
     if (left_out == 0) return;
+    if (triangles_.empty())
+      throw wrong("the surface encloses no volume: it is flat, or lies on itself");
     note("{} pieces that enclose no volume are left out", left_out);
-    keep(kept);
     measureShells();
   }
 
