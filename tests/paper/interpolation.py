@@ -1,4 +1,4 @@
-"""Figs. 8 and 9 of the paper: how wrong interpolated forces are, by method and lattice; and the methods of this project.
+"""Figs. 8 and 9 of the paper: how wrong interpolated forces are, by method and lattice; and the method of this project.
 
 Errors are of the force vector, so they do not divide by components that are zero (Eqs. 13 and 14 do): absolute |f' - f|
 in N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation when the 8 corners of its cell
@@ -14,10 +14,9 @@ import references
 from record import NotMeasured, content, needed
 
 PAPERS = ["trilinear", "tricubic", "rbf-linear", "rbf-cubic"]
-OURS = ["hermite", "potential"]
+OURS = ["potential"]
 LARGEST_RBF = 5000  # solved points for which the client makes radial functions; beyond it SciPy does here
-LABELS = {"trilinear": "tri-linear", "tricubic": "tri-cubic", "rbf-linear": "RBF r", "rbf-cubic": "RBF r³", "hermite": "hermite",
-          "potential": "potential"}
+LABELS = {"trilinear": "tri-linear", "tricubic": "tri-cubic", "rbf-linear": "RBF r", "rbf-cubic": "RBF r³", "potential": "potential"}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -27,13 +27,13 @@ constexpr double spacing = 0.005;
 /// The methods that are made of nodal data.
 class EveryCellField : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(CellField, EveryCellField,
-                         ::testing::Values("trilinear", "tricubic", "hermite", "potential"),
+                         ::testing::Values("trilinear", "tricubic", "potential"),
                          [](const auto& method) { return method.param; });
 
 /// Those without an energy, whose forces are blended where branches meet.
 class EveryBlendedField : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(CellField, EveryBlendedField,
-                         ::testing::Values("trilinear", "tricubic", "hermite"),
+                         ::testing::Values("trilinear", "tricubic"),
                          [](const auto& method) { return method.param; });
 
 SpaceTable smooth() { return solvedSpace(Lattice(radius, spacing), StiffeningEnergy()); }
@@ -190,7 +190,7 @@ TEST_P(EveryCellField, CoversByTheSolvedCornersAround) {
   EXPECT_LT(rim.coverage, 1);
 }
 
-TEST(HermiteField, TricubicCountsThePointsOfItsDifferencesAsCornersToo) {
+TEST(TricubicField, CountsThePointsOfItsDifferencesAsCornersToo) {
   const Vector3d beside_the_hole(-0.0025, 0.0025, 0.0025);
   EXPECT_DOUBLE_EQ(makeForceField("tricubic", smooth())->evaluate(beside_the_hole).coverage, 1);
   EXPECT_LT(makeForceField("tricubic", withHoles())->evaluate(beside_the_hole).coverage, 1);
@@ -245,26 +245,21 @@ double meanError(std::string_view method, double h, double reach) {
   return sum;
 }
 
-TEST(HermiteField, ConvergesWithTheFourthPowerOfTheSpacingAndTricubicWithTheThird) {
-  EXPECT_GT(std::log2(meanError("hermite", 0.004, 0.008) / meanError("hermite", 0.002, 0.008)),
-            3.8);
+TEST(TricubicField, ConvergesWithTheThirdPowerOfTheSpacing) {
   EXPECT_GT(std::log2(meanError("tricubic", 0.004, 0.008) / meanError("tricubic", 0.002, 0.008)),
             2.8);
 }
 
-TEST(HermiteField, ReproducesCubicEnergiesWhereverTheLatticeIsComplete) {
+TEST(TricubicField, ReproducesCubicEnergiesWhereverTheLatticeIsComplete) {
   const PolynomialEnergy cubic(3, radius);
-  for (const SpaceTable& space : {solvedSpace(Lattice(radius, spacing), cubic), refined(cubic)})
-    for (const std::string method : {"hermite", "tricubic"}) {
-      const auto field = makeForceField(method, space);
-      for (const Vector3d& p : pointsInBall(0.008, 300)) {
-        const ForceSample sample = field->evaluate(p);
-        EXPECT_LE((sample.force + cubic.gradient(p)).norm(), 1e-6 * cubic.gradient(p).norm())
-            << method;
-        EXPECT_LE((sample.stiffness + cubic.hessian(p)).norm(), 1e-6 * cubic.hessian(p).norm())
-            << method;
-      }
+  for (const SpaceTable& space : {solvedSpace(Lattice(radius, spacing), cubic), refined(cubic)}) {
+    const auto field = makeForceField("tricubic", space);
+    for (const Vector3d& p : pointsInBall(0.008, 300)) {
+      const ForceSample sample = field->evaluate(p);
+      EXPECT_LE((sample.force + cubic.gradient(p)).norm(), 1e-6 * cubic.gradient(p).norm());
+      EXPECT_LE((sample.stiffness + cubic.hessian(p)).norm(), 1e-6 * cubic.hessian(p).norm());
     }
+  }
 }
 
 TEST(TrilinearField, ErrorBoundHoldsForSmoothForces) {

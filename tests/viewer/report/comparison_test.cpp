@@ -153,7 +153,7 @@ TEST_F(ComparisonTest, TakesOneMethod) {
   options.report.methods = {"trilinear"};
   EXPECT_EQ(json()["method"], "trilinear");
   options.report.methods = {"trilinear", "potential"};
-  expectBadInput([&] { run(); }, {"--methods", "one method", "hermite"});
+  expectBadInput([&] { run(); }, {"--methods", "one method", "tricubic"});
   options.report.methods = {"cubic"};
   expectBadInput([&] { run(); }, {"--methods", "potential"});
 }

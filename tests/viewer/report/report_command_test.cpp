@@ -208,9 +208,9 @@ TEST_F(RefinedReport, ShowsActiveNodesOnTheOrganInTheColourOfTheirBounds) {
   EXPECT_THAT(organ, AllOf(HasSubstr("the mean error bound of potential"),
                            HasSubstr("the largest error bound"), HasSubstr("<title>tip: "),
                            HasSubstr("from above"), HasSubstr("fixed node")));
-  options.report.methods = {"hermite"};
+  options.report.methods = {"tricubic"};
   EXPECT_THAT(between(page(), "id=\"organ\"", "id=\"maps\""),
-              HasSubstr("hermite gives no error bound here"));
+              HasSubstr("tricubic gives no error bound here"));
 }
 
 TEST_F(RefinedReport, TableFitsATerminal) {
@@ -446,7 +446,7 @@ TEST_F(RefinedReport, ProgramPrintsTheTableAndWritesThePage) {
                   PALPATE_BIN_DIR, file, html));
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(result.output,
-              AllOf(HasSubstr("potential"), HasSubstr("trilinear"), Not(HasSubstr("hermite"))));
+              AllOf(HasSubstr("potential"), HasSubstr("trilinear"), Not(HasSubstr("tricubic"))));
   EXPECT_TRUE(std::filesystem::exists(html));
 }
 
