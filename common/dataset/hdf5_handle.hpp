@@ -8,9 +8,8 @@
 #include "common/base/content_id.hpp"
 #include "common/base/error.hpp"
 
-/// What datasets, recordings and exported files need of the HDF5 C API. Not thread-safe, as the
-/// library is not. For common/dataset, viewer/haptics/recording.cpp,
-/// viewer/report/dataset_facts.cpp and viewer/export/vtkhdf.cpp only.
+/// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
+/// common/dataset, viewer/haptics/recording.cpp and viewer/report/dataset_facts.cpp only.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's own printing to stderr; called by every Reader and Writer.

@@ -53,24 +53,19 @@ void Writer::setAttribute(const Handle& object, const char* attribute, hid_t typ
   check(created.close(), attribute);
 }
 
-void Writer::setText(const Handle& object, const char* attribute, std::string_view text,
-                     H5T_cset_t characters) {
+void Writer::setText(const Handle& object, const char* attribute, std::string_view text) {
   const Handle type = own(H5Tcopy(H5T_C_S1), H5Tclose, attribute);
   std::string value(text);
   if (value.empty()) value.push_back('\0');  // HDF5 has no strings of size 0
   check(H5Tset_size(type.get(), value.size()), attribute);
   check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), attribute);
-  check(H5Tset_cset(type.get(), characters), attribute);
+  check(H5Tset_cset(type.get(), H5T_CSET_UTF8), attribute);
   const Handle space = own(H5Screate(H5S_SCALAR), H5Sclose, attribute);
   setAttribute(object, attribute, type.get(), space.get(), value.data());
 }
 
 void Writer::setText(const std::string& object, const char* attribute, std::string_view text) {
   setText(open(object), attribute, text);
-}
-
-void Writer::setAscii(const std::string& object, const char* attribute, std::string_view text) {
-  setText(open(object), attribute, text, H5T_CSET_ASCII);
 }
 
 void Writer::setIntegers(const std::string& object, const char* attribute,

@@ -21,8 +21,6 @@ class Writer : public NamedFile {
   void makeGroup(const std::string& path);  ///< whose parent is there
   /// An attribute of a group or an array that was written: text, a short list, or one number.
   void setText(const std::string& object, const char* attribute, std::string_view text);
-  /// Text that is called ASCII, which is all that some readers take.
-  void setAscii(const std::string& object, const char* attribute, std::string_view text);
   void setIntegers(const std::string& object, const char* attribute,
                    std::span<const std::int32_t> values);
   void setNumber(const std::string& object, const char* attribute, double value);
@@ -62,8 +60,7 @@ class Writer : public NamedFile {
   void refuseFullDisk() const;
   void setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
-  void setText(const Handle& object, const char* attribute, std::string_view text,
-               H5T_cset_t characters = H5T_CSET_UTF8);
+  void setText(const Handle& object, const char* attribute, std::string_view text);
   Handle open(const std::string& object) const;
 
   NewFile disk_;

@@ -15,7 +15,6 @@
 #include "viewer/export/export_target.hpp"
 #include "viewer/export/force_curve.hpp"
 #include "viewer/export/touch_way.hpp"
-#include "viewer/export/vtkhdf.hpp"
 #include "viewer/export/vtu.hpp"
 #include "viewer/fields/field_choice.hpp"
 
@@ -34,7 +33,7 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const std::string name = target.file().string();
   if (target.holdsWay()) {
     if (has_point)
-      throw badInput("{}: a way has no --point; write one configuration as .vtu or .vtkhdf", name);
+      throw badInput("{}: a way has no --point; write one configuration as .vtu", name);
     if (!is_path && options.steps == 0)
       throw badInput("{}: --steps N is needed, for a straight way from rest, or --displacement -",
                      name);
@@ -65,14 +64,6 @@ std::string describe(const ConfigurationGrid& grid) {
                                        "in the scene gives the volume, pressures and det F");
 }
 
-void writeOne(const ExportTarget& target, const Grid& grid) {
-  if (target.format() == ExportFormat::vtu) {
-    replaceFile(target.file(), vtuBytes(grid), "grid");
-    return;
-  }
-  replaceFile(target.file(), [&](const std::filesystem::path& aside) { writeVtkHdf(aside, grid); });
-}
-
 ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
   const std::string& method = options.method.empty() ? forceFieldMethods().front() : options.method;
   return ForceAnswers(dataset, options.active, !options.at.empty(), method);
@@ -98,7 +89,7 @@ ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const E
   const Configuration configuration = chosenConfiguration(options, dataset);
   const ConfigurationGrid grid(dataset);
   endWhenInterrupted();
-  writeOne(target, grid.of(configuration));
+  replaceFile(target.file(), vtuBytes(grid.of(configuration)), "grid");
   output << fmt::format("{}: {}\n", target.file().string(), describe(grid));
   return codeOf(configuration.sample.inside ? 0 : 1, 1);
 }

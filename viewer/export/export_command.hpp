@@ -8,8 +8,7 @@ namespace palpate {
 
 struct ExportOptions {
   std::filesystem::path dataset;
-  /// Its ending says the format: .vtu, .vtkhdf or .hdf for one configuration, .pvd or .csv for a
-  /// way.
+  /// Its ending says the format: .vtu for one configuration, .pvd or .csv for a way.
   std::filesystem::path output;
   /// An active node or the area of a finger; may be empty when the dataset has one only.
   std::string active = {};

@@ -19,11 +19,9 @@ struct Ending {
   const char* holds;
 };
 
-constexpr std::array<Ending, 5> known_endings = {
+constexpr std::array<Ending, 3> known_endings = {
     {{".vtu", ExportFormat::vtu, "one configuration, VTK's XML"},
      {".pvd", ExportFormat::pvd, "a way, as a series of .vtu"},
-     {".hdf", ExportFormat::vtkhdf, "one configuration, VTKHDF"},
-     {".vtkhdf", ExportFormat::vtkhdf, "the same"},
      {".csv", ExportFormat::csv, "forces along a way"}}};
 
 ExportFormat formatOf(const std::filesystem::path& file) {

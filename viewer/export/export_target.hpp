@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-enum class ExportFormat : std::uint8_t { vtu, pvd, vtkhdf, csv };
+enum class ExportFormat : std::uint8_t { vtu, pvd, csv };
 
 /// The file that is to be written: its format by its ending, and the folder beside a .pvd that its
 /// series lies in, which has its name.

@@ -23,7 +23,7 @@ constexpr int pointsOf(CellKind kind) {
   return kind == CellKind::triangle ? 3 : kind == CellKind::tetrahedron ? 4 : 10;
 }
 
-/// An unstructured grid of one kind of cells, whatever format it is written in.
+/// An unstructured grid of one kind of cells.
 struct Grid {
   CellKind kind = CellKind::tetrahedron;
   std::vector<double> points = {};       ///< x y z, metres, point after point

@@ -327,25 +327,6 @@ TEST_F(Hdf5WriterTest, AttributesAreReadBack) {
   EXPECT_FALSE(reader.hasAttribute("other"));
 }
 
-/// VTK takes the type of a grid in ASCII only.
-TEST_F(Hdf5WriterTest, ATextCanBeCalledAscii) {
-  Writer writer(file);
-  writer.makeGroup("/grid");
-  writer.setAscii("/grid", "Type", "UnstructuredGrid");
-  writer.setText("/grid", "name", "UnstructuredGrid");
-  writer.close();
-  const Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  const auto charactersOf = [&](const char* name) {
-    const Handle attribute(H5Aopen_by_name(opened.get(), "/grid", name, H5P_DEFAULT, H5P_DEFAULT),
-                           H5Aclose);
-    const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-    EXPECT_EQ(H5Tget_size(type.get()), 16U);
-    return H5Tget_cset(type.get());
-  };
-  EXPECT_EQ(charactersOf("Type"), H5T_CSET_ASCII);
-  EXPECT_EQ(charactersOf("name"), H5T_CSET_UTF8);
-}
-
 /// HDF5 stamps with seconds, unless it is told not to.
 TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
   const auto write = [&](const char* name) {

@@ -22,12 +22,10 @@ struct ExportTargetTest : testing::Test {
 TEST_F(ExportTargetTest, TheEndingSaysTheFormat) {
   EXPECT_EQ(ExportTarget("a.vtu").format(), ExportFormat::vtu);
   EXPECT_EQ(ExportTarget("a.b.pvd").format(), ExportFormat::pvd);
-  EXPECT_EQ(ExportTarget("a.vtkhdf").format(), ExportFormat::vtkhdf);
-  EXPECT_EQ(ExportTarget("a.hdf").format(), ExportFormat::vtkhdf);
   EXPECT_EQ(ExportTarget("a.csv").format(), ExportFormat::csv);
-  for (const char* file : {"a.vtk", "a", ".vtu", "a.h5", "a.VTU", ""})
+  for (const char* file : {"a.vtk", "a", ".vtu", "a.h5", "a.vtkhdf", "a.VTU", ""})
     expectBadInput([&] { ExportTarget{file}; },
-                   {std::string("-o ") + file, ".vtu", ".pvd", ".vtkhdf", ".hdf", ".csv"});
+                   {std::string("-o ") + file, ".vtu", ".pvd", ".csv"});
 }
 
 TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
@@ -40,7 +38,7 @@ TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
 }
 
 TEST_F(ExportTargetTest, TheDatasetAndFoldersAreNeverReplaced) {
-  const std::filesystem::path named_so = directory / "organ.hdf";
+  const std::filesystem::path named_so = directory / "organ.vtu";
   std::filesystem::create_hard_link(dataset, named_so);
   expectBadInput([&] { ExportTarget(named_so).refuseWhatIsThere(dataset, true); },
                  {"which is read and would be replaced"});

@@ -22,11 +22,10 @@ except ImportError:  # among the packages of the tests
     h5py = np = None
 try:
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOHDF import vtkHDFReader
     from vtkmodules.vtkIOImage import vtkPNGReader
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 except ImportError:
-    vtkHDFReader = None
+    vtkXMLUnstructuredGridReader = None
 try:
     import meshio
 except ImportError:
@@ -40,7 +39,7 @@ from virtual_screen import virtual_screen
 # Ends of the edges of VTK's quadratic tetrahedron, in the order of its mid-edge nodes.
 EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
 
-needs_vtk = unittest.skipUnless(h5py and vtkHDFReader, "NOT TESTED: needs python3-h5py, and VTK for Python "
+needs_vtk = unittest.skipUnless(h5py and vtkXMLUnstructuredGridReader, "NOT TESTED: needs python3-h5py, and VTK for Python "
                                 "(Debian: python3-paraview)")
 needs_meshio = unittest.skipUnless(meshio, "NOT TESTED: needs python3-meshio")
 needs_paraview = unittest.skipUnless(shutil.which("pvpython") and shutil.which("Xvfb"),
@@ -118,7 +117,7 @@ class VtkGrid:
     """A grid as VTK has it: points, cells (one row each), cell_type, and arrays by name."""
 
     def __init__(self, file):
-        reader = vtkHDFReader() if file.suffix in (".hdf", ".vtkhdf") else vtkXMLUnstructuredGridReader()
+        reader = vtkXMLUnstructuredGridReader()
         reader.SetFileName(str(file))
         reader.Update()
         grid = reader.GetOutput()
@@ -271,17 +270,6 @@ class ExportedBody(ExportedBox):
             self.holds(grid, self.row(1, -1, -1))
             self.holds_volume(grid, self.row(1, -1, -1))
 
-    def testIsTheSameInVtkHdf(self):
-        for displacement, name in (("P1", "touch.vtkhdf"), ("P2", "touch.hdf")):
-            self.build(displacement)
-            file = self.export(name, "--point", "1", "-1", "-1")
-            grid = VtkGrid(file)
-            self.holds(grid, self.row(1, -1, -1))
-            self.holds_volume(grid, self.row(1, -1, -1))
-            with h5py.File(file) as hdf:
-                self.assertEqual(hdf.attrs["scene"].decode(), "a box & <more>")
-                self.assertEqual(hdf["VTKHDF/PointData/pressure"].attrs["unit"].decode(), "Pa")
-
     def testOfTheSurfaceIsThatOfTheDataset(self):
         for displacement in ("P1", "P2"):
             self.build(displacement, stored="surface")
@@ -432,8 +420,7 @@ import sys
 from paraview import simple
 
 def opened(name):
-    # ParaView 5.11 knows .hdf; .vtkhdf must be told.
-    reader = simple.VTKHDFReader(FileName=[name]) if name.endswith(".vtkhdf") else simple.OpenDataFile(name)
+    reader = simple.OpenDataFile(name)
     reader.UpdatePipeline()
     return reader
 
@@ -462,11 +449,9 @@ class ExportedToParaView(ExportedBox):
     def testOpensEveryFormatAndDrawsTheDeformedBody(self):
         self.build("P2")
         (self.folder / "open.py").write_text(PARAVIEW, encoding="utf-8")
-        self.export("touch.vtkhdf", "--point", "1", "-1", "-1")
-        self.export("touch.hdf", "--point", "1", "-1", "-1")
         self.export("touch.vtu", "--point", "1", "-1", "-1")
         self.export("press.pvd", "--displacement", "0.004", "0", "-0.003", "--steps", "2")
-        files = ["touch.vtkhdf", "touch.hdf", "touch.vtu", "press.pvd"]
+        files = ["touch.vtu", "press.pvd"]
         command = ["pvpython", "--force-offscreen-rendering", "open.py", "body.png", *files]
         with virtual_screen() as env:
             pvpython = subprocess.run(command, cwd=self.folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
