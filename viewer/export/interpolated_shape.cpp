@@ -30,9 +30,11 @@ InterpolatedShape::InterpolatedShape(const Dataset& dataset, const ActiveChoice&
 NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
                                   const Eigen::Vector3d& displacement) {
   std::map<Key, double> factors;
-  for (const auto& [space, weight] : spacesAt(place))
-    for (const PointShare& share : blendOf(space).sharesAt(displacement))
-      factors[{space, share.point}] += weight * share.factor;
+  for (const auto& [space, weight] : spacesAt(place)) {
+    const PointBlend& blend = blends_.try_emplace(space, dataset_.spaces()[space]).first->second;
+    for (const PointShare& share : blend.sharesAt(displacement))
+      factors[{space, blend.points()[palpate::at(share.row)]}] += weight * share.factor;
+  }
   std::erase_if(read_, [&](const auto& row) { return !factors.contains(row.first); });
   Eigen::VectorXd displacements, pressures;
   for (const auto& [key, factor] : factors) {
@@ -61,10 +63,6 @@ std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
   if (spaces.empty()) return {{nearestSite(dataset_, choice_.spaces, *place), 1.0}};
   for (auto& [space, weight] : spaces) weight /= sum;
   return spaces;
-}
-
-const PointBlend& InterpolatedShape::blendOf(std::size_t space) {
-  return blends_.try_emplace(space, dataset_.spaces()[space]).first->second;
 }
 
 std::size_t nearestSite(const Dataset& dataset, const std::vector<std::size_t>& spaces,

@@ -6,7 +6,7 @@
 
 #include "common/dataset/dataset.hpp"
 #include "common/scene/active_choice.hpp"
-#include "viewer/export/point_blend.hpp"
+#include "viewer/fields/point_blend.hpp"
 #include "viewer/haptics/touch_surface.hpp"
 
 namespace palpate {
@@ -31,7 +31,6 @@ class InterpolatedShape {
   /// A configuration: space, and its lattice number.
   using Key = std::pair<std::size_t, std::int32_t>;
   std::vector<std::pair<std::size_t, double>> spacesAt(const std::optional<Eigen::Vector3d>& place);
-  const PointBlend& blendOf(std::size_t space);
 
   const Dataset& dataset_;
   const ActiveChoice choice_;

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "common/base/cpu_family.hpp"
-#include "common/base/error.hpp"
-#include "viewer/fields/slot_terms.hpp"
 
 namespace palpate {
 namespace {
@@ -24,44 +22,18 @@ PALPATE_PER_CPU_FAMILY void addRows(const std::array<const float*, rows_at_once>
 }  // namespace
 
 DisplacementField::DisplacementField(const SpaceTable& space, std::span<const float> displacements)
-    : DisplacementField(CellBranches(space), space.points.size(), displacements) {}
+    : DisplacementField(PointBlend(space), displacements) {}
 
-DisplacementField::DisplacementField(const CellBranches& data, std::size_t points,
-                                     std::span<const float> displacements)
-    : tree_(data.tree) {
-  const std::size_t row = displacements.size() / points;
-  if (row == 0 || row % 3 != 0 || displacements.size() != row * points)
-    throw failure("{} displacement values do not make three per node for {} lattice points",
-                  displacements.size(), points);
-  const std::vector<CellSlot>& slots = tree_.slots();
-  std::vector<std::int32_t> solved;
-  for (std::int32_t s = 0; s < std::ssize(slots); ++s)
-    if (slots[at(s)].kind == SlotKind::solved) solved.push_back(s);
-  if (solved.empty())
-    throw failure("no corner of a cell was solved, so there is no shape to continue");
-  const auto width = static_cast<Eigen::Index>(row);
-  ShapeRows shapes(std::ssize(solved), width);
-  for (Eigen::Index n = 0; n < shapes.rows(); ++n) {
-    const float* from = displacements.data() + at(slots[at(solved[at(n)])].number) * row;
-    shapes.row(n) = Eigen::Map<const Eigen::RowVectorXf>(from, width);
-  }
+DisplacementField::DisplacementField(const PointBlend& blend, std::span<const float> displacements)
+    : tree_(blend.tree()) {
+  const ShapeRows shapes = blend.rowsOf(displacements, 3);
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
   if (modeCount() == 0) return;  // nothing moves, and rows without columns lie nowhere
-  // Solved slots first, then what is continued from them, then what hangs between both.
-  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(slots), modes_.rows());
-  const ShapeRows of_solved = shapes * modes_.transpose();
-  for (Eigen::Index n = 0; n < shapes.rows(); ++n)
-    shares.row(solved[at(n)]) = of_solved.row(n).cast<double>();
-  for (std::int32_t s = 0; s < std::ssize(slots); ++s)
-    if (slots[at(s)].kind == SlotKind::ghost)
-      for (const SlotTerm& term : continuedFrom(solved, data, s))
-        shares.row(s) += term.factor * shares.row(term.slot);
-  for (const std::int32_t s : tree_.hangingSlots()) {
-    const CellSlot& slot = slots[at(s)];
-    const std::array<double, 8> weights = trilinearWeights(slot.local);
-    for (std::size_t c = 0; c < 8; ++c)
-      shares.row(s) += weights[c] * shares.row(tree_.corners(slot.leaf)[c]);
-  }
+  const Eigen::MatrixXd of_points = (shapes * modes_.transpose()).cast<double>();
+  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(tree_.slots()), modes_.rows());
+  for (Eigen::Index s = 0; s < shares.rows(); ++s)
+    for (const PointShare& share : blend.ofSlot(static_cast<std::int32_t>(s)))
+      shares.row(s) += share.factor * of_points.row(share.row);
   shares_ = shares.cast<float>();
 }
 

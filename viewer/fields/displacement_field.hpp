@@ -1,8 +1,6 @@
 #pragma once
 
-#include <span>
-
-#include "viewer/fields/cell_data.hpp"
+#include "viewer/fields/point_blend.hpp"
 #include "viewer/fields/shape_modes.hpp"
 
 namespace palpate {
@@ -10,9 +8,7 @@ namespace palpate {
 /// The deformed shape: displacements of all visible nodes, interpolated between the configurations
 /// of one space.
 ///
-/// Tri-linear in the leaf around, so continuous over the whole ball; error spacing^2. Corners that
-/// are not solved are continued from the up to 20 nearest that are, so that linear motions are
-/// exact, or from the nearest alone where those do not span the space.
+/// Tri-linear in the leaf around (PointBlend), so continuous over the whole ball; error spacing^2.
 ///
 /// Shapes are sums of a few orthogonal *modes*, as many as it takes for no coordinate of a stored
 /// shape to be off by more than `largest_shape_error` (shape_modes.hpp). A corner keeps its share
@@ -39,8 +35,7 @@ class DisplacementField {
   std::size_t modeCount() const { return static_cast<std::size_t>(modes_.rows()); }
 
  private:
-  DisplacementField(const CellBranches& data, std::size_t points,
-                    std::span<const float> displacements);
+  DisplacementField(const PointBlend& blend, std::span<const float> displacements);
   void evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept;
 
   CellTree tree_;

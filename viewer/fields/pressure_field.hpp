@@ -1,8 +1,6 @@
 #pragma once
 
-#include <span>
-
-#include "viewer/fields/cell_data.hpp"
+#include "viewer/fields/point_blend.hpp"
 
 namespace palpate {
 
@@ -27,17 +25,8 @@ class PressureField {
   void add(const Eigen::Vector3d& displacement, double weight, std::span<float> out) const noexcept;
 
  private:
-  /// A multiple of a row.
-  struct Term {
-    std::int32_t row;
-    float factor;
-  };
-  PressureField(const CellBranches& data, std::size_t points, std::span<const float> pressures);
-
-  CellTree tree_;
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;  ///< [solved][node]
-  std::vector<Term> terms_;
-  std::vector<std::size_t> first_terms_;  ///< per slot, and the end
+  PointBlend blend_;
+  PointRows rows_;
 };
 
 }  // namespace palpate
