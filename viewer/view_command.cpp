@@ -31,8 +31,6 @@ void check(const ViewOptions& options) {
                    options.device);
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse moves the tool in the picture: leave out --headless");
-  if (options.tutorial && options.device != window_device)
-    throw badInput("--tutorial shows the mouse at work: leave out --headless, --fast and --device");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }
@@ -71,8 +69,6 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");
   app.add_flag("--fast", options->fast, "Tick after tick without a clock (virtual hand, replay)");
-  app.add_flag("--tutorial", options->tutorial,
-               "Begin with the ten seconds of the first start, which show what the mouse can do");
   app.add_flag("--real-time", options->real_time, "Ask for SCHED_FIFO and locked memory");
   app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
   app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE, PNG")

@@ -25,7 +25,6 @@ struct ViewOptions {
   bool headless = false;
   bool fast = false;  ///< no clock: tick after tick
   bool real_time = false;
-  bool tutorial = false;             ///< begin with it, also at a later start than the first
   std::filesystem::path record;      ///< empty: nothing is recorded
   std::filesystem::path screenshot;  ///< empty: none
   std::filesystem::path video;       ///< directory; empty: none

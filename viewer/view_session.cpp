@@ -13,7 +13,6 @@
 #include "common/base/number_text.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/devices/device_choice.hpp"
-#include "viewer/first_start.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
 #include "viewer/loaded_models.hpp"
@@ -57,9 +56,6 @@ class ViewSession {
     ticks_ = std::llround(options_.duration * options_.rate);
     // A replay ends with its recording.
     if (ticks_ == 0) ticks_ = device_->readings();
-    // Not before: a start that fails, or that the person ends at once, is no first one.
-    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
-      picture_->playTutorial();
   }
 
   /// Until the window is closed, the duration is over, a replay has ended, or a signal came. The

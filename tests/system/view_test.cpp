@@ -26,10 +26,8 @@ struct ViewTest : testing::Test {
   ViewTest() {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    setenv("XDG_STATE_HOME", (directory / "state").c_str(), 1);
     seal(1);
   }
-  ~ViewTest() override { unsetenv("XDG_STATE_HOME"); }
 
   /// A cube that is touched all over its top, `factor` times as stiff as the softest.
   void seal(double factor) const {
@@ -179,27 +177,8 @@ TEST_F(ViewTest, DrawsWhileTheLoopKeepsItsTime) {
   EXPECT_GT(content("end.png").size(), 10000u);
 }
 
-TEST_F(ViewTest, TheFirstStartInAWindowShowsHowTheMousePressesAndNoOtherDoes) {
-  const test::VirtualScreen screen;
-  const std::vector<std::string> arguments = {"cube.h5", "--duration", "3.5", "--json"};
-  {
-    const std::string display = std::getenv("DISPLAY");
-    unsetenv("DISPLAY");
-    EXPECT_EQ(start(arguments)->wait(), 1) << "this one saw no window";
-    setenv("DISPLAY", display.c_str(), 1);
-  }
-  for (const bool first : {true, false}) {
-    auto run = start(arguments);
-    EXPECT_EQ(measuredBy(*run).at("contacts") > 0, first);
-    EXPECT_THAT(run->output(), HasSubstr("mouse at"));
-  }
-  auto again = start({"cube.h5", "--tutorial", "--duration", "3.5", "--json"});
-  EXPECT_GT(measuredBy(*again).at("contacts"), 0);
-}
-
 TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
   const test::VirtualScreen screen;
-  start({"cube.h5", "--duration", "0.1"})->wait();  // the first start is another test's
   auto run = start({"cube.h5", "--duration", "5", "--json"});
   ASSERT_TRUE(
       test::eventually([&] { return run->output().find("mouse at") != std::string::npos; }));
@@ -228,8 +207,6 @@ TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
   person->press("q");
   ASSERT_TRUE(test::eventually([&] { return !run->running(); })) << run->output();
   EXPECT_EQ(run->wait(), 0);
-  EXPECT_FALSE(std::filesystem::exists(directory / "state/palpate/tutorial-shown"))
-      << "nobody saw the tutorial";
 }
 
 /// F5 once prepared in the thread that draws, so that nobody heard Ctrl-C.

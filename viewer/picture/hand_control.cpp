@@ -19,12 +19,6 @@ double ringRadius(const HapticModel& model, const SurfacePoint& place) {
   return radius;
 }
 
-bool pressedAnything(const PersonsInput& input) {
-  const MouseMotion& motion = input.motion;
-  return input.pressed_a_key || motion.left || motion.middle || motion.right_button ||
-         motion.wheel != 0;
-}
-
 }  // namespace
 
 std::optional<MouseTarget> HandControl::apply(const PersonsInput& input, const HapticModel& model,
@@ -35,18 +29,10 @@ std::optional<MouseTarget> HandControl::apply(const PersonsInput& input, const H
     view_.apply(input.motion, false, camera);
     return std::nullopt;
   }
-  if (tutorial_ && (tutorial_->over() || pressedAnything(input)))
-    tutorial_.reset();
-  else if (input.wants_tutorial)
-    playTutorial();
-  MouseMotion motion = input.motion;
-  if (tutorial_)
-    motion = played(input, model, camera);
-  else
-    marks_ = {};
-  moveHand(input, motion, model, status.contact, camera);
-  view_.apply(motion, hand_.holds(), camera);
-  if (!tutorial_) marks_.hint = handHint(state, status.contact, hand_);
+  marks_ = {};
+  moveHand(input, model, status.contact, camera);
+  view_.apply(input.motion, hand_.holds(), camera);
+  marks_.hint = handHint(state, status.contact, hand_);
   return hand_.target();
 }
 
@@ -55,25 +41,9 @@ bool HandControl::toolIsThere(const HapticState& state, const PictureStatus& sta
          (!status.mouse || hand_.target().position.allFinite());
 }
 
-/// What the mouse of the tutorial does.
-MouseMotion HandControl::played(const PersonsInput& input, const HapticModel& model,
-                                const OrbitCamera& camera) {
-  const TutorialGesture gesture = tutorial_->advance(model, camera, input.hand.seconds);
-  const Eigen::Vector2d way = gesture.pointer - marks_.cursor.value_or(gesture.pointer);
-  marks_ = {.hint = gesture.caption, .cursor = gesture.pointer, .button = gesture.button};
-  MouseMotion motion;
-  motion.right = way.x();
-  motion.upward = way.y();
-  motion.wheel = gesture.wheel;
-  motion.over_view = true;
-  motion.at = gesture.pointer;
-  motion.left = gesture.button;
-  return motion;
-}
-
-void HandControl::moveHand(const PersonsInput& input, const MouseMotion& motion,
-                           const HapticModel& model, ContactMode contact,
+void HandControl::moveHand(const PersonsInput& input, const HapticModel& model, ContactMode contact,
                            const OrbitCamera& camera) {
+  const MouseMotion& motion = input.motion;
   HandInput wanted = input.hand;
   // A drag goes on over panels; of a press by keys there is no drag.
   const bool heard = motion.over_view || (hand_.holds() && !hand_.holdsByKey());

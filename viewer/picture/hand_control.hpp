@@ -5,7 +5,6 @@
 #include "viewer/haptics/haptic_tick.hpp"
 #include "viewer/picture/mouse_hand.hpp"
 #include "viewer/picture/panel_contents.hpp"
-#include "viewer/picture/tutorial.hpp"
 #include "viewer/picture/view_control.hpp"
 
 namespace palpate {
@@ -13,17 +12,13 @@ namespace palpate {
 /// What mouse and keys do in one picture.
 struct PersonsInput {
   MouseMotion motion = {};
-  HandInput hand = {};         ///< of the keys; the mouse is in `motion`
-  bool pressed_a_key = false;  ///< any
-  bool wants_tutorial = false;
+  HandInput hand = {};  ///< of the keys; the mouse is in `motion`
 };
 
-/// Gives mouse and keys to the hand or to the camera, or to neither while the tutorial plays, and
-/// tells what is shown of it. Knows no graphics. One thread.
+/// Gives mouse and keys to the hand or to the camera, and tells what is shown of it. Knows no
+/// graphics. One thread.
 class HandControl {
  public:
-  /// From its beginning, as soon as the device is the mouse.
-  void playTutorial() { tutorial_.emplace(); }
   /// One picture of the model in `state`, after which marks() are its. Where the tool is to be;
   /// none: another device moves it.
   std::optional<MouseTarget> apply(const PersonsInput& input, const HapticModel& model,
@@ -34,14 +29,11 @@ class HandControl {
   bool toolIsThere(const HapticState& state, const PictureStatus& status) const;
 
  private:
-  MouseMotion played(const PersonsInput& input, const HapticModel& model,
-                     const OrbitCamera& camera);
-  void moveHand(const PersonsInput& input, const MouseMotion& motion, const HapticModel& model,
-                ContactMode contact, const OrbitCamera& camera);
+  void moveHand(const PersonsInput& input, const HapticModel& model, ContactMode contact,
+                const OrbitCamera& camera);
 
   ViewControl view_;
   MouseHand hand_;
-  std::optional<Tutorial> tutorial_;
   HandMarks marks_;
 };
 

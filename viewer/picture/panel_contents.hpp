@@ -42,9 +42,7 @@ struct HandMarks {
   /// Around the place that is pointed at, a circle of `ring_radius` metres; none: none.
   std::optional<PointedPlace> ring = {};
   double ring_radius = 0;
-  std::string hint = {};                       ///< a sentence; empty: none
-  std::optional<Eigen::Vector2d> cursor = {};  ///< of the tutorial's mouse, heights of the view
-  bool button = false;                         ///< of it, is held
+  std::string hint = {};  ///< a sentence; empty: none
 };
 
 /// Beside the touched body another dataset in the same touch.

@@ -43,7 +43,7 @@ extern const char* const key_help;
 /// Changes `choices` and adds to `requests` as the keys ask that went down since the last picture.
 /// A dataset or method that is not prepared yet is passed over.
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
-/// What the keys ask of the hand, the camera and the tutorial. keys, strokes: of the Window.
+/// What the keys ask of the hand and the camera. keys, strokes: of the Window.
 void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
                   PersonsInput& input);
 /// The panel at the right of the view, from top to bottom of the window: choices, and the numbers
@@ -54,7 +54,7 @@ void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewCho
 /// The panel below the view: the force of the last ForceHistory::span seconds, its components and
 /// its length, with the error bound as a band around it.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
-/// The ring and the cursor of a hand without a device, over the view.
+/// The ring of a hand without a device, over the view.
 void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view);
 /// What a hand without a device can do now, at the lower end of the view. Where it is said, if
 /// anything is.

@@ -93,7 +93,7 @@ struct Picture::Impl {
 
   PersonsInput persons() {
     const double now = glfwGetTime();
-    PersonsInput input{.motion = mouse(touchedPart()), .pressed_a_key = !window.keys().empty()};
+    PersonsInput input{.motion = mouse(touchedPart())};
     input.hand.seconds = now - std::exchange(listened, now);
     obeyHandKeys(window.keys(), window.strokes(), input);
     return input;
@@ -284,8 +284,6 @@ Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOpt
 Picture::~Picture() = default;
 
 bool Picture::wantsClose() const { return impl_->window.wantsClose(); }
-
-void Picture::playTutorial() { impl_->control.playTutorial(); }
 
 PictureRequests Picture::draw(const HapticState& state, const PictureStatus& status) {
   return impl_->draw(state, status);

@@ -36,8 +36,6 @@ class Picture {
 
   /// The window was closed by the person or the system. It stays until this object goes.
   bool wantsClose() const;
-  /// Plays the Tutorial from the next picture on in which the device is the mouse.
-  void playTutorial();
   /// One picture: takes in events, draws, shows it.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
   /// The pixels of the last picture, drawn once more for it; there must be one.

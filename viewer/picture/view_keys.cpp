@@ -43,7 +43,6 @@ const char* const key_help =
     "D                     next dataset\n"
     "Space                 pause, go on\n"
     "F5                    reload\n"
-    "T                     show the mouse at work\n"
     "H                     this help\n"
     "Q                     quit";
 
@@ -83,7 +82,6 @@ void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
   input.hand.deeper = more(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP);
   input.hand.take = pressed(GLFW_KEY_ENTER) || pressed(GLFW_KEY_KP_ENTER);
   input.hand.out = pressed(GLFW_KEY_R) || pressed(GLFW_KEY_ESCAPE);
-  input.wants_tutorial = pressed(GLFW_KEY_T);
 }
 
 }  // namespace palpate

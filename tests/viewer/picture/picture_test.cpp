@@ -439,17 +439,6 @@ TEST_F(PictureTest, ShowsWhatCanBePressedByARingAndAHint) {
       << "another hint";
 }
 
-TEST_F(PictureTest, PlaysTheTutorialUntilThePersonPressesSomething) {
-  Picture picture({&model}, {.vsync = false});
-  picture.playTutorial();
-  const HapticState state = pressed(0);
-  EXPECT_TRUE(test::eventually([&] { return pointsAtTheBody(picture, state); })) << "by its mouse";
-  test::Person person(screen.name(), "Palpate");
-  person.pointAt(20, 20);
-  person.press("Escape");
-  EXPECT_TRUE(test::eventually([&] { return !pointsAtTheBody(picture, state); }));
-}
-
 TEST_F(PictureTest, OffersAMethodWhenItIsPrepared) {
   const test::TemporaryDirectory directory;
   test::TouchableBody(test::cubeMesh(0.1, 4), {{112}, {113, 2}}).seal(directory / "body.h5");
