@@ -9,6 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "viewer/picture/lattice_dots.hpp"
+#include "viewer/picture/open_gl.hpp"
 #include "viewer/picture/vertex_errors.hpp"
 #include "viewer/plot/round_numbers.hpp"
 #include "viewer/plot/widest_view.hpp"
@@ -78,9 +79,7 @@ BodyView::BodyView(const HapticModel& model)
              touchableTriangles(model.surface())),
       contour_(shape_.corners()),
       deformed_(model.surface().vertices().size()),
-      displacements_(3 * model.surface().vertices().size()),
-      drawing_([this] { drawSurface(); }),
-      over_drawing_([this] { drawOver(); }) {
+      displacements_(3 * model.surface().vertices().size()) {
   forgetScale();
   ghost_shares_.resize(shape_.size());
   ghost_colours_.resize(shape_.size());
@@ -169,7 +168,7 @@ const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
   return found->second;
 }
 
-void BodyView::drawSurface() const {
+void BodyView::draw() const {
   PALPATE_ASSERT(light_ != nullptr, "a body is lit by its stage");
   beginSurfaces();
   glEnable(GL_STENCIL_TEST);

@@ -7,7 +7,6 @@
 
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/haptics/haptic_model.hpp"
-#include "viewer/picture/coin.hpp"
 #include "viewer/picture/contour.hpp"
 #include "viewer/picture/framed_sphere.hpp"
 #include "viewer/picture/outline.hpp"
@@ -18,16 +17,12 @@ namespace palpate {
 
 /// All that is drawn of one model: its surface as tissue, or coloured by what is known of it, and
 /// where it is deformed the shape at rest as a ghost: its outline, and a translucent fill of what
-/// of it stands out beyond the body. Coin nodes that draw vertex arrays: they change in every
-/// picture, for which Coin's own shapes would build their caches anew each time. Belongs to the
-/// thread of the Window. The model must outlive it.
+/// of it stands out beyond the body. Belongs to the thread of the Window. The model must outlive
+/// it.
 class BodyView {
  public:
   explicit BodyView(const HapticModel& model);
 
-  SoCallback* node() const { return drawing_.node(); }
-  /// Of its soft edges and the ghost, which are drawn after the body and what is behind both.
-  SoCallback* overNode() const { return over_drawing_.node(); }
   const HapticModel& model() const { return model_; }
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
@@ -63,10 +58,13 @@ class BodyView {
   /// before they are prepared, tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
- private:
-  void drawSurface() const;
-  void useSurface() const;
+  // They change OpenGL's state, and begin with its default (Stage).
+  void draw() const;
+  /// Its soft edges and the ghost: after the body and what is behind both.
   void drawOver();
+
+ private:
+  void useSurface() const;
   void drawContour();
   void drawGhost();
   void drawGhostFill();
@@ -88,7 +86,6 @@ class BodyView {
   std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
   const SoftLight* light_ = nullptr;
   SoftLight::Shadow shadow_;
-  Drawing drawing_, over_drawing_;
   bool ghost_ = true;
   std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1
   std::vector<std::uint32_t> ghost_colours_;  ///< by vertex, bytes

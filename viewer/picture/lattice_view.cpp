@@ -4,6 +4,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "viewer/picture/open_gl.hpp"
 
 namespace palpate {
 namespace {
@@ -13,14 +14,6 @@ constexpr double dot_size = 4, dot_size_in_a_cut = 7;
 constexpr float dot_rim = 1;
 
 }  // namespace
-
-LatticeView::LatticeView() : node_((startCoin(), new SoSwitch)), dots_([this] { draw(); }) {
-  node_->ref();
-  node_->addChild(dots_.node());
-  show(false);
-}
-
-LatticeView::~LatticeView() { node_->unref(); }
 
 void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin,
                           double size) {
@@ -34,8 +27,6 @@ void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3
   }
   size_ = static_cast<float>(size);
 }
-
-void LatticeView::show(bool shown) { palpate::show(node_, shown); }
 
 void LatticeView::show(const BodyView& body, const HapticState& state, const ViewChoices& choices) {
   if (state.model != model_) space_ = 0;
@@ -69,6 +60,7 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
 }
 
 void LatticeView::draw() const {
+  if (!shown_) return;
   // In front of the body, whatever its depth: most points of a space lie inside of it.
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);

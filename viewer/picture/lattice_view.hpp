@@ -16,15 +16,9 @@ namespace palpate {
 
 /// The lattice of one configuration space in the view: of the space with the largest weight in the
 /// touch, or the last that had it. Its dots are drawn in front of everything drawn before (the
-/// body), and in depth among themselves. A Coin node. Belongs to the thread of the Window.
+/// body), and in depth among themselves. Belongs to the thread of the Window.
 class LatticeView {
  public:
-  LatticeView();
-  ~LatticeView();
-  LatticeView(const LatticeView&) = delete;
-  LatticeView& operator=(const LatticeView&) = delete;
-
-  SoSwitch* node() const { return node_; }
   /// Shows the dots that the person chose to see of the model, which is that of the state, or none.
   /// Where a method's errors are seen for the first time all cells are evaluated: some
   /// milliseconds.
@@ -34,7 +28,9 @@ class LatticeView {
   /// origin: added to the displacements, m, scene frame. size: of a dot without its white rim,
   /// pixels where the picture has 800 from top to bottom; more in a larger one.
   void setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin, double size);
-  void show(bool shown);
+  void show(bool shown) { shown_ = shown; }
+  /// Changes OpenGL's state, and begins with its default (Stage).
+  void draw() const;
 
  private:
   /// What decides which dots there are.
@@ -46,10 +42,7 @@ class LatticeView {
   };
   std::vector<LatticeDot> dotsOf(const HapticModel& model);
 
-  void draw() const;
-
-  SoSwitch* node_;
-  Drawing dots_;
+  bool shown_ = false;
   std::vector<float> places_;          ///< [dot][axis], m
   std::vector<std::uint8_t> colours_;  ///< [dot][red, green, blue]
   float size_ = 4;                     ///< px, as for setDots()

@@ -1,16 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <memory>
 
 #include "viewer/picture/body_view.hpp"
 #include "viewer/picture/lattice_view.hpp"
 #include "viewer/picture/orbit_camera.hpp"
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/tool_view.hpp"
-
-class SoPerspectiveCamera;
 
 namespace palpate {
 
@@ -31,15 +27,12 @@ struct Viewport {
   }
 };
 
-/// The scene graph: background, camera, one body, the lattice and the tool, in a light that goes
-/// with the camera. Belongs to the thread in which a Window is current, and must go before it.
+/// What is drawn, in order: one body, the background, the lattice and the tool, in a light that
+/// goes with the camera. Belongs to the thread in which a Window is current, and must go before it.
 class Stage {
  public:
   /// extent: radius of what is shown, m; sizes of tool and lattice follow from it.
-  explicit Stage(double extent);
-  ~Stage();
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  explicit Stage(double extent) : tool_(extent, light_) {}
 
   /// The body that is drawn from now on; must outlive the stage or its replacement.
   void setBody(BodyView& body);
@@ -51,17 +44,13 @@ class Stage {
   void render(const Viewport& viewport, bool clear = true);
 
  private:
-  void placeCamera(const Viewport& viewport);
+  void placeCamera(const Viewport& viewport) const;
 
   OrbitCamera camera_;
-  Drawing background_;
   SoftLight light_;
   ToolView tool_;
   LatticeView lattice_;
-  SoSeparator *bodies_, *over_bodies_;
-  SoPerspectiveCamera* coin_camera_;
-  SoSeparator* root_ = nullptr;
-  std::unique_ptr<SoGLRenderAction> action_;
+  BodyView* body_ = nullptr;
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "viewer/picture/open_gl.hpp"
 
 namespace palpate {
 namespace {
@@ -38,8 +39,7 @@ void dashedLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double d
 
 }  // namespace
 
-ToolView::ToolView(double extent, const SoftLight& light)
-    : extent_(extent), light_(light), drawing_([this] { draw(); }) {
+ToolView::ToolView(double extent, const SoftLight& light) : extent_(extent), light_(light) {
   PALPATE_ASSERT(extent > 0, "what has no size of its own is drawn by that of the scene");
 }
 

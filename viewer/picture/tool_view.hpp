@@ -1,8 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 
-#include "viewer/picture/coin.hpp"
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/tool_shape.hpp"
 #include "viewer/picture/turned_solid.hpp"
@@ -25,13 +25,12 @@ struct SkinBelow {
 /// Draws the tool in its true size, the force on it as an arrow, a line to the skin while it is
 /// free, and where the point that it touches lies at rest, with a line to it. What of the tool lies
 /// behind the surface is seen through it. The arrow is in front of everything, dashed and amber
-/// where its force is uncertain. A Coin node. Metres, scene frame.
+/// where its force is uncertain. Metres, scene frame.
 class ToolView {
  public:
   /// extent: radius of what is shown, m: of what has no size of its own. light: must outlive it.
   ToolView(double extent, const SoftLight& light);
 
-  SoCallback* node() const { return drawing_.node(); }
   void setShape(const ToolShape& shape) { shape_ = shape; }
   /// So that what is shown around it is seen.
   void setSeeThrough(bool see_through) { see_through_ = see_through; }
@@ -50,8 +49,10 @@ class ToolView {
   double radius() const;  ///< of the tip
   double handleRadius() const;
 
- private:
+  /// Changes OpenGL's state, and begins with its default (Stage).
   void draw() const;
+
+ private:
   void drawTool(double opacity) const;
   void drawTranslucent(double opacity) const;
   void drawArrow() const;
@@ -68,7 +69,6 @@ class ToolView {
   Eigen::Vector3d arrow_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
   SkinBelow skin_;
   bool uncertain_ = false, touching_ = false, free_ = false, see_through_ = false;
-  Drawing drawing_;
 };
 
 }  // namespace palpate

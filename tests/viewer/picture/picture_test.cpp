@@ -311,7 +311,7 @@ TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   test::Person(screen.name(), "Palpate").press("h");
   for (int n = 0; n < 3; ++n) picture.draw(state, {});
   const Image help = picture.grab();
-  // 24 lines in two columns: the last is at the right, on a ground through which nothing is seen.
+  // 23 lines in two columns: the last is at the right, on a ground through which nothing is seen.
   const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
   EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 150000);
 }
