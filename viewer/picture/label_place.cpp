@@ -13,29 +13,8 @@ constexpr int samples_of_a_line = 24;
 /// How far the label goes, in turn: times the gap, and in its own heights.
 constexpr std::array reaches = {1.0, 1.8, 3.0, 5.0, 8.0, 12.0};
 
-ScreenBox moved(const ScreenBox& box, const Eigen::Vector2d& by) {
-  return {box.from + by, box.to + by};
-}
-
-ScreenBox keptInside(const ScreenBox& box, const ScreenBox& view) {
-  Eigen::Vector2d by = Eigen::Vector2d::Zero();
-  for (int i = 0; i < 2; ++i) {
-    by[i] -= std::max(0.0, box.to[i] - view.to[i]);
-    by[i] += std::max(0.0, view.from[i] - (box.from[i] + by[i]));
-  }
-  return moved(box, by);
-}
-
 bool overlap(const ScreenBox& a, const ScreenBox& b) {
   return (a.from.array() < b.to.array()).all() && (b.from.array() < a.to.array()).all();
-}
-
-/// The box whose nearest side is `away` pixels from a point, in a direction.
-ScreenBox boxBeyond(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
-                    const Eigen::Vector2d& size, double away) {
-  const double half = 0.5 * direction.cwiseAbs().dot(size);
-  const Eigen::Vector2d middle = point + (half + away) * direction;
-  return {middle - size / 2, middle + size / 2};
 }
 
 }  // namespace
@@ -56,6 +35,13 @@ ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const 
   const Eigen::Vector2d ahead =
       along.norm() > least_length ? Eigen::Vector2d(along.normalized()) : Eigen::Vector2d(0, -1);
   const Eigen::Vector2d right(-ahead.y(), ahead.x());
+  const auto boxBeyondTip = [&](const Eigen::Vector2d& direction, double reach) {
+    const double away =
+        arrow.radius + gap * reach + (reach - 1) * size.y() + 0.5 * direction.cwiseAbs().dot(size);
+    const Eigen::Vector2d corner = arrow.to + away * direction - size / 2;
+    const Eigen::Vector2d inside = corner.cwiseMin(view.to - size).cwiseMax(view.from);
+    return ScreenBox{inside, inside + size};
+  };
   const auto isClear = [&](const ScreenBox& box) {
     return !covers(box, arrow) &&
            std::ranges::none_of(keep_clear, [&](const auto& line) { return covers(box, line); }) &&
@@ -64,12 +50,9 @@ ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const 
   for (const double reach : reaches)
     for (const Eigen::Vector2d& direction : {ahead, Eigen::Vector2d((ahead + right).normalized()),
                                              Eigen::Vector2d((ahead - right).normalized()), right,
-                                             Eigen::Vector2d(-right), Eigen::Vector2d(-ahead)}) {
-      const double away = arrow.radius + gap * reach + (reach - 1) * size.y();
-      ScreenBox box = keptInside(boxBeyond(arrow.to, direction, size, away), view);
-      if (isClear(box)) return box;
-    }
-  return keptInside(boxBeyond(arrow.to, ahead, size, arrow.radius + gap), view);
+                                             Eigen::Vector2d(-right), Eigen::Vector2d(-ahead)})
+      if (const ScreenBox box = boxBeyondTip(direction, reach); isClear(box)) return box;
+  return boxBeyondTip(ahead, 1);
 }
 
 }  // namespace palpate
