@@ -1,13 +1,9 @@
 #include "viewer/doctor.hpp"
 
-#include <dlfcn.h>
-#include <fcntl.h>
 #include <netinet/in.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/utsname.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -21,16 +17,15 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <system_error>
+#include <sstream>
 
+#include "common/base/foreign_program.hpp"
 #include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
 
 using Verdict = Finding::Verdict;
-namespace fs = std::filesystem;
 
 std::string realTimeAdvice() {
   return fmt::format(
@@ -40,7 +35,7 @@ std::string realTimeAdvice() {
       highest_priority);
 }
 
-std::string firstLine(const fs::path& file) {
+std::string firstLine(const std::filesystem::path& file) {
   std::string line;
   std::ifstream stream(file);
   std::getline(stream, line);
@@ -125,42 +120,6 @@ Finding display() {
           "palpate view --headless runs without, xvfb-run gives it one"};
 }
 
-/// Vendors of haptic devices, by the ids that they are registered with at usb.org.
-struct UsbVendor {
-  std::string_view vendor, product;  ///< hexadecimal, as in sysfs; empty product: any
-  std::string_view name;
-};
-constexpr std::array<UsbVendor, 2> vendors = {
-    {{"1451", "", "Force Dimension"}, {"0403", "cb48", "Novint Falcon"}}};
-
-/// The node in /dev that a USB device of sysfs is opened through.
-fs::path nodeOf(const fs::path& device) {
-  const auto number = [&](const char* file) { return std::atoi(firstLine(device / file).c_str()); };
-  return fmt::format("/dev/bus/usb/{:03}/{:03}", number("busnum"), number("devnum"));
-}
-
-void findUsbDevices(std::vector<Finding>& findings) {
-  std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator("/sys/bus/usb/devices", none)) {
-    const std::string vendor = firstLine(entry.path() / "idVendor"),
-                      product = firstLine(entry.path() / "idProduct");
-    for (const UsbVendor& known : vendors) {
-      if (vendor != known.vendor || (!known.product.empty() && product != known.product)) continue;
-      const fs::path node = nodeOf(entry.path());
-      const std::string found =
-          fmt::format("{} ({}:{}) at {}", known.name, vendor, product, node.string());
-      if (access(node.c_str(), R_OK | W_OK) == 0)
-        findings.push_back({Verdict::good, "device", found});
-      else
-        findings.push_back(
-            {Verdict::bad, "device", found + fmt::format(", {}", errnoText()),
-             fmt::format("a udev rule: SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", "
-                         "MODE=\"0660\", GROUP=\"plugdev\"; never run as root for it",
-                         vendor)});
-    }
-  }
-}
-
 Finding haplyService() {
   constexpr std::uint16_t port = 10001;
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -175,44 +134,6 @@ Finding haplyService() {
                             port)};
 }
 
-/// Libraries that plug-ins for devices stand on. Loaded to see whether that works, and dropped
-/// again.
-void findLibraries(std::vector<Finding>& findings) {
-  constexpr std::array<std::pair<const char*, const char*>, 3> libraries = {
-      {{"libHD.so", "OpenHaptics"}, {"libdhd.so", "Force Dimension"}, {"libchai3d.so", "CHAI3D"}}};
-  for (const auto& [file, vendor] : libraries) {
-    void* const handle = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
-    findings.push_back({Verdict::good, vendor,
-                        handle != nullptr
-                            ? fmt::format("{} can be loaded", file)
-                            : fmt::format("no {}; only a plug-in for it needs it", file)});
-    if (handle != nullptr) dlclose(handle);
-  }
-}
-
-/// What a program that is installed beside this one prints; nothing when it fails.
-std::optional<std::string> outputOf(std::string program, std::string argument) {
-  std::array<int, 2> pipe{};
-  if (pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-  const std::array<char*, 3> arguments = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  const bool started =
-      posix_spawn(&child, program.c_str(), &actions, nullptr, arguments.data(), environ) == 0;
-  posix_spawn_file_actions_destroy(&actions);
-  close(pipe[1]);
-  std::string output;
-  std::array<char, 256> part{};
-  for (ssize_t size = 0; started && (size = read(pipe[0], part.data(), part.size())) > 0;)
-    output.append(part.data(), static_cast<std::size_t>(size));
-  close(pipe[0]);
-  int status = 0;
-  if (!started || waitpid(child, &status, 0) != child || status != 0) return std::nullopt;
-  return output;
-}
-
 /// Asked of the worker: a client has no OpenBLAS.
 Finding solverKernels() {
   constexpr const char* topic = "solver kernels";
@@ -222,13 +143,19 @@ Finding solverKernels() {
   } catch (const Error& error) {
     return {Verdict::note, topic, error.what(), "only a machine that solves needs it"};
   }
-  const auto lines = outputOf(worker, "kernels");
-  if (!lines)
+  Ran ran;
+  try {
+    ran = runToItsEnd({.words = {worker, "kernels"}, .package = "palpate-worker"});
+  } catch (const Error&) {
+    // Such as of a signal: its exit code stays what no program has.
+  }
+  if (ran.exit_code != 0)
     return {Verdict::bad, topic, fmt::format("{} kernels failed", worker), "run it to see why"};
-  const std::size_t end = lines->find('\n');
-  std::string advice = lines->substr(std::min(end + 1, lines->size()));
-  if (!advice.empty()) advice.pop_back();
-  return {advice.empty() ? Verdict::good : Verdict::note, topic, lines->substr(0, end), advice};
+  std::string kernels, advice;
+  std::istringstream lines(ran.out);
+  std::getline(lines, kernels);
+  std::getline(lines, advice);
+  return {advice.empty() ? Verdict::good : Verdict::note, topic, kernels, advice};
 }
 
 const char* word(Verdict verdict) {
@@ -251,12 +178,8 @@ std::function<ExitCode()> prepareDoctor(CLI::App& app) {
 }  // namespace
 
 std::vector<Finding> examineMachine() {
-  std::vector<Finding> findings = {kernel(),       timer(),          realTimePriority(),
-                                   lockedMemory(), processorClock(), display(),
-                                   haplyService(), solverKernels()};
-  findUsbDevices(findings);
-  findLibraries(findings);
-  return findings;
+  return {kernel(),         timer(),   realTimePriority(), lockedMemory(),
+          processorClock(), display(), haplyService(),     solverKernels()};
 }
 
 std::string describe(const std::vector<Finding>& findings) {

@@ -17,9 +17,9 @@ struct Finding {
 };
 
 /// Whether this machine can run the haptic client: real-time limits, timer, memory locking,
-/// processor clock, display, known haptic devices on USB and who may open them, the Haply service,
-/// vendors' libraries; and which kernels solve on it, as palpate-worker says. Changes nothing,
-/// opens no device. Takes a second, in which it measures how late the timer wakes a thread.
+/// processor clock, display, the Haply service; and which kernels solve on it, as palpate-worker
+/// says. Changes nothing, opens no device. Takes a second, in which it measures how late the timer
+/// wakes a thread.
 std::vector<Finding> examineMachine();
 
 /// For a person, one or two lines per finding; and one JSON object per line.
