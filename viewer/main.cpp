@@ -1,6 +1,7 @@
 #include <array>
 
 #include "common/base/program.hpp"
+#include "common/dataset/hdf5_handle.hpp"
 #include "viewer/devices/device_command.hpp"
 #include "viewer/doctor.hpp"
 #include "viewer/export/export_command.hpp"
@@ -11,6 +12,7 @@
 
 int main(int argc, char** argv) {
   using namespace palpate;
+  hdf5::leaveOpenFilesAtExit();
   const std::array verbs = {viewVerb(),  queryVerb(),  reportVerb(), exportVerb(),
                             shareVerb(), deviceVerb(), doctorVerb()};
   return runProgram(argc, argv,

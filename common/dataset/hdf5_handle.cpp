@@ -1,5 +1,7 @@
 #include "common/dataset/hdf5_handle.hpp"
 
+#include <cerrno>
+#include <cstdlib>
 #include <functional>
 #include <numeric>
 
@@ -12,6 +14,11 @@ void silenceErrorStack() {
     throw failure("HDF5 could not be initialised");
 }
 
+void leaveOpenFilesAtExit() noexcept {
+  // It fails where HDF5 was in use before: there is nothing to do about it.
+  static_cast<void>(H5dont_atexit());
+}
+
 std::string lastError() {
   std::string sentence;
   const auto keep_innermost = [](unsigned, const H5E_error2_t* error, void* text) -> herr_t {
@@ -19,6 +26,13 @@ std::string lastError() {
     return 1;  // stops the walk
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &sentence);
+  // The system's reason lies among addresses and sizes ("..., errno = 28, error message = ...").
+  constexpr std::string_view key = "errno = ";
+  if (const std::size_t at = sentence.find(key); at != std::string::npos)
+    if (const int code = std::atoi(sentence.c_str() + at + key.size()); code > 0) {
+      errno = code;
+      return errnoText();
+    }
   return sentence.empty() ? "unknown HDF5 error" : sentence;
 }
 

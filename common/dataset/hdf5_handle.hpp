@@ -9,14 +9,20 @@
 #include "common/base/error.hpp"
 
 /// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
-/// common/dataset, viewer/haptics/recording.cpp and viewer/report/dataset_facts.cpp only.
+/// common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp and the main() of
+/// programs only.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's own printing to stderr; called by every Reader and Writer.
 void silenceErrorStack();
 
-/// The innermost sentence of HDF5's error stack ("file write failed: ... No space left on device"),
-/// or "unknown".
+/// Lets HDF5 leave alone, when the process ends, files that it could not close: 1.10.8 crashes over
+/// one whose disk was full. For programs that write, before any other call of HDF5. Not for
+/// libpalpate: others in its process (h5py) may rely on that their files are closed.
+void leaveOpenFilesAtExit() noexcept;
+
+/// Why the last call failed: the system's words ("No space left on device") where it refused
+/// something, else the innermost sentence of HDF5's error stack, or "unknown".
 std::string lastError();
 
 /// Returns what an HDF5 call returned. A negative value becomes an Error "FILE: WHAT: HDF5's

@@ -22,16 +22,17 @@ std::string noValues(Element element, std::size_t count) {
 
 }  // namespace
 
-Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()), disk_(file) {
+Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()) {
   const Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access properties");
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  disk_.use(access.get());
+  // The caller may hold a lock of the file (replaceFile), which is another's to HDF5.
+  check(H5Pset_file_locking(access.get(), false, true), "file locking");
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
   file_ = own(H5Fcreate(name().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
-              "cannot create");
+              "cannot be created");
 }
 
 void Writer::makeGroup(const std::string& path) {
@@ -95,14 +96,9 @@ Handle Writer::create(const std::string& path, Element element, const Shape& sha
   return dataset;
 }
 
-void Writer::refuseFullDisk() const {
-  if (!disk_.error().empty()) throw failure("{}: cannot be written: {}", name(), disk_.error());
-}
-
 void Writer::finish(Handle& dataset, ArrayInfo info) {
   setText(dataset, hash_attribute, info.hash.hex());
   check(dataset.close(), info.path);
-  refuseFullDisk();
   arrays_.push_back(std::move(info));
 }
 
@@ -118,11 +114,7 @@ void Writer::writeBytes(const std::string& path, Element element, const Shape& s
   finish(dataset, {path, element, shape, ContentId::of(bytes)});
 }
 
-void Writer::close() {
-  check(file_.close(), "cannot finish the file");
-  disk_.close();
-  refuseFullDisk();
-}
+void Writer::close() { check(file_.close(), "cannot be written to its end"); }
 
 ListWriter::ListWriter(Writer& writer, std::string path, Element element, Shape shape,
                        const char* unit)
@@ -152,7 +144,6 @@ void ListWriter::flush() {
   writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, in_memory.get(),
                          file_space_.get(), H5P_DEFAULT, pending_.data()),
                 info_.path);
-  writer_.refuseFullDisk();
   hasher_.add(pending_);
   written_ += rows;
   pending_.clear();
@@ -190,7 +181,6 @@ void RowWriter::write(std::string_view row) {
   writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, row_space_.get(),
                          file_space_.get(), H5P_DEFAULT, row.data()),
                 info_.path);
-  writer_.refuseFullDisk();
   hasher_.add(row);
 }
 

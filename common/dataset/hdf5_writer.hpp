@@ -1,6 +1,7 @@
 #pragma once
 
-#include "common/dataset/hdf5_file.hpp"
+#include <filesystem>
+
 #include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate::hdf5 {
@@ -9,8 +10,9 @@ namespace palpate::hdf5 {
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
 /// which all structure carries checksums.
 ///
-/// What is written goes to disk at once (NewFile): the memory that this takes does not grow with
-/// the file. A disk that takes no more is told by the next call.
+/// The memory that this takes does not grow with the file. A disk that takes no more is told by
+/// the call that finds out, at the latest by close(): the file is then to be removed, and the
+/// process must not let HDF5 look for it when it ends (leaveOpenFilesAtExit).
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
 class Writer : public NamedFile {
@@ -56,15 +58,12 @@ class Writer : public NamedFile {
   void finish(Handle& dataset, ArrayInfo info);
   void writeBytes(const std::string& path, Element element, const Shape& shape,
                   std::string_view bytes, const char* unit);
-  /// Error when the disk takes no more.
-  void refuseFullDisk() const;
   void setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
   void setText(const Handle& object, const char* attribute, std::string_view text);
   Handle open(const std::string& object) const;
 
-  NewFile disk_;
-  Handle file_;  ///< after the disk, which it must be closed before
+  Handle file_;
   std::vector<ArrayInfo> arrays_;
 };
 
