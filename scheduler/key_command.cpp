@@ -14,6 +14,7 @@ struct KeyOrder {
   bool replace = false;
   std::string key, roles, name;
   std::string endpoint = "*";
+  ExitCode (*run)(const KeyOrder&) = nullptr;
 };
 
 PublicKey writtenKey(const std::string& hex) {
@@ -69,8 +70,10 @@ ExitCode trust(const KeyOrder& order) {
 using Order = std::shared_ptr<KeyOrder>;
 
 /// Declares `palpate key NAME`.
-CLI::App& declare(CLI::App& app, const Order& order, const char* name, const char* summary) {
+CLI::App& declare(CLI::App& app, const Order& order, const char* name, const char* summary,
+                  ExitCode (*run)(const KeyOrder&)) {
   CLI::App& verb = *app.add_subcommand(name, summary);
+  verb.callback([order, run] { order->run = run; });
   verb.add_option("--keys", order->folder,
                   "Folder with keys [$PALPATE_KEYS, ~/.config/palpate/keys]")
       ->type_name("FOLDER");
@@ -79,20 +82,20 @@ CLI::App& declare(CLI::App& app, const Order& order, const char* name, const cha
 
 std::function<ExitCode()> prepareKey(CLI::App& app) {
   const auto order = std::make_shared<KeyOrder>();
-  declare(app, order, "new", "Make the own key; prints what others may know of it")
+  declare(app, order, "new", "Make the own key; prints what others may know of it", makeNew)
       .add_flag("--replace", order->replace, "In the place of the one there is");
-  declare(app, order, "show", "Print the own key, who is let in, and the known servers");
-  CLI::App& allowed = declare(app, order, "allow", "Let the holder of a key in");
+  declare(app, order, "show", "Print the own key, who is let in, and the known servers", show);
+  CLI::App& allowed = declare(app, order, "allow", "Let the holder of a key in", allow);
   allowed.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
       ->required();
   allowed
       .add_option("ROLES", order->roles, "worker, observer, operator, or several: worker,observer")
       ->required();
   allowed.add_option("NAME", order->name, "For people");
-  declare(app, order, "withdraw", "Let nobody in with this key any more")
+  declare(app, order, "withdraw", "Let nobody in with this key any more", withdraw)
       .add_option("KEY", order->key, "Its digits, or its name")
       ->required();
-  CLI::App& trusted = declare(app, order, "trust", "Know the key of a server");
+  CLI::App& trusted = declare(app, order, "trust", "Know the key of a server", trust);
   trusted.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
       ->required();
   trusted.add_option("--at", order->endpoint, "Of the server at this endpoint [of every server]");
@@ -100,13 +103,7 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   app.footer(
       "The own key is let in by the own servers and known to the own clients: machines that share\n"
       "this folder need no more. docs/security.md sets up others in ten minutes.");
-  return [order, &app] {
-    const std::string name = app.get_subcommands().front()->get_name();
-    if (name == "new") return makeNew(*order);
-    if (name == "show") return show(*order);
-    if (name == "allow") return allow(*order);
-    return name == "withdraw" ? withdraw(*order) : trust(*order);
-  };
+  return [order] { return order->run(*order); };
 }
 
 }  // namespace
