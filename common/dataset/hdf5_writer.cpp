@@ -116,81 +116,59 @@ void Writer::writeBytes(const std::string& path, Element element, const Shape& s
 
 void Writer::close() { check(file_.close(), "cannot be written to its end"); }
 
-ListWriter::ListWriter(Writer& writer, std::string path, Element element, Shape shape,
-                       const char* unit)
-    : writer_(writer), info_{std::move(path), element, std::move(shape), {}} {
+RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape shape,
+                     const char* unit, RowLayout layout)
+    : writer_(writer), info_{std::move(path), element, std::move(shape), {}}, layout_(layout) {
   Shape row = info_.shape;
   row.at(0) = 1;
   row_bytes_ = countOf(row) * typeOf(element).size;
   const Handle properties = writer_.own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, info_.path);
+  if (layout_ == RowLayout::compressed) {
+    no_values_ = noValues(element, countOf(row));
+    writer_.check(H5Pset_chunk(properties.get(), static_cast<int>(row.size()), row.data()),
+                  info_.path);
+    writer_.check(H5Pset_shuffle(properties.get()), info_.path);
+    writer_.check(H5Pset_deflate(properties.get(), gzip_level), info_.path);
+    writer_.check(H5Pset_fill_value(properties.get(), typeOf(element).id, no_values_.data()),
+                  info_.path);
+  }
   dataset_ = writer_.create(info_.path, element, info_.shape, properties.get(), unit);
   file_space_ = writer_.own(H5Dget_space(dataset_.get()), H5Sclose, info_.path);
 }
 
-void ListWriter::add(std::string_view row) {
+void RowWriter::addBytes(std::string_view row) {
   constexpr std::size_t at_once = std::size_t{1} << 20;
-  PALPATE_ASSERT(row.size() == row_bytes_, "rows come whole");
+  PALPATE_ASSERT(row.size() == row_bytes_ && next_ < info_.shape[0],
+                 "rows come in order, whole, and each once");
+  ++next_;
+  hasher_.add(row);
   pending_ += row;
-  if (pending_.size() >= at_once) flush();
+  if (layout_ == RowLayout::compressed || pending_.size() >= at_once) flush();
 }
 
-void ListWriter::flush() {
+void RowWriter::flush() {
   if (pending_.empty()) return;
   const hsize_t rows = pending_.size() / row_bytes_;
-  const Shape counts = writer_.selectRows(file_space_, info_, written_, rows);
+  const Shape counts = writer_.selectRows(file_space_, info_, next_ - rows, rows);
   const Handle in_memory =
       writer_.own(H5Screate_simple(static_cast<int>(counts.size()), counts.data(), nullptr),
                   H5Sclose, info_.path);
   writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, in_memory.get(),
                          file_space_.get(), H5P_DEFAULT, pending_.data()),
                 info_.path);
-  hasher_.add(pending_);
-  written_ += rows;
   pending_.clear();
 }
 
-void ListWriter::finish() {
-  flush();
-  PALPATE_ASSERT(written_ == info_.shape[0], "as many rows as were announced");
-  info_.hash = hasher_.finish();
-  writer_.finish(dataset_, info_);
-}
-
-RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape shape,
-                     const char* unit)
-    : writer_(writer), info_{std::move(path), element, std::move(shape), {}} {
-  Shape row = info_.shape;
-  row.at(0) = 1;
-  no_values_ = noValues(element, countOf(row));
-  const int rank = static_cast<int>(row.size());
-  const Handle properties = writer_.own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, info_.path);
-  writer_.check(H5Pset_chunk(properties.get(), rank, row.data()), info_.path);
-  writer_.check(H5Pset_shuffle(properties.get()), info_.path);
-  writer_.check(H5Pset_deflate(properties.get(), gzip_level), info_.path);
-  writer_.check(H5Pset_fill_value(properties.get(), typeOf(element).id, no_values_.data()),
-                info_.path);
-  dataset_ = writer_.create(info_.path, element, info_.shape, properties.get(), unit);
-  file_space_ = writer_.own(H5Dget_space(dataset_.get()), H5Sclose, info_.path);
-  row_space_ = writer_.own(H5Screate_simple(rank, row.data(), nullptr), H5Sclose, info_.path);
-}
-
-void RowWriter::write(std::string_view row) {
-  PALPATE_ASSERT(row.size() == no_values_.size() && next_ < info_.shape[0],
-                 "rows come in order, whole, and each once");
-  writer_.selectRows(file_space_, info_, next_++, 1);
-  writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, row_space_.get(),
-                         file_space_.get(), H5P_DEFAULT, row.data()),
-                info_.path);
-  hasher_.add(row);
-}
-
 void RowWriter::skip() {
+  PALPATE_ASSERT(layout_ == RowLayout::compressed && next_ < info_.shape[0],
+                 "only chunks can be left out");
   ++next_;
   hasher_.add(no_values_);
 }
 
 void RowWriter::finish() {
-  PALPATE_ASSERT(next_ == info_.shape[0], "every row is written or skipped");
+  flush();
+  PALPATE_ASSERT(next_ == info_.shape[0], "every row is added or skipped");
   info_.hash = hasher_.finish();
   writer_.finish(dataset_, info_);
 }

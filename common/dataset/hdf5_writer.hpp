@@ -6,6 +6,8 @@
 
 namespace palpate::hdf5 {
 
+class RowWriter;
+
 /// Writes arrays of plain types and text attributes to a new HDF5 file whose bytes depend on
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
 /// which all structure carries checksums.
@@ -42,6 +44,9 @@ class Writer : public NamedFile {
     writeBytes(path, elementOf<typename Entry::Number>(), Entry::shape(list.size()),
                bytesOf(std::span(list)), unit);
   }
+  /// The same of `rows` entries of type T that are added one after the other.
+  template <class T>
+  RowWriter list(const std::string& path, hsize_t rows, const char* unit);
 
   /// Writes the file, which is for the caller to flush to disk (replaceFile). To be called once, at
   /// the end. Error when it could not be written; the file is then not usable.
@@ -51,7 +56,6 @@ class Writer : public NamedFile {
 
  private:
   friend class RowWriter;
-  friend class ListWriter;
   Handle create(const std::string& path, Element element, const Shape& shape, hid_t properties,
                 const char* unit);
   /// Names the hash of an array that is complete, and closes it.
@@ -67,13 +71,24 @@ class Writer : public NamedFile {
   std::vector<ArrayInfo> arrays_;
 };
 
-/// A list whose rows come one after the other: the same bytes as by writeList, of which only some
-/// are in memory. The Writer must outlive it.
-class ListWriter {
+/// How the rows of an array lie in the file: one after the other; or a gzip+shuffle chunk for each,
+/// of float32 or int16.
+enum class RowLayout : std::uint8_t { contiguous, compressed };
+
+/// An array whose rows (first index) come one after the other, of which about a mebibyte is in
+/// memory. A contiguous one is the same bytes as written whole. The Writer must outlive it.
+class RowWriter {
  public:
   /// `shape`: how many rows there will be, and what is in one.
-  ListWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit);
-  void add(std::string_view row);
+  RowWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit,
+            RowLayout layout = RowLayout::contiguous);
+  void addBytes(std::string_view row);  ///< bytes of the values
+  template <class T>
+  void add(const T& row) {
+    addBytes(bytesOf(std::span(&row, 1)));
+  }
+  /// A row of a compressed array that takes no room and reads as NaN, or as the lowest int16.
+  void skip();
   void finish();  ///< after the last row
 
  private:
@@ -81,46 +96,20 @@ class ListWriter {
 
   Writer& writer_;
   ArrayInfo info_;
+  RowLayout layout_;
   std::size_t row_bytes_;
   Handle dataset_, file_space_;
-  hsize_t written_ = 0;  ///< rows
-  std::string pending_;
-  ContentHasher hasher_;
-};
-
-/// An array of float32 or int16 written row by row (first index), one gzip+shuffle chunk per row.
-/// Rows that are skipped take no room and read as NaN, or as the lowest int16. Rows must come in
-/// order, each exactly once. The Writer must outlive it.
-class RowWriter {
- public:
-  RowWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit);
-  void write(std::string_view row);  ///< bytes of the values
-  void skip();
-  void finish();  ///< after the last row
-
- private:
-  Writer& writer_;
-  ArrayInfo info_;
-  Handle dataset_, file_space_, row_space_;
-  hsize_t next_ = 0;
+  hsize_t next_ = 0;     ///< row
+  std::string pending_;  ///< the rows before it, which are not in the file yet
   ContentHasher hasher_;
   std::string no_values_;  ///< what a skipped row reads as
 };
 
-/// The same of values.
 template <class T>
-class ListOf {
- public:
-  ListOf(Writer& writer, std::string path, hsize_t rows, const char* unit)
-      : list_(writer, std::move(path), elementOf<typename Stored<T>::Number>(),
-              Stored<T>::shape(rows), unit) {
-    static_assert(sizeof(T) == Stored<T>::size * sizeof(typename Stored<T>::Number));
-  }
-  void add(const T& value) { list_.add(bytesOf(std::span(&value, 1))); }
-  void finish() { list_.finish(); }
-
- private:
-  ListWriter list_;
-};
+RowWriter Writer::list(const std::string& path, hsize_t rows, const char* unit) {
+  using Entry = Stored<T>;
+  static_assert(sizeof(T) == Entry::size * sizeof(typename Entry::Number));
+  return {*this, path, elementOf<typename Entry::Number>(), Entry::shape(rows), unit};
+}
 
 }  // namespace palpate::hdf5

@@ -79,11 +79,12 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
   hsize_t n_rows = 0;
   for (const auto& space : spaces) n_rows += static_cast<hsize_t>(space->points());
   hdf5::RowWriter displacements(out, displacement_path, elementOf(quantized),
-                                {n_rows, stored.size(), 3}, quantized ? "1" : "m");
+                                {n_rows, stored.size(), 3}, quantized ? "1" : "m",
+                                hdf5::RowLayout::compressed);
   std::optional<hdf5::RowWriter> pressures;
   if (n_pressures > 0)
     pressures.emplace(out, pressure_path, hdf5::Element::float32, hdf5::Shape{n_rows, n_pressures},
-                      "Pa");
+                      "Pa", hdf5::RowLayout::compressed);
   std::vector<float> steps;  // m, of quantized displacements
   std::vector<ContentId> hashes;
   for (std::size_t s = 0; s < spaces.size(); ++s)
@@ -108,8 +109,8 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       const std::string_view bytes =
           quantized ? bytesOf(std::span(integers.values)) : bytesOf(std::span(displacement));
       const auto pressure = pressures ? std::span(given.pressure) : std::span<const float>();
-      if (pressures) pressures->write(bytesOf(pressure));
-      displacements.write(bytes);
+      if (pressures) pressures->addBytes(bytesOf(pressure));
+      displacements.addBytes(bytes);
       steps.push_back(integers.step);
       hashes.push_back(rowHash(bytes, quantized ? &integers.step : nullptr, pressure));
     }

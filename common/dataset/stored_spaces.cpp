@@ -252,7 +252,7 @@ void writeLattices(Writer& out, const SpacesToWrite& spaces) {
   for (const SpaceToWrite& space : spaces) size += static_cast<hsize_t>(space.rows.points());
   const auto write = [&](const char* path, const char* unit, auto valueOf) {
     using Value = decltype(valueOf(first, 0));
-    hdf5::ListOf<Value> list(out, path, size, unit);
+    hdf5::RowWriter list = out.list<Value>(path, size, unit);
     for (const SpaceToWrite& space : spaces)
       for (std::int32_t n = 0; n < space.rows.points(); ++n)
         list.add(valueOf(space.rows.lattice(), n));
@@ -320,7 +320,7 @@ struct ColumnWriter {
   void operator()(const std::string& path, const WrittenRows<Row>& rows, const char* unit,
                   Member member) const {
     using Value = MemberInFile<const Row, Member>;
-    hdf5::ListOf<Value> list(out, path, rows.size, unit);
+    hdf5::RowWriter list = out.list<Value>(path, rows.size, unit);
     rows.each([&](const Row* row) {
       list.add(row == nullptr ? nothing<Value>() : Value(std::invoke(member, *row)));
     });

@@ -29,7 +29,7 @@ using testing::ElementsAre;
 /// For all tests of this program that fill a disk.
 [[maybe_unused]] const bool exit_leaves_files = (leaveOpenFilesAtExit(), true);
 
-/// A ListWriter hands on a mebibyte at a time: rows of 24 bytes do not end there, those of 32 do.
+/// A RowWriter hands on a mebibyte at a time: rows of 24 bytes do not end there, those of 32 do.
 constexpr std::size_t mebibyte = std::size_t{1} << 20;
 
 struct Hdf5WriterTest : testing::Test {
@@ -76,7 +76,7 @@ struct Hdf5WriterTest : testing::Test {
 
 template <class T>
 void writeRowByRow(Writer& writer, const std::string& path, const std::vector<T>& list) {
-  ListOf<T> rows(writer, path, list.size(), "m");
+  RowWriter rows = writer.list<T>(path, list.size(), "m");
   for (const T& row : list) rows.add(row);
   rows.finish();
 }
@@ -125,8 +125,8 @@ TEST_F(Hdf5WriterTest, ListsThatAreWrittenInTurnsDoNotMix) {
   const auto list = vectors(100000);
   std::vector<double> lengths;
   Writer writer(file);
-  ListOf<Eigen::Vector3d> forces(writer, "/force", list.size(), "N");
-  ListOf<double> norms(writer, "/norm", list.size(), "N");
+  RowWriter forces = writer.list<Eigen::Vector3d>("/force", list.size(), "N");
+  RowWriter norms = writer.list<double>("/norm", list.size(), "N");
   for (const Eigen::Vector3d& force : list) {
     forces.add(force);
     lengths.push_back(force.norm());
@@ -149,10 +149,10 @@ TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
       return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
     };
     Writer writer(file);
-    ListWriter list(writer, "/rows", Element::uint8, {rows, 32}, "1");
+    RowWriter list(writer, "/rows", Element::uint8, {rows, 32}, "1");
     const std::size_t before = peak();
     const std::string row(32, 'r');
-    for (hsize_t n = 0; n < rows; ++n) list.add(row);
+    for (hsize_t n = 0; n < rows; ++n) list.addBytes(row);
     list.finish();
     writer.close();
     const std::size_t grown = peak() - before;
@@ -165,15 +165,15 @@ TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
 TEST_F(Hdf5WriterTest, RowsOfAnotherWidthAreRefusedAndLeaveNothing) {
   const auto list = vectors(3);
   Writer writer(file);
-  ListWriter rows(writer, "/force", Element::float64, {list.size(), 3}, "N");
+  RowWriter rows(writer, "/force", Element::float64, {list.size(), 3}, "N");
   const auto bytes = [&](std::size_t n) { return std::string(bytesOf(std::span(&list[n], 1))); };
-  rows.add(bytes(0));
-  EXPECT_THROW(rows.add(bytes(1).substr(1)), std::logic_error);
-  EXPECT_THROW(rows.add(bytes(1) + "x"), std::logic_error);
-  EXPECT_THROW(rows.add(bytes(1) + bytes(2)), std::logic_error) << "two at once";
-  EXPECT_THROW(rows.add(""), std::logic_error);
-  rows.add(bytes(1));
-  rows.add(bytes(2));
+  rows.addBytes(bytes(0));
+  EXPECT_THROW(rows.addBytes(bytes(1).substr(1)), std::logic_error);
+  EXPECT_THROW(rows.addBytes(bytes(1) + "x"), std::logic_error);
+  EXPECT_THROW(rows.addBytes(bytes(1) + bytes(2)), std::logic_error) << "two at once";
+  EXPECT_THROW(rows.addBytes(""), std::logic_error);
+  rows.addBytes(bytes(1));
+  rows.addBytes(bytes(2));
   rows.finish();
   writer.close();
   EXPECT_EQ(read().readList<Eigen::Vector3d>("/force"), list);
@@ -183,8 +183,8 @@ TEST_F(Hdf5WriterTest, AListHasAsManyRowsAsWereAnnounced) {
   const std::string row(8, 'r');
   const auto listOf = [&](int rows) {
     Writer writer(file);
-    ListWriter list(writer, "/rows", Element::float64, {3}, "1");
-    for (int n = 0; n < rows; ++n) list.add(row);
+    RowWriter list(writer, "/rows", Element::float64, {3}, "1");
+    for (int n = 0; n < rows; ++n) list.addBytes(row);
     list.finish();
   };
   EXPECT_NO_THROW(listOf(3));
@@ -195,10 +195,10 @@ TEST_F(Hdf5WriterTest, AListHasAsManyRowsAsWereAnnounced) {
 TEST_F(Hdf5WriterTest, AListOfAFileThatIsClosedIsAnErrorThatNamesBoth) {
   const auto addTo = [&](std::size_t before, std::size_t after) {
     Writer writer(file);
-    ListOf<double> list(writer, "/energy", before + after, "J");
-    for (std::size_t n = 0; n < before; ++n) list.add(1);
+    RowWriter list = writer.list<double>("/energy", before + after, "J");
+    for (std::size_t n = 0; n < before; ++n) list.add(1.0);
     writer.close();
-    for (std::size_t n = 0; n < after; ++n) list.add(2);
+    for (std::size_t n = 0; n < after; ++n) list.add(2.0);
     list.finish();
   };
   expectError(ExitCode::failed, [&] { addTo(5, 0); }, {"list.h5", "/energy"});
@@ -216,8 +216,8 @@ TEST_F(Hdf5WriterTest, ADiskThatTakesNoMoreIsToldSoonAndIsSurvived) {
       expectError(ExitCode::failed,
                   [&] {
                     Writer writer(file);
-                    ListOf<double> list(writer, "/energy", rows, "J");
-                    for (; added < rows; ++added) list.add(1);
+                    RowWriter list = writer.list<double>("/energy", rows, "J");
+                    for (; added < rows; ++added) list.add(1.0);
                   },
                   {"list.h5", "ulimit -f"});
       EXPECT_LE(8 * added, room + 3 * mebibyte);
@@ -268,15 +268,15 @@ TEST_F(Hdf5WriterTest, ADiskThatIsFullAtTheVeryEndIsToldByClosing) {
 
 TEST_F(Hdf5WriterTest, RowsThatAreSkippedReadAsNoNumbers) {
   Writer writer(file);
-  RowWriter floats(writer, "/displacement", Element::float32, {3, 2}, "m");
-  RowWriter integers(writer, "/quantized", Element::int16, {2, 2}, "1");
+  RowWriter floats(writer, "/displacement", Element::float32, {3, 2}, "m", RowLayout::compressed);
+  RowWriter integers(writer, "/quantized", Element::int16, {2, 2}, "1", RowLayout::compressed);
   const std::vector<float> first = {1.5F, -2}, third = {0.F, 4.F};
   const std::vector<std::int16_t> second = {7, -8};
-  floats.write(bytesOf(std::span(first)));
+  floats.addBytes(bytesOf(std::span(first)));
   floats.skip();
   integers.skip();
-  floats.write(bytesOf(std::span(third)));
-  integers.write(bytesOf(std::span(second)));
+  floats.addBytes(bytesOf(std::span(third)));
+  integers.addBytes(bytesOf(std::span(second)));
   floats.finish();
   integers.finish();
   writer.close();
@@ -293,18 +293,21 @@ TEST_F(Hdf5WriterTest, RowsThatAreSkippedReadAsNoNumbers) {
 TEST_F(Hdf5WriterTest, EveryRowIsWrittenOrSkippedOnce) {
   const std::string row(8, '\0');
   Writer writer(file);
-  RowWriter rows(writer, "/a", Element::float32, {2, 2}, "m");
-  EXPECT_THROW(rows.write(row + row), std::logic_error);
-  rows.write(row);
+  RowWriter rows(writer, "/a", Element::float32, {2, 2}, "m", RowLayout::compressed);
+  EXPECT_THROW(rows.addBytes(row + row), std::logic_error);
+  rows.addBytes(row);
   EXPECT_THROW(rows.finish(), std::logic_error);
   rows.skip();
-  EXPECT_THROW(rows.write(row), std::logic_error);
+  EXPECT_THROW(rows.addBytes(row), std::logic_error);
   rows.finish();
-  RowWriter more(writer, "/b", Element::float32, {1, 2}, "m");
+  RowWriter more(writer, "/b", Element::float32, {1, 2}, "m", RowLayout::compressed);
   more.skip();
-  more.skip();
-  EXPECT_THROW(more.finish(), std::logic_error);
-  EXPECT_THROW(RowWriter(writer, "/c", Element::float64, {1, 2}, "m"), std::logic_error)
+  EXPECT_THROW(more.skip(), std::logic_error);
+  more.finish();
+  RowWriter whole(writer, "/whole", Element::float64, {1}, "m");
+  EXPECT_THROW(whole.skip(), std::logic_error) << "it would not read as no number";
+  EXPECT_THROW(RowWriter(writer, "/c", Element::float64, {1, 2}, "m", RowLayout::compressed),
+               std::logic_error)
       << "readers take it for a table";
 }
 
@@ -354,8 +357,9 @@ TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
     writer.setText("/group", "what", "a group");
     writeRowByRow(writer, "/group/force", vectors(100));
     const std::vector<float> row = {1, 2};
-    RowWriter rows(writer, "/group/displacement", Element::float32, {2, 2}, "m");
-    rows.write(bytesOf(std::span(row)));
+    RowWriter rows(writer, "/group/displacement", Element::float32, {2, 2}, "m",
+                   RowLayout::compressed);
+    rows.addBytes(bytesOf(std::span(row)));
     rows.skip();
     rows.finish();
     writer.close();
