@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/base/content_id.hpp"
-#include "viewer/plot/svg_plot.hpp"
+#include "common/base/markup.hpp"
 
 namespace palpate {
 namespace {

@@ -271,15 +271,4 @@ std::string tickLabel(double value) {
   return label;
 }
 
-std::string escaped(std::string_view text) {
-  constexpr std::string_view special = "&<>\"'";
-  constexpr std::array<const char*, 5> entities = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
-  std::string result;
-  for (const char c : text) {
-    const std::size_t place = special.find(c);
-    place < special.size() ? result += entities[place] : result += c;
-  }
-  return result;
-}
-
 }  // namespace palpate

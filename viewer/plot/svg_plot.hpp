@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/markup.hpp"
+
 namespace palpate {
 
 /// One axis of a plot; it fits the data.
@@ -73,8 +75,5 @@ std::vector<double> logarithmicTicks(double lowest, double highest);
 
 /// "0.02", "300", "10⁻⁵": a tick in the fewest characters.
 std::string tickLabel(double value);
-
-/// Text as it may stand in HTML, SVG and their attributes.
-std::string escaped(std::string_view text);
 
 }  // namespace palpate

@@ -3,10 +3,10 @@
 #include <sodium.h>
 #include <zlib.h>
 
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/markup.hpp"
 #include "viewer/fields/relative_error.hpp"
 #include "viewer/haptics/hand_pace.hpp"
 #include "viewer/share/page_parts.hpp"
@@ -34,27 +34,6 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string packedText(std::string_view bytes) { return base64(deflated(bytes)); }
-
-/// What may stand in markup.
-std::string escapedText(std::string_view text) {
-  std::string out;
-  for (const char c : text)
-    c == '<' ? out += "&lt;" : c == '&' ? out += "&amp;" : c == '"' ? out += "&quot;" : out += c;
-  return out;
-}
-
-/// The text between "{{" and "}}" names what stands there instead.
-std::string filledMarkup(std::string_view text,
-                         const std::map<std::string, std::string, std::less<>>& by) {
-  std::string out;
-  for (;;) {
-    const std::size_t begin = text.find("{{"), end = text.find("}}", begin);
-    out += text.substr(0, begin);
-    if (begin == std::string_view::npos) return out;
-    out += by.at(std::string(text.substr(begin + 2, end - begin - 2)));
-    text.remove_prefix(end + 2);
-  }
-}
 
 nlohmann::json pageFacts(const CarriedOrgan& organ) {
   nlohmann::json facts = {{"name", organ.name},
@@ -87,16 +66,12 @@ void requirePageField() {
 std::string organPage(const CarriedOrgan& organ) {
   requirePageField();
   const PageParts parts = pageParts();
-  std::string facts = pageFacts(organ).dump(-1, ' ', true);
-  // So that no name ends the script that holds it.
-  for (std::size_t at = 0; (at = facts.find('<', at)) != std::string::npos;)
-    facts.replace(at, 1, "\\u003c");
-  return filledMarkup(parts.markup, {{"name", escapedText(organ.name)},
+  return filledMarkup(parts.markup, {{"name", escaped(organ.name)},
                                      {"style", std::string(parts.style)},
                                      {"trouble", std::string(parts.trouble)},
                                      {"script", std::string(parts.script)},
                                      {"worker", std::string(parts.worker)},
-                                     {"facts", facts},
+                                     {"facts", scriptJson(pageFacts(organ).dump(-1, ' ', true))},
                                      {"field", packedText(parts.field)},
                                      {"organ", packedText(encode(organ))}});
 }
