@@ -14,7 +14,7 @@ std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
   std::vector<Dependencies::Wave> waves;
   std::vector<Transition> ready = plan.takeReady();
   while (!plan.complete()) {
-    Dependencies::Wave wave{.stage = plan.stage(), .chains = {}};
+    Dependencies::Wave wave;
     for (const Transition& first : std::exchange(ready, {})) wave.chains.push_back({first});
     for (std::vector<Transition>& chain : wave.chains)
       for (std::size_t n = 0; n < chain.size(); ++n) {
@@ -61,8 +61,8 @@ namespace {
 
 class Schedule {
  public:
-  Schedule(const Dependencies& dependencies, std::size_t workers, Order order)
-      : dependencies_(dependencies), workers_(workers), order_(order) {
+  Schedule(const Dependencies& dependencies, std::size_t workers)
+      : dependencies_(dependencies), workers_(workers) {
     for (const Dependencies::Space& space : dependencies.spaces) {
       progress_.push_back({space.frontier, 0, 0});
       for (const Transition& first : space.ready)
@@ -91,7 +91,7 @@ class Schedule {
     int depth = 0;
     auto operator<=>(const Task&) const = default;
   };
-  using Rank = std::array<double, 3>;  ///< lowest first
+  using Rank = std::pair<std::int32_t, std::uint32_t>;  ///< parent, space; as Leases does it
   struct Progress {
     Frontier frontier;
     std::size_t waves = 0;  ///< begun
@@ -143,28 +143,9 @@ class Schedule {
   void add(const TransitionKey& key, Task task) {
     task.key = key;
     ++task.depth;
-    ready_.emplace(rankOf(key), task);
+    ready_.emplace(Rank(key.parent, key.space), task);
   }
 
-  Rank rankOf(const TransitionKey& key) const {
-    const double parent = key.parent, space = key.space;
-    const auto distance = static_cast<double>(squaredNorm(point(key.space, key.target)));
-    switch (order_) {
-      case Order::parent: return {parent, space};
-      case Order::target: return {distance, space};
-      case Order::depth_first: return {-distance, space};
-      case Order::stage: return {stageOf(key.space), parent, space};
-      case Order::longest: return {-solveOf(key).seconds};
-      case Order::space: return {space, parent};
-    }
-    return {};
-  }
-  double stageOf(std::uint32_t number) const {
-    const std::size_t waves = progress_[number].waves;
-    const auto stage =
-        waves == 0 ? Stage::lattice : dependencies_.spaces[number].waves[waves - 1].stage;
-    return static_cast<double>(stage);
-  }
   const LatticePoint& point(std::uint32_t space, std::int32_t n) const {
     return dependencies_.spaces[space].points[static_cast<std::size_t>(n)];
   }
@@ -175,7 +156,6 @@ class Schedule {
 
   const Dependencies& dependencies_;
   const std::size_t workers_;
-  const Order order_;
   std::vector<Progress> progress_;
   std::set<std::pair<Rank, Task>> ready_;
   using Finish = std::pair<double, Task>;
@@ -185,8 +165,8 @@ class Schedule {
 
 }  // namespace
 
-Ideal idealOf(const Dependencies& dependencies, std::size_t workers, Order order) {
-  return Schedule(dependencies, workers, order).run();
+Ideal idealOf(const Dependencies& dependencies, std::size_t workers) {
+  return Schedule(dependencies, workers).run();
 }
 
 }  // namespace palpate::speed_up

@@ -1,23 +1,10 @@
 #pragma once
 
 #include <limits>
-#include <string_view>
 
 #include "tests/speed_up/recording.hpp"
 
 namespace palpate::speed_up {
-
-/// Which of the transitions that are ready is begun first.
-enum class Order : std::uint8_t {
-  parent,       ///< the start nearest to the origin, whatever its space: as Leases does it
-  target,       ///< the target nearest to the origin
-  depth_first,  ///< the target farthest from the origin
-  stage,        ///< the space that is least far, by stage, then as `parent`
-  longest,      ///< what takes longest, which nobody knows before
-  space,        ///< one space after the other, in each as `parent`
-};
-inline constexpr std::array<std::string_view, 6> order_names = {"parent", "target",  "depth_first",
-                                                                "stage",  "longest", "space"};
 
 inline constexpr std::size_t any_number = std::numeric_limits<std::size_t>::max();
 
@@ -26,7 +13,6 @@ inline constexpr std::size_t any_number = std::numeric_limits<std::size_t>::max(
 /// has ended, and in which a target is tried from one parent after the other.
 struct Dependencies {
   struct Wave {
-    Stage stage = Stage::branches;
     std::vector<std::vector<Transition>> chains;
   };
   struct Space {
@@ -42,8 +28,9 @@ struct Dependencies {
   std::vector<Space> spaces;
 };
 
-/// How a build goes whose workers are given what is ready the moment it is (greedy list
-/// scheduling): same dependencies, same solves, no scheduler, no network, no checks.
+/// How a build goes whose workers are given what is ready the moment it is, the start nearest to
+/// the origin first (greedy list scheduling): same dependencies, same solves, no scheduler, no
+/// network, no checks.
 struct Ideal {
   double seconds = 0;
   /// Of the transitions of which each had to wait for the one before, until the last one ended.
@@ -51,6 +38,6 @@ struct Ideal {
 };
 
 /// With any_number of workers its seconds are those of the longest chain.
-Ideal idealOf(const Dependencies& dependencies, std::size_t workers, Order order = Order::parent);
+Ideal idealOf(const Dependencies& dependencies, std::size_t workers);
 
 }  // namespace palpate::speed_up

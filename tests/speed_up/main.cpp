@@ -5,7 +5,6 @@
 //
 //   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--cut-ms 250]
 //                          [--latency-ms 0.2] [--scheduler-us 100 | --measured] [--no-checks]
-//                          [--orders]
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -29,21 +28,13 @@ struct Options {
   std::filesystem::path state;
   std::vector<std::size_t> workers = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1000, 3000, 10000};
   double solve_ms = 0, cut_ms = 0, latency_ms = 0.2, scheduler_us = 0;
-  bool measured = false, no_checks = false, orders = false;
+  bool measured = false, no_checks = false;
   std::filesystem::path directory = std::filesystem::temp_directory_path();
 };
 
 /// Nobody reads digits that mean nothing.
 double rounded(double value, int digits = 4) {
   return std::stod(fmt::format("{:.{}g}", value, digits));
-}
-
-json ordersOf(const Dependencies& dependencies, std::size_t workers) {
-  json seconds = json::object();
-  for (std::size_t order = 0; order < order_names.size(); ++order)
-    seconds[std::string(order_names[order])] =
-        rounded(idealOf(dependencies, workers, static_cast<Order>(order)).seconds);
-  return {{"workers", workers}, {"seconds", seconds}};
 }
 
 json processorOf(const FleetRun& run) {
@@ -93,8 +84,7 @@ json measure(const Options& options) {
   const Ideal longest_chain = idealOf(dependencies, any_number);
   json rows = json::array();
   for (const std::size_t workers : options.workers) {
-    rows.push_back(options.orders ? ordersOf(dependencies, workers)
-                                  : rowOf(dependencies, options, workers, longest_chain.seconds));
+    rows.push_back(rowOf(dependencies, options, workers, longest_chain.seconds));
     std::cerr << rows.back().dump() << "\n";  // for who waits
   }
   return {{"scene", recording.problem().scene.name},
@@ -128,7 +118,6 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--measured", options.measured, "It costs what it really does here");
   app.add_flag("--no-checks", options.no_checks, "Nothing is solved twice");
-  app.add_flag("--orders", options.orders, "Compare orders of work in the ideal instead");
   app.add_option("--directory", options.directory, "Where the simulated scheduler keeps its state")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
