@@ -1,5 +1,6 @@
 #include "scheduler/inspection_text.hpp"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "common/base/number_text.hpp"
@@ -88,12 +89,8 @@ std::string verdictText(const Inspection& found, const std::filesystem::path& di
 }
 
 const char* wordOf(Inspection::TableState state) {
-  switch (state) {
-    case Inspection::TableState::whole: return "whole";
-    case Inspection::TableState::missing: return "missing";
-    case Inspection::TableState::damaged: break;
-  }
-  return "damaged";
+  constexpr std::array words = {"whole", "missing", "damaged"};
+  return words.at(static_cast<std::size_t>(state));
 }
 
 nlohmann::ordered_json placesJson(const std::vector<JournalDamage>& places) {

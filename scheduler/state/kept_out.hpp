@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "proto/palpate.pb.h"
 
@@ -36,12 +38,8 @@ struct KeptOut {
 
 /// "process", "machine", "key": as tables and status have it.
 constexpr std::string_view name(KeptOut::Kind kind) {
-  switch (kind) {
-    case KeptOut::Kind::process: return "process";
-    case KeptOut::Kind::machine: return "machine";
-    case KeptOut::Kind::key: return "key";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> names = {"process", "machine", "key"};
+  return names.at(static_cast<std::size_t>(kind));
 }
 
 }  // namespace palpate

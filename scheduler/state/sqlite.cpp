@@ -128,10 +128,6 @@ std::int64_t Statement::integerIn(int column) const {
 
 double Statement::real(int column) const { return sqlite3_column_double(handle_, column); }
 
-bool Statement::null(int column) const {
-  return sqlite3_column_type(handle_, column) == SQLITE_NULL;
-}
-
 std::string Statement::text(int column) const {
   // In this order: asking for the length first could convert the value and move it.
   const void* bytes = sqlite3_column_blob(handle_, column);

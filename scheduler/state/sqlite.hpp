@@ -84,7 +84,6 @@ class Statement {
     return static_cast<Integer>(integerIn(column));
   }
   double real(int column) const;
-  bool null(int column) const;
   std::string text(int column) const;  ///< or the bytes of a BLOB
 
  private:
