@@ -1,7 +1,7 @@
 #include <array>
 
 #include "common/dataset/hdf5_handle.hpp"
-#include "scheduler/verbs.hpp"
+#include "scheduler/verbs/verbs.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;

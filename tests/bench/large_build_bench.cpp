@@ -20,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 

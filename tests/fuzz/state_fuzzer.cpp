@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "scheduler/service/coordinator.hpp"
 #include "scheduler/state/inspection.hpp"
 #include "tests/fuzz/light_sqlite.hpp"

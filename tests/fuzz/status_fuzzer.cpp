@@ -2,7 +2,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include "scheduler/service/status.hpp"
-#include "scheduler/status_text.hpp"
+#include "scheduler/verbs/status_text.hpp"
 #include "tests/fuzz/fuzzer.hpp"
 
 namespace palpate::fuzz {

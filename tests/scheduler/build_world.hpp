@@ -13,7 +13,7 @@
 
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
 

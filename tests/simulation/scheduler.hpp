@@ -4,7 +4,7 @@
 #include <set>
 
 #include "common/wire/bundle.hpp"
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "scheduler/service/transport.hpp"
 #include "tests/simulation/disk.hpp"
 #include "tests/simulation/ledger.hpp"
@@ -13,7 +13,7 @@
 namespace palpate::simulation {
 
 /// A scheduler process: the real Build with everything in it, and the steps that `serve` makes
-/// around it (scheduler/build_command.cpp).
+/// around it (scheduler/verbs/build_command.cpp).
 class SchedulerProcess : private Transport {
  public:
   SchedulerProcess(Network& network, Disk& disk, Ledger& ledger, const Problem& problem,

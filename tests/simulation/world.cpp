@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/base/whole_file.hpp"
-#include "scheduler/recorded_build.hpp"
+#include "scheduler/builds/recorded_build.hpp"
 
 namespace palpate::simulation {
 namespace {

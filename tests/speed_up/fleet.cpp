@@ -10,7 +10,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "scheduler/service/transport.hpp"
 #include "tests/support/solved_table.hpp"
 

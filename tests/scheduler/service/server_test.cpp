@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "scheduler/build.hpp"
+#include "scheduler/builds/build.hpp"
 #include "scheduler/service/status.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "scheduler/inspection_text.hpp"
+#include "scheduler/verbs/inspection_text.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 

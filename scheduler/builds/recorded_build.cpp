@@ -1,0 +1,63 @@
+#include "scheduler/builds/recorded_build.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+namespace palpate {
+
+RecordedBuild::RecordedBuild(std::filesystem::path directory)
+    : directory_(std::move(directory)),
+      journal_(directory_),
+      tables_(std::in_place, directory_),
+      problem_(decodeProblem(tables_->build().problem)) {
+  std::vector<KeptOut> liars;
+  do {
+    liars = tables_->keptOut();
+    readJournal(liars);
+    // A scheduler notes a check before its result is in the journal. So tables that are opened
+    // after the journal was read hold every check of what was found, and who was found out
+    // meanwhile.
+    tables_.emplace(directory_);
+  } while (tables_->keptOut() != liars);
+}
+
+void RecordedBuild::readJournal(const std::vector<KeptOut>& liars) {
+  ReplayedJournal found = replayJournal(directory_, problem_, tables_->build().build, liars);
+  for (const std::string& damage : found.recorded.damage)
+    spdlog::warn("{}; what was recorded there will be computed again", damage);
+  kernel_family_ = std::move(found.kernel_family);
+  where_ = std::move(found.recorded.where);
+  plans_ = std::move(found.replay.plans);
+}
+
+bool RecordedBuild::complete() {
+  return tables_->checks().empty() && std::ranges::all_of(plans_, &SpacePlan::complete);
+}
+
+std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {
+  const auto found = where_.find(key);
+  if (found == where_.end()) return std::nullopt;
+  return journal_.read(found->second);
+}
+
+SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
+  if (kernel_family_.empty())
+    throw failure("{}: nothing is recorded there yet", directory_.string());
+  return sealPlans(
+      file, problem_, plans_, kernel_family_, [&](const ResultKey& key) { return find(key); },
+      !complete());
+}
+
+wire::Status progressIn(const std::filesystem::path& directory) {
+  if (const auto kept = StoredTables(directory).progress()) try {
+      return statusFromJson(kept->status);
+    } catch (const Error&) {
+      // Damaged: the journal tells it as well.
+    }
+  RecordedBuild build(directory);
+  return progressOf(build.problem(), build.tables().build().build, build.plans(),
+                    build.kernelFamily(), build.complete());
+}
+
+}  // namespace palpate

@@ -1,0 +1,244 @@
+#include "scheduler/fleet/slurm_fleet.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include "common/base/printable.hpp"
+
+namespace palpate {
+namespace {
+
+using std::chrono::seconds;
+
+/// A worker that its scheduler has not heard of after so long does not reach it.
+constexpr seconds long_unheard{60};
+
+/// Queued, or started a moment ago.
+int unproven(const SlurmJobs& jobs) {
+  return static_cast<int>(jobs.queued.size()) +
+         static_cast<int>(std::ranges::count_if(
+             jobs.running, [](const Launches::Running& job) { return job.age < Launches::early; }));
+}
+
+std::vector<std::string> idsOf(const std::vector<SlurmJobs::Queued>& jobs) {
+  std::vector<std::string> ids;
+  for (const SlurmJobs::Queued& job : jobs) ids.push_back(job.id);
+  return ids;
+}
+
+std::string reasonsOf(const SlurmJobs& jobs) {
+  std::string text;
+  for (const auto& [reason, count] : jobs.reasons())
+    text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", count, reason);
+  return text.empty() ? "" : text + ")";
+}
+
+/// For people; empty when there is none, or it cannot be read here.
+std::string lastLineOf(const std::string& path) {
+  constexpr std::streamoff most = 4096;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return "";
+  file.seekg(std::max<std::streamoff>(0, file.tellg() - most));
+  std::string last;
+  for (std::string line; std::getline(file, line);)
+    if (!line.empty()) last = line;
+  return printable(last, longest_reason);
+}
+
+/// Where it is told why a job failed, and what was.
+std::string wroteOf(const std::string& log) {
+  if (log == "/dev/null") return "--log FILE keeps what they write";
+  const std::string line = lastLineOf(log);
+  return line.empty() ? log + " may tell more" : fmt::format("{} ends with: {}", log, line);
+}
+
+std::string nameOf(const Launches::Ended& end) {
+  return fmt::format("{}{}{} ({})", end.id, end.node.empty() ? "" : " on ", end.node, end.words);
+}
+
+}  // namespace
+
+SlurmFleet::SlurmFleet(const SlurmFleetOptions& options)
+    : options_(options),
+      engine_(options.slurm),
+      watch_(options.asked),
+      launches_(seconds(2 * options.every_s)),
+      refused_(seconds(2 * options.every_s)) {}
+
+ExitCode SlurmFleet::run() {
+  for (;;) {
+    const auto status = watch_.look();
+    if (interrupted()) return leave();
+    if (status && status->state() == "complete") return finish("the build is complete");
+    if (!status && watch_.silence() > seconds(options_.give_up_s)) {
+      finish("the scheduler does not answer any more");
+      return ExitCode::failed;
+    }
+    turn(status);
+    if (options_.dry_run) return ExitCode::done;
+    for (const auto until = Clock::now() + seconds(options_.every_s); Clock::now() < until;) {
+      if (interrupted()) return leave();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+}
+
+void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
+  const SlurmJobs jobs = engine_.jobs();
+  taken_ = taken_ || !jobs.queued.empty() || !jobs.running.empty();
+  const Launches::Change change = launches_.see(jobs.ended, jobs.running, Clock::now());
+  tellLaunches(change);
+  // What is left is looked at in the next turn.
+  if (!options_.dry_run && cancelUnwanted(jobs, !change.left_out.empty())) return;
+  // Who cannot be asked may be back in a moment: what runs, and what is queued, stays.
+  if (!status) return tell(jobs, 0, "the scheduler does not answer");
+  const int more = moreFor(jobs, *status);
+  tell(jobs, more, fmt::format("{} transitions could be solved now", status->ready()));
+  if (options_.dry_run) return;
+  if (more > 0 && refused_.over(Clock::now())) submit(more);
+  if (more < 0) {
+    const std::vector<std::string> ids = idsOf(jobs.queued);
+    engine_.cancel({ids.end() + more, ids.end()});
+  }
+} catch (const Error& error) {
+  if (endsIt(error)) throw;
+  spdlog::warn("{}", error.what());
+}
+
+/// Nothing is left behind, and nobody reads all night that it was in vain.
+bool SlurmFleet::endsIt(const Error& error) const {
+  return error.exitCode() == ExitCode::usage && !taken_;
+}
+
+/// A queue that says no says so for a while.
+void SlurmFleet::submit(int more) try {
+  engine_.submit(more, launches_.badNodes());
+  taken_ = true;
+  refused_.succeeded();
+} catch (const Error& error) {
+  if (endsIt(error)) throw;
+  refused_.failed(Clock::now());
+  spdlog::warn("{}; it is asked again in {} s", error.what(), refused_.pause().count());
+}
+
+int SlurmFleet::moreFor(const SlurmJobs& jobs, const wire::Status& status) {
+  const FleetView view{.ready = status.ready(),
+                       .queued = static_cast<int>(jobs.queued.size()),
+                       .running = static_cast<int>(jobs.running.size()),
+                       .hands_out = status.state() == "running" && !status.paused()};
+  const int more = moreWorkers(view, options_.limits);
+  if (more <= 0) return more;
+  if (isUnheard(jobs, status)) return 0;
+  return std::clamp(launches_.mostUnproven(Clock::now()) - unproven(jobs), 0, more);
+}
+
+/// Jobs run, and none of their workers came to the scheduler: more would come no nearer.
+bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
+  const auto isOld = [](const Launches::Running& job) { return job.age >= long_unheard; };
+  const bool unheard = status.workers().empty() && std::ranges::any_of(jobs.running, isOld) &&
+                       status.seconds() >= static_cast<double>(long_unheard.count());
+  if (unheard && !told_unheard_)
+    spdlog::warn(
+        "jobs run for a minute, and the scheduler has heard of no worker: nothing more is asked "
+        "for. Can their nodes reach {} (--connect, a firewall), and are their keys let in (palpate "
+        "key)? {}",
+        options_.endpoint, wroteOf(engine_.logOf(std::ranges::find_if(jobs.running, isOld)->id)));
+  told_unheard_ = unheard;
+  return unheard;
+}
+
+/// Jobs that could only fail, or wait for nobody. False when there are none.
+bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
+  std::vector<std::string> ids = jobs.elsewhere;
+  if (!ids.empty())
+    spdlog::warn("{} jobs look for the scheduler elsewhere than at {}: they are cancelled",
+                 ids.size(), options_.endpoint);
+  // Where those may run that are queued was said when they were asked for.
+  if (nodes_changed || launches_.mostUnproven(Clock::now()) == 0)
+    for (const SlurmJobs::Queued& job : jobs.queued) ids.push_back(job.id);
+  engine_.cancel(ids);
+  return !ids.empty();
+}
+
+void SlurmFleet::tell(const SlurmJobs& jobs, int more, const std::string& why) {
+  const std::string text =
+      fmt::format("{} workers run, {} are queued{}; {}: {}", jobs.running.size(),
+                  jobs.queued.size(), reasonsOf(jobs), why,
+                  more > 0   ? fmt::format("{} more", more)
+                  : more < 0 ? fmt::format("{} queued ones are not needed", -more)
+                             : "as they are");
+  if (options_.dry_run)
+    fmt::print("{}\n{}", text,
+               more > 0 ? engine_.script(std::min(more, 1000), launches_.badNodes()) : "");
+  else if (text != told_)
+    spdlog::info("{}", text);
+  told_ = text;
+}
+
+void SlurmFleet::tellLaunches(const Launches::Change& change) {
+  const std::deque<Launches::Ended>& failures = launches_.failures();
+  for (const std::string& node : change.left_out) {
+    const auto last =
+        std::ranges::find(failures.rbegin(), failures.rend(), node, &Launches::Ended::node);
+    spdlog::warn(
+        "node {} is left out (sbatch --exclude): jobs fail there within {} s of their start while "
+        "others work elsewhere{}. When it is mended, start this command again",
+        node, Launches::early.count(),
+        last == failures.rend()
+            ? ""
+            : fmt::format(", the last {}; {}", nameOf(*last), wroteOf(engine_.logOf(last->id))));
+  }
+  if (!change.held || failures.empty()) return;
+  std::vector<std::string> names;
+  for (const Launches::Ended& end : failures) names.push_back(nameOf(end));
+  spdlog::warn(
+      "jobs fail within {} s of their start, the last: {}. No more are asked for but one at a "
+      "time, in {} s, then later and later, until one lives. {}",
+      Launches::early.count(), fmt::join(names, ", "), launches_.pause().count(),
+      wroteOf(engine_.logOf(failures.back().id)));
+}
+
+void SlurmFleet::end() {
+  const auto until = Clock::now() + seconds(options_.give_up_s);
+  for (std::string told;;) {
+    std::string left;
+    bool refused = false;  // for good
+    try {
+      engine_.cancelAll();
+      const SlurmJobs jobs = engine_.jobs();
+      const std::size_t count = jobs.queued.size() + jobs.running.size() + jobs.elsewhere.size();
+      if (count == 0) return;
+      left = fmt::format("{} jobs of {} are not gone yet", count, options_.slurm.name);
+    } catch (const Error& error) {
+      refused = error.exitCode() == ExitCode::usage;
+      left = error.what();
+    }
+    if (refused || interrupted() || Clock::now() > until)
+      throw Error(refused ? ExitCode::usage : ExitCode::failed,
+                  fmt::format("{}: jobs may be left; when Slurm answers: scancel --me --name={}",
+                              left, options_.slurm.name));
+    if (left != told) spdlog::warn("{}; they are cancelled again until they are", left);
+    told = left;
+    std::this_thread::sleep_for(seconds(1));
+  }
+}
+
+ExitCode SlurmFleet::finish(const char* why) {
+  if (!options_.dry_run) end();
+  fmt::print("{}: no job of {} is left\n", why, options_.slurm.name);
+  return ExitCode::done;
+}
+
+ExitCode SlurmFleet::leave() const {
+  fmt::print(
+      "stopped; the jobs of {} go on, and leave when they have nothing to do for {} s. The same "
+      "command goes on with them, with --cancel it ends them.\n",
+      options_.slurm.name, options_.leave_idle_s);
+  return ExitCode::interrupted;
+}
+
+}  // namespace palpate

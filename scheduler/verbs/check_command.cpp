@@ -1,0 +1,52 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "scheduler/verbs/inspection_text.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+namespace palpate {
+namespace {
+
+struct CheckStateOptions {
+  std::string directory;
+  bool repair = false;
+  bool json = false;
+};
+
+ExitCode checkState(const CheckStateOptions& options) {
+  Inspection found = inspect(std::filesystem::path(options.directory));
+  std::vector<std::string> repaired;
+  if (options.repair) {
+    // It was looked at first: what is no state directory must not become one.
+    const StateDirectory held(options.directory);
+    found = inspect(held);
+    if (!options.json) fmt::print("{}", describe(found, options.directory));
+    repaired = repair(held, found);
+    for (const std::string& step : repaired)
+      if (!options.json) fmt::print("repaired   {}\n", step);
+    found = inspect(held);
+  }
+  fmt::print("{}", options.json ? inspectionJson(found, options.directory, repaired) + '\n'
+                                : describe(found, options.directory));
+  return found.whole() ? ExitCode::done : ExitCode::failed;
+}
+
+std::function<ExitCode()> prepareCheckState(CLI::App& app) {
+  auto options = std::make_shared<CheckStateOptions>();
+  app.add_option("DIRECTORY", options->directory, "A state directory (docs/state.md)")->required();
+  app.add_flag("--repair", options->repair,
+               "Drop what is damaged and make damaged tables again; no scheduler may work there");
+  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+  app.footer(
+      "Changes nothing without --repair. Of a scene, a TOML file, `palpate check` tells what it\n"
+      "amounts to.\n"
+      "Exit codes: 0 whole, 1 damaged, 2 not a state directory.");
+  return [options] { return checkState(*options); };
+}
+
+}  // namespace
+
+const Verb check_state_verb = {"check", "Whether a state directory is whole; repair it",
+                               prepareCheckState};
+
+}  // namespace palpate

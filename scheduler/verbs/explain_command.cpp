@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "scheduler/service/status.hpp"
+#include "scheduler/verbs/explanation.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate explain`: how a lattice point was reached, or why not.
+
+namespace palpate {
+namespace {
+
+struct ExplainOptions {
+  std::string where;
+  std::string active;
+  std::vector<double> at;                           ///< metres; none or three
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
+  bool json = false;
+};
+
+ExitCode explainPoint(const ExplainOptions& options) {
+  const std::vector<SpaceTable> spaces = spacesIn(options.where);
+  const bool somewhere = !options.at.empty();
+  const Eigen::Vector3d place =
+      somewhere ? Eigen::Vector3d(options.at.data()) : Eigen::Vector3d::Zero();
+  const SpaceTable& space =
+      somewhere ? siteNearest(spaces, options.active, place) : spaceNamed(spaces, options.active);
+  const wire::Explanation explanation = explain(space, options.point);
+  fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareExplain(CLI::App& app) {
+  auto options = std::make_shared<ExplainOptions>();
+  app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
+  app.add_option("--active", options->active,
+                 "Name of the active node; may be left out where there is one, or with --at");
+  app.add_option("--at", options->at,
+                 "Of a surface that a finger touches: its site nearest to this place, metres")
+      ->expected(3);
+  app.add_option("I", options->point[0],
+                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
+                 "refined points have fractions")
+      ->required();
+  app.add_option("J", options->point[1])->required();
+  app.add_option("K", options->point[2])->required();
+  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+  return [options] { return explainPoint(*options); };
+}
+
+}  // namespace
+
+const Verb explain_verb = {"explain", "How a lattice point was reached, or why it failed",
+                           prepareExplain};
+
+}  // namespace palpate

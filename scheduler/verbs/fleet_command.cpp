@@ -1,0 +1,222 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <thread>
+
+#include "scheduler/fleet/slurm_fleet.hpp"
+#include "scheduler/fleet/ssh.hpp"
+#include "scheduler/state/tables.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate fleet`: as many workers as a build can use, from an engine that owns the machines.
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct SshFleetOptions : FleetOptions {
+  SshOptions ssh;
+  std::vector<std::string> hosts;
+  std::string program = "palpate-worker";  ///< as a shell there finds it
+};
+
+/// A job that is cancelled is killed half a minute later (Slurm's KillWait), unless somebody
+/// changed that.
+constexpr int seconds_to_deliver = 25;
+
+/// What the scheduler says, and where nodes reach it. Error when it cannot be asked.
+wire::Status meet(FleetOptions& options) {
+  FleetWatch watch(options.asked);
+  const auto status = watch.look();
+  if (!status && interrupted()) throw Error(ExitCode::interrupted, "interrupted");
+  if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
+  // Then nobody is there to be reached, and nobody needs to.
+  if (status->state() == "complete") return *status;
+  if (options.endpoint.empty()) {
+    const auto scheduler = schedulerOf(options.asked);
+    options.endpoint = scheduler ? scheduler->endpoint : options.asked.where;
+  }
+  checkEndpoint(options.endpoint);
+  if (isOnThisMachineOnly(options.endpoint))
+    spdlog::warn("{} is reached from this machine alone: give --connect if workers run elsewhere",
+                 options.endpoint);
+  return *status;
+}
+
+/// What a node runs.
+std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
+  std::vector<std::string> words = {programBeside("palpate-worker").string(),
+                                    "work",
+                                    "--connect",
+                                    options.endpoint,
+                                    "--leave-idle",
+                                    std::to_string(options.leave_idle_s),
+                                    "--drain",
+                                    std::to_string(seconds_to_deliver)};
+  if (options.asked.keys.insecure) words.emplace_back("--insecure");
+  if (!options.asked.keys.folder.empty())
+    words.insert(words.end(),
+                 {"--keys", std::filesystem::absolute(options.asked.keys.folder).string()});
+  return words;
+}
+
+/// Whose jobs are meant. To end them nobody need be there any more: the directory tells it too.
+std::string buildOf(SlurmFleetOptions& options) {
+  const std::filesystem::path state = options.asked.where;
+  if (options.cancel && std::filesystem::is_directory(state))
+    return StoredTables(state).build().build.hex();
+  return meet(options).build();
+}
+
+ExitCode runSlurm(SlurmFleetOptions& options) {
+  catchInterrupts();
+  options.slurm.name = "palpate-" + buildOf(options).substr(0, 12);
+  options.slurm.endpoint = options.endpoint;
+  options.slurm.command = workerCommand(options);
+  SlurmFleet fleet(options);
+  if (!options.cancel) return fleet.run();
+  fleet.end();
+  fmt::print("no job of {} is left\n", options.slurm.name);
+  return ExitCode::done;
+}
+
+// ---- ssh ----
+
+ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
+  // Theirs, and what a connection takes.
+  constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
+  FleetWatch watch(options.asked);
+  for (Clock::time_point next_look;;) {
+    const auto now = Clock::now();
+    hosts.keep(now);
+    if (interrupted()) {
+      hosts.terminate(grace);
+      fmt::print("stopped, with the workers there; the build goes on with others\n");
+      return ExitCode::interrupted;
+    }
+    if (hosts.done()) break;
+    if (now >= next_look) {
+      next_look = now + std::chrono::seconds(options.every_s);
+      const auto status = watch.look();
+      if (status && status->state() == "complete") break;
+      if (!status && watch.silence() > std::chrono::seconds(options.give_up_s)) {
+        hosts.terminate(grace);
+        throw failure("{}: does not answer any more; the workers are ended", options.asked.where);
+      }
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  // They were told too.
+  for (const auto until = Clock::now() + grace; hosts.running() > 0 && Clock::now() < until;) {
+    hosts.keep(Clock::now());
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  hosts.terminate(std::chrono::milliseconds(0));
+  fmt::print("the build is complete: no worker is left on {} machine(s)\n", options.hosts.size());
+  return ExitCode::done;
+}
+
+ExitCode runSsh(SshFleetOptions& options) {
+  for (const std::string& host : options.hosts) SshHosts::checkHost(host);
+  catchInterrupts();
+  if (meet(options).state() == "complete") {
+    fmt::print("the build is complete: there is nothing to do\n");
+    return ExitCode::done;
+  }
+  options.ssh.command = {options.program,  "work",    "--connect",
+                         options.endpoint, "--drain", std::to_string(seconds_to_deliver)};
+  if (options.asked.keys.insecure) options.ssh.command.emplace_back("--insecure");
+  SshHosts hosts(options.ssh, options.hosts);
+  if (!options.dry_run) return keepHosts(options, hosts);
+  for (const std::string& host : options.hosts)
+    fmt::print("{}\n", SshHosts::told(options.ssh, host));
+  return ExitCode::done;
+}
+
+// ---- The command line ----
+
+void addTo(CLI::App& app, FleetOptions& options) {
+  options.asked.addTo(app);
+  app.add_option("--connect", options.endpoint,
+                 "The scheduler as nodes reach it, tcp://HOST:PORT [where it is asked]");
+  app.add_option("--every", options.every_s, "Ask the scheduler every so many seconds")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+  app.add_option("--give-up", options.give_up_s,
+                 "End all workers when the scheduler says nothing for so many seconds")
+      ->check(CLI::Range(1, 7 * 24 * 3600))
+      ->capture_default_str();
+  app.add_flag("--dry-run", options.dry_run, "Say what would be done, and do nothing");
+}
+
+void addTo(CLI::App& app, SlurmFleetOptions& options) {
+  addTo(app, static_cast<FleetOptions&>(options));
+  app.add_option("--most", options.limits.most, "Workers at most, one core each")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--backlog", options.limits.most_queued, "Of them, queued at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--each", options.limits.transitions_each,
+                 "Another worker is asked for when so many transitions wait for it")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--minutes", options.slurm.minutes, "Each may run at most so long")
+      ->check(CLI::Range(1, 60 * 24 * 30))
+      ->capture_default_str();
+  app.add_option("--leave-idle", options.leave_idle_s,
+                 "Each leaves after so many seconds without work")
+      ->check(CLI::Range(1, 24 * 3600))
+      ->capture_default_str();
+  app.add_option("--constraint", options.slurm.constraint,
+                 "Features of nodes, as sbatch takes them");
+  app.add_option("--log", options.slurm.log, "Where workers write, as sbatch --output")
+      ->capture_default_str();
+  app.add_flag("--cancel", options.cancel, "End all jobs of this build");
+  app.add_option("SBATCH", options.slurm.more,
+                 "Options of sbatch, behind --: -- --partition=short --account=me");
+  app.footer(
+      "Runs until the build is complete, and then leaves no job behind. It remembers nothing: end\n"
+      "it and start it again as you like, also while the scheduler is restarted.");
+}
+
+void addTo(CLI::App& app, SshFleetOptions& options) {
+  addTo(app, static_cast<FleetOptions&>(options));
+  app.add_option("--hosts", options.hosts,
+                 "Machines as ssh takes them, HOST or USER@HOST; HOST:N for N workers instead of "
+                 "one a core")
+      ->required();
+  app.add_option("--program", options.program, "palpate-worker, as a shell there finds it")
+      ->capture_default_str();
+  app.add_option("SSH", options.ssh.more, "Options of ssh, behind --: -- -p 2222 -i KEY");
+  app.footer(
+      "Runs until the build is complete or it is interrupted, and then no worker is left. A\n"
+      "machine that cannot be reached is tried again. ssh must ask nothing: give it keys, and\n"
+      "know the hosts.");
+}
+
+template <class Options, ExitCode run(Options&)>
+void addEngine(CLI::App& app, const char* name, const char* what,
+               const std::shared_ptr<std::function<ExitCode()>>& chosen) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& engine = *app.add_subcommand(name, what);
+  addTo(engine, *options);
+  engine.callback([options, chosen] { *chosen = [options] { return run(*options); }; });
+}
+
+std::function<ExitCode()> prepareFleet(CLI::App& app) {
+  const auto chosen = std::make_shared<std::function<ExitCode()>>();
+  addEngine<SlurmFleetOptions, runSlurm>(app, "slurm", "Workers as array jobs of Slurm", chosen);
+  addEngine<SshFleetOptions, runSsh>(app, "ssh", "Workers on machines that ssh reaches", chosen);
+  app.require_subcommand(1);
+  return [chosen] { return (*chosen)(); };
+}
+
+}  // namespace
+
+const Verb fleet_verb = {"fleet", "As many workers as a build can use, from Slurm or by ssh",
+                         prepareFleet};
+
+}  // namespace palpate

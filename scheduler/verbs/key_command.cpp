@@ -1,0 +1,114 @@
+#include <CLI/CLI.hpp>
+
+#include "common/keys/key_folder.hpp"
+#include "common/wire/wire.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate key`: the keys of this user, and whom they let in.
+
+namespace palpate {
+namespace {
+
+struct KeyOrder {
+  std::string folder;
+  bool replace = false;
+  std::string key, roles, name;
+  std::string endpoint = "*";
+  ExitCode (*run)(const KeyOrder&) = nullptr;
+};
+
+PublicKey writtenKey(const std::string& hex) {
+  if (const auto key = PublicKey::fromHex(hex)) return *key;
+  throw badInput("\"{}\" is no key: 64 hexadecimal digits, as palpate key show prints them", hex);
+}
+
+ExitCode makeNew(const KeyOrder& order) {
+  const KeyFolder folder = chosenKeyFolder(order.folder);
+  if (folder.hasOwn() && !order.replace)
+    throw badInput("{}: there is a key already; --replace makes another, which nobody knows yet",
+                   folder.path().string());
+  const KeyPair own = order.replace ? folder.replaceOwn() : folder.ownOrNew();
+  fmt::print("{}\n", own.open().hex());
+  return ExitCode::done;
+}
+
+ExitCode show(const KeyOrder& order) {
+  const KeyFolder folder = chosenKeyFolder(order.folder);
+  fmt::print("{} own key, in {}\n", folder.own().open().hex(), folder.path().string());
+  for (const AllowedKey& key : folder.allowed())
+    fmt::print("{} let in as {}: {}\n", key.key.hex(), wordsOf(key.roles), key.name);
+  for (const auto& [endpoint, key] : folder.servers())
+    fmt::print("{} of the server at {}\n", key.hex(), endpoint);
+  return ExitCode::done;
+}
+
+ExitCode allow(const KeyOrder& order) {
+  const KeyFolder folder = chosenKeyFolder(order.folder);
+  folder.allow({writtenKey(order.key), rolesOf(order.roles), order.name});
+  fmt::print("let in by servers with the keys in {}, running ones too\n", folder.path().string());
+  return ExitCode::done;
+}
+
+ExitCode withdraw(const KeyOrder& order) {
+  const KeyFolder folder = chosenKeyFolder(order.folder);
+  if (!folder.withdraw(order.key))
+    throw badInput("{}: there is no \"{}\" (palpate key show lists who is)",
+                   folder.allowedFile().string(), order.key);
+  fmt::print("not let in any more; running servers send its holder away within a second\n");
+  return ExitCode::done;
+}
+
+ExitCode trust(const KeyOrder& order) {
+  const KeyFolder folder = chosenKeyFolder(order.folder);
+  if (order.endpoint != "*") checkEndpoint(order.endpoint);
+  folder.trust(writtenKey(order.key), order.endpoint);
+  fmt::print("known as the key of {}\n",
+             order.endpoint == "*" ? "every server without a line of its own" : order.endpoint);
+  return ExitCode::done;
+}
+
+using Order = std::shared_ptr<KeyOrder>;
+
+/// Declares `palpate key NAME`.
+CLI::App& declare(CLI::App& app, const Order& order, const char* name, const char* summary,
+                  ExitCode (*run)(const KeyOrder&)) {
+  CLI::App& verb = *app.add_subcommand(name, summary);
+  verb.callback([order, run] { order->run = run; });
+  verb.add_option("--keys", order->folder,
+                  "Folder with keys [$PALPATE_KEYS, ~/.config/palpate/keys]")
+      ->type_name("FOLDER");
+  return verb;
+}
+
+std::function<ExitCode()> prepareKey(CLI::App& app) {
+  const auto order = std::make_shared<KeyOrder>();
+  declare(app, order, "new", "Make the own key; prints what others may know of it", makeNew)
+      .add_flag("--replace", order->replace, "In the place of the one there is");
+  declare(app, order, "show", "Print the own key, who is let in, and the known servers", show);
+  CLI::App& allowed = declare(app, order, "allow", "Let the holder of a key in", allow);
+  allowed.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
+      ->required();
+  allowed
+      .add_option("ROLES", order->roles, "worker, observer, operator, or several: worker,observer")
+      ->required();
+  allowed.add_option("NAME", order->name, "For people");
+  declare(app, order, "withdraw", "Let nobody in with this key any more", withdraw)
+      .add_option("KEY", order->key, "Its digits, or its name")
+      ->required();
+  CLI::App& trusted = declare(app, order, "trust", "Know the key of a server", trust);
+  trusted.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
+      ->required();
+  trusted.add_option("--at", order->endpoint, "Of the server at this endpoint [of every server]");
+  app.require_subcommand(1);
+  app.footer(
+      "The own key is let in by the own servers and known to the own clients: machines that share\n"
+      "this folder need no more. docs/security.md sets up others in ten minutes.");
+  return [order] { return order->run(*order); };
+}
+
+}  // namespace
+
+const Verb key_verb = {"key", "Keys: make one, let others in, withdraw them, know servers",
+                       prepareKey};
+
+}  // namespace palpate

@@ -1,0 +1,223 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "common/base/printable.hpp"
+#include "common/base/terminal.hpp"
+#include "scheduler/builds/asked_scheduler.hpp"
+#include "scheduler/builds/recorded_build.hpp"
+#include "scheduler/service/status.hpp"
+#include "scheduler/verbs/status_text.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// What a running scheduler is asked: `status`, `stop`, `pause`, `resume`, `priority` and `retry`.
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::seconds watch_every{1};
+
+struct StatusOptions {
+  Asked asked;
+  bool watch = false;
+  bool json = false;
+};
+
+/// The status, and as a page for people.
+std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
+  wire::Status status;
+  try {
+    status = statusAt(asked);
+    return {status, describe(status)};
+  } catch (const NotListening& starting) {
+    status.set_state("starting");
+    return {status, std::string(starting.what()) + '\n'};
+  }
+}
+
+ExitCode showStatus(const StatusOptions& options) {
+  catchInterrupts();
+  const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
+  for (;;) {
+    const auto [status, page] = lookAt(options.asked);
+    if (options.json)
+      fmt::print("{}\n", toJson(status));
+    else if (redraw)
+      fmt::print("\x1b[H\x1b[2J{}", fitted(page, sizeOf(STDOUT_FILENO)));
+    else
+      fmt::print("{}", page);
+    std::fflush(stdout);
+    if (!options.watch || status.state() == "complete" || status.state() == "stopped")
+      return ExitCode::done;
+    std::this_thread::sleep_for(watch_every);
+    if (interrupted()) return ExitCode::interrupted;
+  }
+}
+
+std::function<ExitCode()> prepareStatus(CLI::App& app) {
+  auto options = std::make_shared<StatusOptions>();
+  options->asked.addTo(app);
+  app.add_flag("--watch", options->watch,
+               "Again every second, until the build is complete or stops");
+  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  return [options] { return showStatus(*options); };
+}
+
+ExitCode stop(const Asked& asked) {
+  wire::Message question;
+  question.mutable_stop_request();
+  if (!order(asked, question, wire::Message::kStopReply))
+    throw failure("{}: no scheduler is working there now", asked.where);
+  fmt::print("{}: stopping; the same command goes on from what is recorded\n", asked.where);
+  return ExitCode::done;
+}
+
+// ---- pause, resume ----
+
+ExitCode setPaused(const Asked& asked, bool paused) {
+  wire::Message question;
+  question.mutable_pause_request()->set_paused(paused);
+  const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
+  if (!works) {
+    // What is no state directory is refused before one is made of it.
+    const StoredTables there{std::filesystem::path(asked.where)};
+    Tables(StateDirectory(asked.where)).writePaused(paused);
+  }
+  fmt::print("{}: {}{}\n", asked.where, works ? "" : "the next build there ",
+             !paused ? "goes on"
+             : works ? "paused; workers finish what they hold and wait for palpate resume"
+                     : "waits for palpate resume");
+  return ExitCode::done;
+}
+
+template <bool paused>
+std::function<ExitCode()> preparePause(CLI::App& app) {
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
+  app.footer("What is paused stays so over restarts of the scheduler.");
+  return [asked] { return setPaused(*asked, paused); };
+}
+
+// ---- priority ----
+
+struct PriorityOptions {
+  Asked asked;
+  std::string space;
+  std::int32_t priority = 0;
+};
+
+/// Of a directory in which nobody works.
+void setStoredPriority(const PriorityOptions& options) {
+  std::vector<std::string> names;
+  const wire::Status status = progressIn(options.asked.where);
+  for (const wire::SpaceStatus& row : status.spaces()) names.push_back(row.name());
+  if (std::ranges::find(names, options.space) == names.end())
+    throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
+                   fmt::join(names, ", "));
+  Tables(StateDirectory(options.asked.where)).writePriority(options.space, options.priority);
+}
+
+ExitCode setPriority(const PriorityOptions& options) {
+  wire::Message question;
+  question.mutable_priority_request()->set_space(options.space);
+  question.mutable_priority_request()->set_priority(options.priority);
+  const auto answer = order(options.asked, question, wire::Message::kPriorityReply);
+  if (!answer)
+    setStoredPriority(options);
+  else if (const std::string& objection = answer->priority_reply().objection(); !objection.empty())
+    throw badInput("{}: {}", options.asked.where, printable(objection, 600));
+  fmt::print("{}: {} has priority {} {}\n", options.asked.where, options.space, options.priority,
+             answer ? "from now on" : "in the next build there");
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> preparePriority(CLI::App& app) {
+  auto options = std::make_shared<PriorityOptions>();
+  options->asked.addTo(app);
+  app.add_option("SPACE", options->space, "An active node, as status names it")->required();
+  app.add_option("PRIORITY", options->priority, "Higher ones are computed first; 0 at the start")
+      ->required();
+  app.footer("The dataset is the same whatever is computed first.");
+  return [options] { return setPriority(*options); };
+}
+
+// ---- retry ----
+
+struct RetryOptions {
+  Asked asked;
+  std::string failed;  ///< name of a cause; empty: what is set aside
+};
+
+/// Of a directory in which nobody works.
+std::int64_t retryStored(const RetryOptions& options) {
+  // What is no state directory is refused before one is made of it.
+  const StoredTables there{std::filesystem::path(options.asked.where)};
+  const StateDirectory directory(options.asked.where);
+  const RecordedBuild build(options.asked.where);
+  if (options.failed.empty()) return Tables(directory).forgetLosses();
+  const std::vector<ResultKey> failed = failedWith(build.plans(), *causeNamed(options.failed));
+  if (!failed.empty())
+    JobStore(directory, build.problem(), encodeProblem(build.problem())).drop(failed);
+  return std::ssize(failed);
+}
+
+ExitCode retry(const RetryOptions& options) {
+  wire::Message question;
+  question.mutable_retry_request()->set_cause(options.failed);
+  const auto answer = order(options.asked, question, wire::Message::kRetryReply);
+  fmt::print("{}: {} transition(s) that {} {}\n", options.asked.where,
+             answer ? answer->retry_reply().transitions() : retryStored(options),
+             options.failed.empty() ? "were set aside" : "failed with " + options.failed,
+             answer ? "are tried again" : "will be tried again by the next build");
+  return ExitCode::done;
+}
+
+std::vector<std::string> namesOfCauses() {
+  std::vector<std::string> names;
+  for (std::uint32_t value = 0; causeOf(value); ++value)
+    if (stopsTransitions(*causeOf(value))) names.emplace_back(name(*causeOf(value)));
+  return names;
+}
+
+std::function<ExitCode()> prepareRetry(CLI::App& app) {
+  auto options = std::make_shared<RetryOptions>();
+  options->asked.addTo(app);
+  app.add_option("--failed", options->failed,
+                 "Instead, all attempts that failed with this cause: they end the same way, unless "
+                 "the machines were to blame (memory)")
+      ->check(CLI::IsMember(namesOfCauses()));
+  app.footer(
+      "A transition is set aside after five workers ended while they solved it; the rest of the\n"
+      "build goes on without it.");
+  return [options] { return retry(*options); };
+}
+
+std::function<ExitCode()> prepareStop(CLI::App& app) {
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
+  return [asked] { return stop(*asked); };
+}
+
+}  // namespace
+
+const Verb pause_verb = {"pause", "Hand out no more work before resume; workers stay",
+                         preparePause<true>};
+
+const Verb resume_verb = {"resume", "Go on with what was paused", preparePause<false>};
+
+const Verb priority_verb = {"priority", "Compute one space before others", preparePriority};
+
+const Verb retry_verb = {"retry", "Try again what workers ended on, or what failed with some cause",
+                         prepareRetry};
+
+const Verb status_verb = {
+    "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};
+
+const Verb stop_verb = {
+    "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",
+    prepareStop};
+
+}  // namespace palpate

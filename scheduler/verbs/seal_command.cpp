@@ -1,0 +1,59 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/base/whole_file.hpp"
+#include "scheduler/builds/recorded_build.hpp"
+#include "scheduler/verbs/status_text.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate seal`: a dataset of what a state directory holds by now, whoever works in it.
+
+namespace palpate {
+namespace {
+
+/// What a dataset lacks whose build goes on.
+const char* whatIsMissing(const SpaceRowsList& spaces) {
+  for (const auto& space : spaces)
+    for (std::int32_t n = 0; n < space->points(); ++n)
+      if (space->tag(n) == Tag::unknown) return "where points are unknown it gives no force";
+  return "some of its points may still be solved again";
+}
+
+struct SealOptions {
+  std::string state, out;
+  bool replace = false;
+};
+
+ExitCode sealNow(const SealOptions& options) {
+  RecordedBuild build(options.state);
+  if (isSealed(options.out, build.problem(), options.replace)) {
+    fmt::print("{}: is already the whole dataset of this build; nothing to do\n", options.out);
+    return ExitCode::done;
+  }
+  refuseUnwritable(options.out, "-o");
+  const bool partial = !build.complete();
+  const SpaceRowsList rows = build.seal(options.out);
+  fmt::print("{}\n{}: sealed{}\n", summaryOf(rows, build.problem().scene, partial), options.out,
+             partial ? fmt::format(", partial: {}", whatIsMissing(rows)) : "");
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareSeal(CLI::App& app) {
+  auto options = std::make_shared<SealOptions>();
+  app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
+      ->required();
+  app.add_option("-o,--output", options->out, "Dataset to make")->required();
+  app.add_flag("--replace", options->replace, "Replace OUTPUT when it holds something else");
+  app.footer(
+      "Before the build is done the dataset is partial, and says so: it can be touched and\n"
+      "queried where points are solved. Its results may still have to be checked by other "
+      "workers.");
+  return [options] { return sealNow(*options); };
+}
+
+}  // namespace
+
+const Verb seal_verb = {
+    "seal", "Make a dataset of what is computed by now, while the build goes on", prepareSeal};
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "scheduler/verbs/status_text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+/// A large build under way: 12345 of 67890 points.
+wire::Status bigBuild() {
+  wire::Status status;
+  status.set_state("running");
+  status.set_may_grow(true);
+  status.set_configurations_per_second(128.13);
+  status.set_eta_seconds(12000);
+  status.set_ready(1234);
+  for (int n = 0; n < 16; ++n) status.add_workers();
+  wire::SpaceStatus& space = *status.add_spaces();
+  space.set_points(67890);
+  space.set_unknown(67890 - 12345);
+  return status;
+}
+
+TEST(StatusText, WritesDurationsForPeople) {
+  EXPECT_EQ(durationText(7.4), "7 s");
+  EXPECT_EQ(durationText(720), "12 min");
+  EXPECT_EQ(durationText(12000), "3 h 20 min");
+}
+
+TEST(ProgressLine, SaysEverythingWhereThereIsRoom) {
+  EXPECT_EQ(progressLine(bigBuild()),
+            "12345/67890 points, about 3 h 20 min left, 128.1/s, 16 workers, frontier 1234");
+}
+
+/// It was longer than a row of the terminal, and every redrawing began a new one.
+TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
+  for (std::size_t columns = 1; columns <= 200; ++columns)
+    EXPECT_LT(progressBar(bigBuild(), columns).size(), std::max<std::size_t>(columns, 2))
+        << columns;
+  EXPECT_THAT(progressBar(bigBuild(), 80),
+              testing::AllOf(StartsWith("[#"), HasSubstr("12345/67890"), HasSubstr("min left"),
+                             Not(HasSubstr("frontier"))));
+  EXPECT_THAT(progressBar(bigBuild(), 200), HasSubstr("frontier 1234"));
+}
+
+TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
+  wire::Status status = bigBuild();
+  status.mutable_spaces(0)->set_unknown(0);
+  EXPECT_THAT(progressBar(status, 120), StartsWith("[############################] 67890/67890"));
+  status.mutable_spaces(0)->set_unknown(67890);
+  EXPECT_THAT(progressBar(status, 120), StartsWith("[                            ] 0/67890"));
+}
+
+TEST(ProgressLine, OfAPausedBuildSaysSoAndGivesNoTime) {
+  wire::Status status = bigBuild();
+  status.set_paused(true);
+  EXPECT_THAT(progressLine(status), StartsWith("12345/67890 points, paused, 128.1/s"));
+  EXPECT_THAT(describe(status), HasSubstr("running, paused: palpate resume goes on"));
+}
+
+TEST(Describe, TellsManyWorkersByMachine) {
+  wire::Status status = bigBuild();
+  for (int n = 0; n < 16; ++n) {
+    wire::WorkerStatus& worker = *status.mutable_workers(n);
+    worker.set_host(n < 10 ? "node1" : "node2");
+    worker.set_state(n % 2 == 0 ? "busy" : "lost");
+    worker.set_results(7);
+  }
+  status.mutable_spaces(0)->set_name("tip");
+  status.mutable_spaces(0)->set_priority(-2);
+  EXPECT_THAT(describe(status),
+              testing::AllOf(HasSubstr("workers on node1: 5 busy, 5 lost; 70 results\n"),
+                             HasSubstr("workers on node2: 3 busy, 3 lost; 42 results\n"),
+                             HasSubstr("priority: tip -2\n"), Not(HasSubstr("worker 0"))));
+}
+
+/// "0 s left" stood there while branches were told apart.
+TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
+  wire::Status status = bigBuild();
+  status.mutable_spaces(0)->set_unknown(0);
+  status.clear_eta_seconds();
+  EXPECT_THAT(progressLine(status),
+              testing::AllOf(HasSubstr("solving branches"), Not(HasSubstr("left"))));
+  status.mutable_spaces(0)->set_unknown(1);
+  EXPECT_THAT(progressLine(status), Not(HasSubstr("left")));
+  status.set_eta_seconds(0.2);
+  EXPECT_THAT(progressLine(status), HasSubstr("about 1 s left"));
+}
+
+TEST(Describe, NamesWhoIsKeptOutAndWhatIsDisputed) {
+  wire::Status status;
+  status.set_disputed(2);
+  wire::KeptOut& machine = *status.add_kept_out();
+  machine.set_kind("machine");
+  machine.set_host("node7");
+  machine.set_key(std::string(64, 'a'));
+  machine.set_reason("its result of space 0 differs");
+  wire::KeptOut& process = *status.add_kept_out();
+  process.set_kind("process");
+  process.set_worker("0a1b2c3d4e5f");
+  process.set_host("node8");
+  const std::string text = describe(status);
+  EXPECT_THAT(text, testing::HasSubstr("disputed: 2 result(s)"));
+  EXPECT_THAT(text, testing::HasSubstr(
+                        "kept out: the machine node7, key aaaaaaaaaaaa: its result of space 0"));
+  EXPECT_THAT(text, testing::HasSubstr("kept out: the process 0a1b2c3d on node8: "));
+}
+
+}  // namespace
+}  // namespace palpate
