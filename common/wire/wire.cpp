@@ -28,17 +28,17 @@ bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
   });
 }
 
-/// `send_part` sends one frame of the payload.
-template <class SendPart>
-Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
-                  std::string_view payload, const SendPart& send_part) {
+/// `send` sends one frame of the message or the payload.
+template <class Send>
+Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view message,
+                  std::string_view payload, const Send& send) {
   // Once the first frame was accepted, libzmq accepts the rest of the message too.
   try {
     if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
-    if (!sendFrame(socket, message.SerializeAsString(), !payload.empty())) return Sent::full;
+    if (!send(message, !payload.empty())) return Sent::full;
     for (std::size_t at = 0; at < payload.size(); at += payload_frame_bytes) {
       const bool more = at + payload_frame_bytes < payload.size();
-      if (!send_part(payload.substr(at, payload_frame_bytes), more))
+      if (!send(payload.substr(at, payload_frame_bytes), more))
         throw failure("ZeroMQ took the first frames of a message and then refused the next");
     }
   } catch (const zmq::error_t& error) {
@@ -232,35 +232,29 @@ bool isOnThisMachineOnly(const std::string& endpoint) {
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
                  std::string_view payload) {
-  return sendInFrames(socket, peer, message, payload, [&](std::string_view bytes, bool more) {
-    return sendFrame(socket, bytes, more);
-  });
+  return sendInFrames(
+      socket, peer, message.SerializeAsString(), payload,
+      [&](std::string_view bytes, bool more) { return sendFrame(socket, bytes, more); });
 }
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
-                 const std::shared_ptr<const std::string>& payload) {
-  using Owner = std::shared_ptr<const std::string>;
-  const std::string_view bytes = payload ? *payload : std::string_view();
-  return sendInFrames(socket, peer, message, bytes, [&](std::string_view part, bool more) {
+                 const std::shared_ptr<const std::string>& payload,
+                 const std::shared_ptr<const void>& until_sent) {
+  if (!payload && !until_sent) return sendMessage(socket, peer, message);
+  struct Kept {
+    std::shared_ptr<const std::string> bytes;
+    std::shared_ptr<const void> until_sent;
+  };
+  const auto text = std::make_shared<const std::string>(message.SerializeAsString());
+  const auto send = [&](std::string_view part, bool more) {
+    auto* const kept = new Kept{part.data() == text->data() ? text : payload, until_sent};
     // ZeroMQ takes what it only reads for changeable, and gives it back from a thread of its own.
     zmq::message_t frame(
         const_cast<char*>(part.data()), part.size(),
-        [](void*, void* owner) { delete static_cast<Owner*>(owner); }, new Owner(payload));
+        [](void*, void* owner) { delete static_cast<Kept*>(owner); }, kept);
     return repeatWhenInterrupted([&] { return socket.send(frame, flagsOf(more)).has_value(); });
-  });
-}
-
-std::size_t bytesOnWire(std::size_t frame_bytes, bool with_keys) {
-  // ZMTP 3: flags, length in 1 or 8 bytes; CURVE: a command's name, nonce, and authenticator.
-  const std::size_t body = frame_bytes + (with_keys ? 33 : 0);
-  return body + (body < 256 ? 2 : 9);
-}
-
-std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes, bool with_keys) {
-  std::size_t sum = bytesOnWire(message.ByteSizeLong(), with_keys);
-  for (std::size_t at = 0; at < payload_bytes; at += payload_frame_bytes)
-    sum += bytesOnWire(std::min(payload_frame_bytes, payload_bytes - at), with_keys);
-  return sum;
+  };
+  return sendInFrames(socket, peer, *text, payload ? *payload : std::string_view(), send);
 }
 
 bool isReadable(const wire::Message& message) {
@@ -298,7 +292,7 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
       } else {
         intact = false;
       }
-      if (frame_number > 0) incoming.bytes += bytesOnWire(frame.size(), incoming.key.has_value());
+      if (frame_number > 0) incoming.bytes += frame.size();
       ++frame_number;
     } while (frame.more());
   } catch (const zmq::error_t& error) {

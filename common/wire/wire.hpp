@@ -59,7 +59,7 @@ struct Incoming {
   /// Why its sender may not say this; empty when it may. Nothing else of the message counts then.
   std::string refusal = {};
   int connection = -1;        ///< descriptor of the connection it came over
-  std::size_t bytes = 0;      ///< that it took there
+  std::size_t bytes = 0;      ///< message and payload
   bool reads_slowly = false;  ///< its sender has not read what it was sent: it gets nothing large
 };
 
@@ -72,15 +72,12 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
 
-/// The same with a payload that is not copied: what peers do not read costs nothing.
+/// The same with a payload that is not copied: what peers do not read costs nothing. `until_sent`
+/// is held until the system has the last frame, or the connection ends; on whatever thread.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message,
-                               const std::shared_ptr<const std::string>& payload);
-
-/// What a frame of so many bytes takes on a connection, and a message without routing id;
-/// `with_keys`: encrypted (CURVE).
-std::size_t bytesOnWire(std::size_t frame_bytes, bool with_keys);
-std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes, bool with_keys);
+                               const std::shared_ptr<const std::string>& payload,
+                               const std::shared_ptr<const void>& until_sent = nullptr);
 
 /// The key under which a frame came through a Gatekeeper (curve.hpp); nothing where there is none.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);

@@ -29,16 +29,21 @@ std::optional<Roles> roleFor(const wire::Message& message) {
 
 /// Of a message without its payload, generously.
 constexpr std::size_t header_bytes = 8192;
+/// What nobody honest sends more than the longest message of his.
+constexpr std::size_t beyond_messages = 1 << 20;
+/// Large answers that a peer may be sent before it has read one: workers ask for the starts of two
+/// jobs at once.
+constexpr long most_unread = 2;
+constexpr std::size_t many_peers = 20000;
 
 }  // namespace
 
 Server::Server(zmq::context_t& context, const Problem& problem, const std::string& endpoint,
                const std::optional<KeyFolder>& keys)
     : socket_(makeRouter(context)),
-      connections_(
-          context, socket_,
-          PeerLimits::forMessagesOf(std::max(fieldsBytes(problem), bundle_bytes) + header_bytes,
-                                    router_queue_length)) {
+      connections_(context, socket_,
+                   {.message_bytes = std::max(fieldsBytes(problem), bundle_bytes) + header_bytes +
+                                     beyond_messages}) {
   if (keys) gatekeeper_.emplace(context, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
 }
@@ -54,14 +59,11 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
 
 std::optional<Incoming> Server::receive() {
   auto incoming = inbox_.next(socket_, true);
-  if (!incoming) {
-    connections_.receivedAll();
-    return incoming;
-  }
+  if (!incoming) return incoming;
   incoming->refusal = refusalOf(*incoming);
-  if (!connections_.received(incoming->connection, incoming->peer, incoming->bytes))
-    incoming->message.Clear();
-  incoming->reads_slowly = connections_.isBehind(incoming->peer);
+  if (!connections_.received(incoming->connection, incoming->bytes)) incoming->message.Clear();
+  const auto unread = unread_.find(incoming->peer);
+  incoming->reads_slowly = unread != unread_.end() && unread->second.use_count() >= most_unread;
   return incoming;
 }
 
@@ -77,12 +79,18 @@ std::string Server::refusalOf(const Incoming& incoming) {
 }
 
 Sent Server::send(const Outgoing& message) {
-  const Sent sent = sendMessage(socket_, message.peer, message.message, message.payload);
-  if (sent == Sent::yes)
-    connections_.sent(message.peer,
-                      bytesOnWire(message.message, message.payload ? message.payload->size() : 0,
-                                  gatekeeper_.has_value()));
-  return sent;
+  const bool large = message.payload || message.message.ByteSizeLong() > header_bytes;
+  return sendMessage(socket_, message.peer, message.message, message.payload,
+                     large ? countedFor(message.peer) : nullptr);
+}
+
+std::shared_ptr<const void> Server::countedFor(const std::string& peer) {
+  if (unread_.size() >= many_peers)
+    std::erase_if(unread_, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const void>& counter = unread_[peer];
+  std::shared_ptr<const void> counted = counter.lock();
+  if (!counted) counter = counted = std::make_shared<char>();
+  return std::make_shared<std::shared_ptr<const void>>(std::move(counted));
 }
 
 }  // namespace palpate

@@ -29,12 +29,16 @@ class Server : private Transport {
   Connections::Closed takeClosed() override { return connections_.takeClosed(); }
   /// Why the sender may not say this; empty when it may.
   std::string refusalOf(const Incoming& incoming);
+  /// For a large answer: counted among those of the peer as long as anybody holds it.
+  std::shared_ptr<const void> countedFor(const std::string& peer);
 
   /// Nothing: everybody may say everything. Before the socket: it goes after it.
   std::optional<Gatekeeper> gatekeeper_;
   zmq::socket_t socket_;
   Inbox inbox_;
   Connections connections_;
+  /// Of each peer, held once for each large answer that libzmq still has.
+  std::map<std::string, std::weak_ptr<const void>> unread_;
   std::string endpoint_;
 };
 

@@ -170,11 +170,11 @@ struct AttackTest : testing::Test {
 
 std::string randomText(std::size_t bytes) { return std::string(bytes, '\x5a'); }
 
-TEST_F(AttackTest, OfMessagesWithoutEndByAWorker) {
-  withstand("messages without end", {"closed_connections"},
+TEST_F(AttackTest, OfLongMessagesByAWorker) {
+  withstand("long messages", {"closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
-              auto enemy = std::make_shared<Attacker>(context, target,
-                                                      target.stranger("endless", "worker"), 1);
+              auto enemy =
+                  std::make_shared<Attacker>(context, target, target.stranger("long", "worker"), 1);
               return [enemy, n = 0]() mutable {
                 // Their library gives it away when it is whole: 20 MB.
                 if (!enemy->sendFrame(randomText(60000), ++n % 350 != 0))

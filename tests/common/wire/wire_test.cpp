@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
@@ -44,6 +45,40 @@ bool isHeard(zmq::socket_t& router, zmq::socket_t& dealer, const std::string& en
     waitForMessages(router, std::chrono::milliseconds(100));
   }
   return false;
+}
+
+TEST(Messages, AreNotCopiedAndHoldWhatTheyAreGivenUntilTheyAreSent) {
+  zmq::context_t context;
+  zmq::socket_t router = makeRouter(context);
+  zmq::socket_t peer(context, zmq::socket_type::dealer);
+  peer.set(zmq::sockopt::linger, 0);
+  peer.set(zmq::sockopt::rcvhwm, 1);
+  peer.set(zmq::sockopt::rcvbuf, 65536);
+  peer.connect(bindRouter(router, "tcp://127.0.0.1:*"));
+  wire::Message question, reply;
+  question.mutable_problem_request();
+  reply.mutable_problem_reply();
+  ASSERT_EQ(sendMessage(peer, "", question), Sent::yes);
+  waitForMessages(router, std::chrono::seconds(10));
+  const auto asked = receiveMessage(router, true);
+  ASSERT_TRUE(asked);
+  const auto payload = std::make_shared<const std::string>(16 << 20, 'x');
+  const auto held = std::make_shared<int>(0);
+  for (int n = 0; n < 2; ++n)
+    ASSERT_EQ(sendMessage(router, asked->peer, reply, payload, held), Sent::yes);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_GT(payload.use_count(), 1) << "it is not copied";
+  EXPECT_GT(held.use_count(), 1) << "the peer reads nothing of the second";
+  for (int n = 0; n < 2;) {
+    waitForMessages(peer, std::chrono::seconds(10));
+    if (const auto read = receiveMessage(peer, false)) {
+      EXPECT_EQ(read->payload.size(), payload->size());
+      ++n;
+    }
+  }
+  for (int n = 0; n < 1000 && held.use_count() > 1; ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(held.use_count(), 1);
 }
 
 /// The endpoint of a router that listens at `endpoint`, by the name that it was given.
