@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 
@@ -12,17 +11,10 @@ namespace palpate {
 /// Cores, at least 1.
 unsigned coreCount();
 
-/// Bytes of memory; nothing when the system does not say.
-std::optional<std::uint64_t> memoryBytes();
-
-/// What control groups allow a process; nothing where they set no limit.
-struct GroupLimits {
-  std::optional<std::uint64_t> memory_bytes;
-  std::optional<double> cores;
-};
-/// The least of its groups and of those around them, of version 2 and 1. `groups` lists its groups
-/// as /proc/self/cgroup does, `mounted` is where they are.
-GroupLimits groupLimits(const std::filesystem::path& groups = "/proc/self/cgroup",
-                        const std::filesystem::path& mounted = "/sys/fs/cgroup");
+/// Cores that control groups allow a process, the least of its groups and of those around them, of
+/// version 2 and 1; nothing where they set no limit. `groups` lists its groups as /proc/self/cgroup
+/// does, `mounted` is where they are.
+std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
+                                    const std::filesystem::path& mounted = "/sys/fs/cgroup");
 
 }  // namespace palpate
