@@ -13,10 +13,8 @@
 #include <cctype>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 
 #include "common/base/error.hpp"
@@ -43,51 +41,30 @@ std::thread quietThread(std::function<void()> run) {
 }
 
 /// Connections that were taken: when as many wait as are in work, the next is not taken. One that
-/// was is never dropped, since it would stay open.
+/// was is never dropped, since it would stay open. Made by the listener, its threads see no signals
+/// either, and are as nice.
 class BoundedPool : public httplib::TaskQueue {
  public:
-  BoundedPool() {
-    for (std::size_t n = 0; n < HttpServer::threads; ++n)
-      threads_.push_back(quietThread([this] { work(); }));
-  }
   /// Nothing, or in newer versions of cpp-httplib whether the task was taken.
   using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
   Taken enqueue(std::function<void()> task) override {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return tasks_.size() < HttpServer::threads; });
-    tasks_.push_back(std::move(task));
-    changed_.notify_all();
-    return static_cast<Taken>(true);
-  }
-  void shutdown() override {
-    {
-      const std::lock_guard lock(mutex_);
-      ends_ = true;
+    changed_.wait(lock, [this] { return taken_ < 2 * HttpServer::threads; });
+    ++taken_;
+    return pool_.enqueue([this, task = std::move(task)] {
+      task();
+      const std::lock_guard done(mutex_);
+      --taken_;
       changed_.notify_all();
-    }
-    for (std::thread& thread : threads_) thread.join();
+    });
   }
+  void shutdown() override { pool_.shutdown(); }
 
  private:
-  void work() {
-    while (const auto task = next()) (*task)();
-  }
-  /// Nothing: it is over.
-  std::optional<std::function<void()>> next() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return ends_ || !tasks_.empty(); });
-    if (tasks_.empty()) return std::nullopt;
-    auto task = std::move(tasks_.front());
-    tasks_.pop_front();
-    changed_.notify_all();
-    return task;
-  }
-
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> tasks_;
-  bool ends_ = false;
-  std::vector<std::thread> threads_;
+  std::size_t taken_ = 0;
+  httplib::ThreadPool pool_{HttpServer::threads};
 };
 
 /// Of a name or a number, that of IPv6 without brackets.
