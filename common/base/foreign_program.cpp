@@ -18,8 +18,8 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/file_descriptor.hpp"
-#include "common/base/printable.hpp"
 #include "common/base/program.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "common/base/assertion.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate::hdf5 {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/base/nearest_word.hpp"
 #include "common/base/program.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

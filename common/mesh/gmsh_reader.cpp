@@ -8,7 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"

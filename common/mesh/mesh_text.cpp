@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "common/base/number_text.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_reader.hpp"

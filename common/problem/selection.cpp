@@ -8,8 +8,8 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/nearest_word.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/text.hpp"
 #include "common/mesh/bump_integrals.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/probe_places.hpp"

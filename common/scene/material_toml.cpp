@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 #include "common/scene/toml_section.hpp"
 #include "common/scene/toml_text.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 #include "common/base/units.hpp"
 
 namespace palpate {

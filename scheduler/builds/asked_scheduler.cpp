@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <limits>
 
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "common/wire/curve.hpp"
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/service/status.hpp"

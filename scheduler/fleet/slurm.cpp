@@ -13,7 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
 #include "common/base/number_in.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

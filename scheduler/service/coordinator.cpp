@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "common/base/assertion.hpp"
-#include "common/base/printable.hpp"
 #include "common/base/bytes32.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

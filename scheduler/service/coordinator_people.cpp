@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/service/coordinator.hpp"
 
 // What people ask and decide: status, time left, pause, priorities, retry, stop.

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/service/coordinator.hpp"
 
 // Who is there: workers come and go, fall silent, hold what others could do, and end on what they

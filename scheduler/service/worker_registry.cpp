@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
-#include "common/base/printable.hpp"
 #include "common/base/program.hpp"
+#include "common/base/text.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/state/tables.hpp"
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/events/event_log.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/state/state_directory.hpp"

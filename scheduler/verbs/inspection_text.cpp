@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/number_text.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/verbs/status_text.hpp"
 
 namespace palpate {

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "common/base/error.hpp"
-#include "common/base/printable.hpp"
 #include "common/base/terminal.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/builds/asked_scheduler.hpp"
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/service/status.hpp"

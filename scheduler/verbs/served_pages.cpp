@@ -7,7 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/verbs/explanation.hpp"

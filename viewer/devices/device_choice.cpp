@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 #include "common/wire/wire.hpp"
 #include "viewer/devices/haply_device.hpp"
 #include "viewer/devices/mouse_device.hpp"

@@ -2,7 +2,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {

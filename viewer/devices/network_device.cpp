@@ -2,8 +2,8 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/printable.hpp"
 #include "common/base/program.hpp"
+#include "common/base/text.hpp"
 #include "common/wire/wire.hpp"
 #include "viewer/haptics/real_time.hpp"
 

@@ -3,7 +3,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 #include "common/problem/finger.hpp"
 #include "common/space/named_point.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 
 namespace palpate {

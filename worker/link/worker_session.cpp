@@ -7,7 +7,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 #include "common/problem/problem.hpp"
 
 namespace palpate {

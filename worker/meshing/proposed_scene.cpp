@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "common/base/error.hpp"
-#include "common/base/printable.hpp"
+#include "common/base/text.hpp"
 #include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_text.hpp"
 #include "common/problem/finger.hpp"

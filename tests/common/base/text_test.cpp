@@ -1,4 +1,4 @@
-#include "common/base/shell_word.hpp"
+#include "common/base/text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,13 @@
 
 namespace palpate {
 namespace {
+
+TEST(Printable, MovesNoCursorAndBeginsNoLine) {
+  EXPECT_EQ(printable("node-17"), "node-17");
+  EXPECT_EQ(printable("\x1b[2Jall is\nwell\x7f\xff"), "?[2Jall is?well??");
+  EXPECT_EQ(printable(std::string(1000, 'x')), std::string(64, 'x'));
+  EXPECT_EQ(printable(std::string(1000, 'x'), 3), "xxx");
+}
 
 TEST(ShellWord, IsQuotedWhereItNeedsToBe) {
   EXPECT_EQ(shellWord("build/liver-500.h5"), "build/liver-500.h5");

@@ -1,12 +1,18 @@
-#include "common/base/nearest_word.hpp"
+#include "common/base/text.hpp"
 
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
 namespace palpate {
 namespace {
+
+/// That no shell reads as anything else.
+bool isPlain(unsigned char c) {
+  return std::isalnum(c) != 0 || std::string_view("_./:=,@%+-").find(char(c)) != std::string::npos;
+}
 
 /// Edit distance with transpositions of neighbouring letters.
 std::size_t distance(std::string_view a, std::string_view b) {
@@ -26,6 +32,21 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+std::string printable(std::string_view text, std::size_t most) {
+  std::string plain(text.substr(0, most));
+  std::ranges::replace_if(
+      plain, [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return plain;
+}
+
+std::string shellWord(std::string_view file) {
+  std::string name = (file.starts_with('-') ? "./" : "") + std::string(file);
+  if (!name.empty() && std::ranges::all_of(name, isPlain)) return name;
+  std::string quoted = "'";
+  for (const char c : name) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {
   constexpr std::size_t longest_word = 64;
