@@ -7,11 +7,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -66,14 +64,14 @@ std::string readWhole(const FileDescriptor& file) {
 }
 
 /// Between fork and exec: only calls that are safe there. What stops it goes through the pipe.
-[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments, char* const* environment,
+[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
                                 const std::array<int, 3>& files, int pipe) {
   int number = 0;
   for (const int file : files)
     if (dup2(file, number++) < 0) _exit(126);
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
   if (setpgid(0, 0) != 0) _exit(126);
-  execvpe(arguments[0], arguments, environment);
+  execvp(arguments[0], arguments);
   const int error = errno;
   // Nobody is left to tell of a write that fails.
   if (write(pipe, &error, sizeof error) < 0) _exit(125);
@@ -91,17 +89,10 @@ int errorOfStart(const FileDescriptor& pipe) {
 
 pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
   // Before fork(): memory may not be allocated behind it.
-  std::vector<std::string> words = program.words, more = program.environment;
-  std::vector<char*> arguments, environment;
+  std::vector<std::string> words = program.words;
+  std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  for (std::string& setting : more) environment.push_back(setting.data());
-  for (char** setting = environ; *setting != nullptr; ++setting)
-    if (std::ranges::none_of(more, [&](const std::string& other) {
-          return std::string_view(*setting).starts_with(other.substr(0, other.find('=') + 1));
-        }))
-      environment.push_back(*setting);
-  environment.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("pipe: {}", errnoText());
   const FileDescriptor reading = beyondStandard(FileDescriptor(ends[0]));
@@ -109,7 +100,7 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw failure("{} cannot be run: {}", words[0], errnoText());
-  if (child == 0) becomeProgram(parent, arguments.data(), environment.data(), files, writing.get());
+  if (child == 0) becomeProgram(parent, arguments.data(), files, writing.get());
   writing = FileDescriptor();
   const int error = errorOfStart(reading);
   if (error == 0) return child;

@@ -11,7 +11,6 @@ struct ForeignProgram {
   std::vector<std::string> words;  ///< the first is the program, looked for in $PATH; no shell
   std::string package;             ///< of Debian, named where the program is missing
   std::string input = {};          ///< at its stdin
-  std::vector<std::string> environment = {};  ///< NAME=value, beside what this process has
   std::chrono::seconds patience = std::chrono::seconds(60);  ///< then it is killed
   /// Kill it when this process is interrupted (interrupted()), and end with exit code 130. Else
   /// whoever waits for it finishes first.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <map>
 #include <numbers>
@@ -206,11 +207,11 @@ class Filling {
     const std::filesystem::path body = folder_ / "body.msh";
     std::error_code ignored;
     std::filesystem::remove(body, ignored);
+    // Else options that its user has saved change the mesh.
+    setenv("GMSH_HOME", folder_.c_str(), 1);
     const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
                                           "msh22", "-o", body.string(), "-v", "3"},
-                                .package = "gmsh",
-                                // Else options that its user has saved change the mesh.
-                                .environment = {"GMSH_HOME=" + folder_.string()}});
+                                .package = "gmsh"});
     if (ran.exit_code != 0 || !std::filesystem::exists(body, ignored))
       return {"", "gmsh: " + decisiveLine(ran)};
     return {readText(body, "mesh"), ""};

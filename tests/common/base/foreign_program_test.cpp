@@ -62,16 +62,6 @@ TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(ForeignProgram, HasTheSettingsThatItIsGivenBesideOurs) {
-  setenv("PALPATE_TEST_OURS", "ours", 1);
-  setenv("PALPATE_TEST_BOTH", "ours", 1);
-  const Ran ran = runToItsEnd(
-      {.words = {"sh", "-c", "echo $PALPATE_TEST_OURS $PALPATE_TEST_BOTH $PALPATE_TEST_GIVEN"},
-       .package = "dash",
-       .environment = {"PALPATE_TEST_GIVEN=given", "PALPATE_TEST_BOTH=given"}});
-  EXPECT_EQ(ran.out, "ours given given\n");
-}
-
 TEST(ForeignProgram, IsRunWhereThisProcessHasNoStandardFiles) {
   const int in = dup(STDIN_FILENO);
   close(STDIN_FILENO);
