@@ -3,8 +3,11 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <sstream>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -13,36 +16,29 @@
 namespace palpate {
 namespace {
 
-/// Three finite numbers, the words from `first` on.
-Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& where,
-                      std::size_t first = 0) {
-  Eigen::Vector3d displacement;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string& word = words[first + i];
+/// The finite numbers that the words are, `count` of them: 3 or 6.
+std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t count,
+                              const std::string& where) {
+  if (words.size() != count)
+    throw badInput("{}: write {} in metres, not {}", where,
+                   count == 3 ? "three numbers, X Y Z"
+                              : "six numbers, X Y Z of the place and of the displacement",
+                   words.size());
+  std::vector<double> numbers;
+  for (const std::string& word : words) {
     // from_chars takes no plus sign, people write one.
     const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
     const char* end = word.data() + word.size();
-    double& number = displacement[static_cast<Eigen::Index>(i)];
+    double& number = numbers.emplace_back();
     const auto [stop, error] = std::from_chars(begin, end, number);
     if (error != std::errc() || stop != end || !std::isfinite(number))
       throw badInput("{}: \"{}\" is not a finite number", where, word);
   }
-  return displacement;
+  return numbers;
 }
 
-void checkCount(const std::vector<std::string>& words, std::size_t count,
-                const std::string& where) {
-  if (words.size() == count) return;
-  if (count == 3)
-    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
-  throw badInput(
-      "{}: write six numbers, X Y Z of the place and of the displacement in metres, not {}", where,
-      words.size());
-}
-
-Eigen::Vector3d parseThree(const std::vector<std::string>& words, const std::string& where) {
-  checkCount(words, 3, where);
-  return parse(words, where);
+Eigen::Vector3d vectorIn(const std::vector<std::string>& words, const std::string& where) {
+  return Eigen::Vector3d(numbersIn(words, 3, where).data());
 }
 
 const std::vector<std::string> from_input = {"-"};
@@ -50,15 +46,10 @@ const std::vector<std::string> from_input = {"-"};
 /// Nobody asks for places this many radii away on purpose.
 constexpr double far_beyond = 3;
 
-std::vector<std::string> wordsIn(const std::string& line) {
-  constexpr const char* separators = " \t\r,";
-  std::vector<std::string> words;
-  for (std::size_t at = 0; (at = line.find_first_not_of(separators, at)) != std::string::npos;) {
-    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
+std::vector<std::string> wordsIn(std::string line) {
+  std::ranges::replace(line, ',', ' ');
+  std::istringstream words(line);
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 }  // namespace
@@ -91,7 +82,7 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
   if (places_from_input && words != from_input)
     throw badInput("--at -: each line has six numbers, so write --displacement - too");
   std::optional<Eigen::Vector3d> place;
-  if (!at.empty() && !places_from_input) place = parseThree(at, "--at");
+  if (!at.empty() && !places_from_input) place = vectorIn(at, "--at");
   bool warned = false;
   const auto answer = [&](const Eigen::Vector3d& p) {
     if (!warned && looksLikeMillimetres(p, workspace_radius)) {
@@ -105,17 +96,17 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
     visit({place, p});
   };
   if (words != from_input) {
-    answer(parseThree(words, "--displacement"));
+    answer(vectorIn(words, "--displacement"));
     return;
   }
   std::string line;
   for (int number = 1; std::getline(input, line); ++number) {
-    const std::vector<std::string> numbers = wordsIn(line);
-    if (numbers.empty() || numbers.front().starts_with('#')) continue;
+    const std::vector<std::string> in_line = wordsIn(line);
+    if (in_line.empty() || in_line.front().starts_with('#')) continue;
     const std::string where = fmt::format("standard input, line {}", number);
-    checkCount(numbers, places_from_input ? 6 : 3, where);
-    if (places_from_input) place = parse(numbers, where);
-    answer(parse(numbers, where, numbers.size() - 3));
+    const std::vector<double> numbers = numbersIn(in_line, places_from_input ? 6 : 3, where);
+    if (places_from_input) place = Eigen::Vector3d(numbers.data());
+    answer(Eigen::Vector3d(numbers.data() + numbers.size() - 3));
   }
   if (input.bad()) throw failure("standard input could not be read");
 }
