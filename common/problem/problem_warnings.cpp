@@ -36,24 +36,24 @@ std::string listOf(const std::vector<std::string>& names) {
 }
 
 /// Collects the warnings of one problem.
-class Doubts {
+class Warnings {
  public:
-  explicit Doubts(const Problem& problem)
+  explicit Warnings(const Problem& problem)
       : problem_(problem),
         scene_(problem.scene),
         quality_(measure(problem.mesh)),
         distance_to_fixed_(usualDistanceToFixed()) {
     warnings_ = unjoinedText(problem.mesh, quality_, scene_.mesh.string());
-    doubtMaterials();
-    doubtStability();
-    doubtDiscretization();
-    doubtLayers();
-    doubtShapes();
-    doubtPlaces();
-    doubtWorkspace();
-    doubtSingleNodes();
-    doubtFingers();
-    doubtTwins();
+    warnOfMaterials();
+    warnOfStability();
+    warnOfDiscretization();
+    warnOfLayers();
+    warnOfShapes();
+    warnOfPlaces();
+    warnOfWorkspace();
+    warnOfSingleNodes();
+    warnOfFingers();
+    warnOfTwins();
   }
 
   std::vector<std::string> take() { return std::move(warnings_); }
@@ -69,7 +69,7 @@ class Doubts {
   }
 
   /// Numbers that another unit than Pa and kg/m^3 explains.
-  void doubtNumbers(const Region& region) {
+  void warnOfNumbers(const Region& region) {
     const Material& material = region.material;
     const double shear = shearModulus(material);
     if (material.bulk && poissonRatio(material) < 0)
@@ -98,7 +98,7 @@ class Doubts {
 
   /// A tool that goes as deep as the workspace strains what is below it by about that part of the
   /// way to what is held.
-  void doubtStability() {
+  void warnOfStability() {
     const double strain = scene_.workspace.radius / distance_to_fixed_;
     for (const Region& region : scene_.regions)
       if (const auto softening = softeningOf(region.material);
@@ -111,15 +111,15 @@ class Doubts {
             scene_.workspace.radius, strain);
   }
 
-  void doubtMaterials() {
+  void warnOfMaterials() {
     constexpr std::array<std::pair<const char*, double>, 3> units = {
         {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}};
     const auto isTissue = [](double young) {
       return young >= softest_tissue && young <= stiffest_tissue;
     };
     for (const Region& region : scene_.regions) {
-      doubtNumbers(region);
-      // A bulk modulus is doubted by itself.
+      warnOfNumbers(region);
+      // A bulk modulus has a warning of its own.
       const double young =
           region.material.bulk ? 3 * shearModulus(region.material) : youngModulus(region.material);
       if (isTissue(young)) continue;
@@ -133,7 +133,7 @@ class Doubts {
     }
   }
 
-  void doubtDiscretization() {
+  void warnOfDiscretization() {
     const Discretization& d = scene_.discretization;
     const bool linear = d.displacement == DisplacementSpace::p1;
     if (!isInfSupStable(d))
@@ -158,7 +158,7 @@ class Doubts {
   }
 
   /// A linear element between two rigid parts cannot bulge.
-  void doubtLayers() {
+  void warnOfLayers() {
     if (scene_.discretization.displacement != DisplacementSpace::p1) return;
     std::set<std::int32_t> beside_fixed;
     for (const Tetrahedron& element : problem_.mesh.tetrahedra)
@@ -175,7 +175,7 @@ class Doubts {
           listOf(thin));
   }
 
-  void doubtShapes() {
+  void warnOfShapes() {
     if (const std::int64_t flat = nearlyFlat(problem_.mesh); flat > 0)
       warn(
           "{} of {} tetrahedra are nearly flat (shape < {}, "
@@ -185,7 +185,7 @@ class Doubts {
           quality_.worst_shape);
   }
 
-  void doubtPlaces() {
+  void warnOfPlaces() {
     for (std::size_t i = 0; i < problem_.active.size(); ++i) {
       const auto& near = scene_.active[i].near;
       if (!near) continue;
@@ -217,7 +217,7 @@ class Doubts {
     return *middle;
   }
 
-  void doubtWorkspace() {
+  void warnOfWorkspace() {
     const double radius = scene_.workspace.radius;
     const double diagonal = (quality_.highest - quality_.lowest).norm();
     if (radius > diagonal) {
@@ -237,7 +237,7 @@ class Doubts {
           1 + radius / distance_to_fixed_);
   }
 
-  void doubtSingleNodes() {
+  void warnOfSingleNodes() {
     std::vector<std::string> single, lonely;
     for (std::size_t i = 0; i < problem_.active.size(); ++i) {
       const ActivePatch& patch = problem_.active[i];
@@ -259,7 +259,7 @@ class Doubts {
           listOf(lonely), quality_.mean_edge);
   }
 
-  void doubtFingers() {
+  void warnOfFingers() {
     std::set<double> small;
     std::vector<std::string> around;
     for (const ActivePatch& patch : problem_.active) {
@@ -279,7 +279,7 @@ class Doubts {
           listOf(around));
   }
 
-  void doubtTwins() {
+  void warnOfTwins() {
     std::map<std::int32_t, std::string> name_of;
     std::vector<std::string> twins;
     for (const ActivePatch& patch : problem_.active) {
@@ -299,7 +299,7 @@ class Doubts {
 
 }  // namespace
 
-std::vector<std::string> warningsOf(const Problem& problem) { return Doubts(problem).take(); }
+std::vector<std::string> warningsOf(const Problem& problem) { return Warnings(problem).take(); }
 
 void logWarnings(const Problem& problem) {
   for (const std::string& warning : warningsOf(problem)) spdlog::warn(warning);
