@@ -46,31 +46,20 @@ int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vect
   return area > zero ? 1 : area < -zero ? -1 : 0;
 }
 
-/// Of two segments of a plane: whether their insides cross.
-bool crossInside(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& a,
-                 const Eigen::Vector3d& b, int axis) {
-  return turnOf(p, q, a, axis) * turnOf(p, q, b, axis) < 0 &&
-         turnOf(a, b, p, axis) * turnOf(a, b, q, axis) < 0;
-}
-
-bool liesInside(const Eigen::Vector3d& p, const Corners& t, int axis) {
-  const int first = turnOf(t[0], t[1], p, axis);
-  return first != 0 && turnOf(t[1], t[2], p, axis) == first && turnOf(t[2], t[0], p, axis) == first;
-}
-
-/// Of two triangles in one plane.
+/// Of two triangles in one plane: convex shapes lie apart where the line through an edge of one of
+/// them has the other on its far side.
 bool overlapInPlane(const Corners& s, const Corners& t) {
   int axis = 0;
   (s[1] - s[0]).cross(s[2] - s[0]).cwiseAbs().maxCoeff(&axis);
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k)
-      if (crossInside(s[i], s[(i + 1) % 3], t[k], t[(k + 1) % 3], axis)) return true;
-  const auto middle = [](const Corners& c) { return Eigen::Vector3d((c[0] + c[1] + c[2]) / 3); };
-  if (liesInside(middle(s), t, axis) || liesInside(middle(t), s, axis)) return true;
-  const auto anyInside = [axis](const Corners& of, const Corners& in) {
-    return std::ranges::any_of(of, [&](const auto& p) { return liesInside(p, in, axis); });
+  const auto keepsApart = [axis](const Corners& of, int i, const Corners& other) {
+    const Eigen::Vector3d &a = of[i], &b = of[(i + 1) % 3];
+    const int inside = turnOf(a, b, of[(i + 2) % 3], axis);
+    return std::ranges::all_of(other,
+                               [&](const auto& p) { return inside * turnOf(a, b, p, axis) <= 0; });
   };
-  return anyInside(s, t) || anyInside(t, s);
+  for (int i = 0; i < 3; ++i)
+    if (keepsApart(s, i, t) || keepsApart(t, i, s)) return false;
+  return true;
 }
 
 /// Whether a segment and a triangle have a point in common; not told where it lies in the plane.

@@ -72,6 +72,10 @@ TEST(SurfaceCuts, AreFoundBesideASharedCornerAndAFoldedEdge) {
   EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 1, 5}}).count, 1) << "folded";
   EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).count, 0);
   EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).first[0], -1);
+  EXPECT_EQ(
+      cutsOf({{0, 0, 0}, {2, 2, 0}, {3, 1, 0}, {4, 4, 0}, {1, 1, 0}}, {{0, 1, 2}, {3, 2, 4}}).count,
+      1)
+      << "with a corner on an edge";
 }
 
 TEST(Overlaps, OfFacesThatDoNotMatchAreRefusedWithTheirPlace) {
