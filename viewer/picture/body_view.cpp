@@ -168,13 +168,12 @@ const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
   return found->second;
 }
 
-void BodyView::draw() const {
-  PALPATE_ASSERT(light_ != nullptr, "a body is lit by its stage");
+void BodyView::draw(const SoftLight& light) const {
   beginSurfaces();
   glEnable(GL_STENCIL_TEST);
   glStencilFunc(GL_ALWAYS, body_mark, body_mark);
   glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-  light_->on(1, shadow_);
+  light.on(1, shadow_);
   // Behind the lines that lie on it.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 2);
@@ -190,19 +189,19 @@ void BodyView::useSurface() const {
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, shape_.colours().data());
 }
 
-void BodyView::drawOver() {
+void BodyView::drawOver(const SoftLight& light) {
   beginSurfaces();
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glEnable(GL_LINE_SMOOTH);
   // What is translucent hides nothing that is drawn after it.
   glDepthMask(GL_FALSE);
-  drawContour();
+  drawContour(light);
   if (ghost_) drawGhost();
 }
 
-void BodyView::drawContour() {
-  light_->on(contour_opacity, shadow_);
+void BodyView::drawContour(const SoftLight& light) {
+  light.on(contour_opacity, shadow_);
   glLineWidth(contour_width);
   useSurface();
   drawElements(GL_LINES, contour_.edges(shape_.positions(), eyeOfView()));

@@ -47,8 +47,6 @@ class BodyView {
   /// Where the active node of a space is at rest, m.
   Eigen::Vector3d originOf(std::size_t space) const;
 
-  /// What it is lit by from now on; must outlive it.
-  void setLight(const SoftLight& light) { light_ = &light; }
   void setShadow(const SoftLight::Shadow& shadow) { shadow_ = shadow; }
   void showGhost(bool shown) { ghost_ = shown; }
   /// The displacements of the surface in a touch of this model.
@@ -59,13 +57,13 @@ class BodyView {
   void shade(SurfaceColour colour, std::int32_t method);
 
   // They change OpenGL's state, and begin with its default (Stage).
-  void draw() const;
+  void draw(const SoftLight& light) const;
   /// Its soft edges and the ghost: after the body and what is behind both.
-  void drawOver();
+  void drawOver(const SoftLight& light);
 
  private:
   void useSurface() const;
-  void drawContour();
+  void drawContour(const SoftLight& light);
   void drawGhost();
   void drawGhostFill();
   void drawGhostOutline();
@@ -84,7 +82,6 @@ class BodyView {
   double full_colour_ = 0, full_pressure_ = 0;
   bool has_untouchable_ = false;
   std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
-  const SoftLight* light_ = nullptr;
   SoftLight::Shadow shadow_;
   bool ghost_ = true;
   std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1

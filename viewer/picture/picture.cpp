@@ -33,7 +33,8 @@ struct Picture::Impl {
       : window("Palpate", options.width, options.height, options.visible, options.vsync),
         panels(window.handle()) {
     for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
-    stage = std::make_unique<Stage>(shown.front()->sphere().radius);
+    shot.lattice = &lattice;
+    shot.tool.extent = shown.front()->sphere().radius;
     view.ghost = options.ghost;
     view.lattice = options.lattice;
   }
@@ -46,16 +47,16 @@ struct Picture::Impl {
         model < 0 ? std::nullopt : std::optional(inUse().sphere());
     model = number;
     BodyView& now = inUse();
-    stage->setBody(now);
+    shot.body = &now;
     // The person keeps the view while materials of one body change.
     if (before && isFramedWith(*before, now.sphere())) return;
     if (before) return frameAll();
     const Viewport all = panels.view();
-    stage->camera().frame(now.sphere().centre, now.sphere().radius, now.bestView(),
-                          Eigen::Vector3d::UnitY(), static_cast<double>(all.width) / all.height);
+    shot.camera.frame(now.sphere().centre, now.sphere().radius, now.bestView(),
+                      Eigen::Vector3d::UnitY(), static_cast<double>(all.width) / all.height);
   }
 
-  void frameAll() { frame(inUse(), touchedPart()); }
+  void frameAll() { frame(shot.camera, inUse(), touchedPart()); }
 
   /// Of all, for one takes the scale of another beside it.
   void showEverything() {
@@ -64,10 +65,9 @@ struct Picture::Impl {
   }
 
   /// From the side from which the camera looks.
-  void frame(const BodyView& body, const Viewport& part) {
+  static void frame(OrbitCamera& camera, const BodyView& body, const Viewport& part) {
     const FramedSphere& sphere = body.sphere();
-    stage->camera().frame(sphere.centre, sphere.radius,
-                          static_cast<double>(part.width) / part.height);
+    camera.frame(sphere.centre, sphere.radius, static_cast<double>(part.width) / part.height);
   }
 
   /// part: in which the touched body is; in another beside it the mouse is where it would be there.
@@ -105,7 +105,7 @@ struct Picture::Impl {
     const bool known = body.model().isPrepared(at(method));
     body.shade(known ? view.colour : SurfaceColour::tissue, method);
     body.showGhost(view.ghost);
-    body.setShadow(held.shadow(stage->tool().radius()));
+    body.setShadow(held.shadow(shot.tool.radius()));
   }
 
   /// The next dataset in the same touch, where the person wants to see it.
@@ -125,20 +125,29 @@ struct Picture::Impl {
   }
 
   void showTool(const HapticState& state, const PictureStatus& status) {
-    ToolView& tool = stage->tool();
-    const double radius = inUse().sphere().radius;
-    held.update(inUse().model(), state, control.toolIsThere(state, status), stage->camera(),
-                radius);
-    tool.setShape(toolOf(inUse().model(), at(stage->lattice().space())));
-    tool.setTool(held.pose());
-    tool.setSeeThrough(view.lattice);
-    tool.setSkin(held.skin(), !state.touch.touching);
+    held.update(inUse().model(), state, control.toolIsThere(state, status), shot.camera,
+                inUse().sphere().radius);
     // No arrow is longer than that of the device's largest force, so the scale grows no further.
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));
-    tool.setArrow(arrowOf(state.force), isUncertain(state.touch));
-    tool.setAnchor(state.touch.anchor_position, state.touch.touching);
+    ShownTool& tool = shot.tool;
+    tool.shape = toolOf(inUse().model(), at(lattice.space()));
+    tool.pose = held.pose();
+    tool.see_through = view.lattice;
+    showForce(tool, state.force, isUncertain(state.touch));
+    tool.skin.reset();
+    tool.anchor.reset();
+    if (state.touch.touching)
+      tool.anchor = state.touch.anchor_position;
+    else
+      tool.skin = held.skin().place;
+  }
+
+  void showForce(ShownTool& tool, const Eigen::Vector3d& force, bool uncertain) const {
+    // NaN: no arrow.
+    tool.arrow = force.allFinite() ? arrowOf(force) : Eigen::Vector3d::Zero();
+    tool.uncertain = uncertain;
   }
 
   Eigen::Vector3d arrowOf(const Eigen::Vector3d& force) const {
@@ -147,12 +156,11 @@ struct Picture::Impl {
 
   ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force, std::string text,
                     bool uncertain) const {
-    const ToolView& tool = stage->tool();
     return {.from = state.shownTool(),
             .at = state.shownTool() + arrowOf(force),
-            .tool = tool.axis(),
-            .tip_radius = tool.radius(),
-            .handle_radius = tool.handleRadius(),
+            .tool = shot.tool.axis(),
+            .tip_radius = shot.tool.radius(),
+            .handle_radius = shot.tool.handleRadius(),
             .text = std::move(text),
             .uncertain = uncertain};
   }
@@ -174,13 +182,13 @@ struct Picture::Impl {
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
     const HapticModel& now = inUse().model();
-    const SpaceTable& table = now.spaces()[at(stage->lattice().space())];
+    const SpaceTable& table = now.spaces()[at(lattice.space())];
     PanelContents all{
         .state = state,
         .status = status,
         .history = history,
         .lamps = lamps,
-        .camera = stage->camera(),
+        .camera = shot.camera,
         .keys = window.keys(),
         .dataset = now.name(),
         .tissue = tissueText(now.regions()),
@@ -203,28 +211,23 @@ struct Picture::Impl {
     return all;
   }
 
-  void render(const HapticState& state) {
-    stage->render(touchedPart());
-    if (beside) renderBeside(state);
+  void render() {
+    stage.render(shot, touchedPart());
+    if (beside) stage.render(besideShot(), viewport.rightHalf(), false);
     panels.render();
   }
 
-  /// With the same tool; what belongs to the touched body is put back.
-  void renderBeside(const HapticState& state) {
-    ToolView& tool = stage->tool();
-    const OrbitCamera camera = stage->camera();
+  /// With the same tool, from the same side.
+  Shot besideShot() const {
+    Shot other = shot;
+    other.body = beside->body;
     if (!isFramedWith(inUse().sphere(), beside->body->sphere()))
-      frame(*beside->body, viewport.rightHalf());
-    stage->setBody(*beside->body);
+      frame(other.camera, *beside->body, viewport.rightHalf());
     if (beside->touch)
-      tool.setArrow(arrowOf(beside->touch->force), isUncertain(*beside->touch));
+      showForce(other.tool, beside->touch->force, isUncertain(*beside->touch));
     else
-      tool.setTool({.tip = Eigen::Vector3d::Constant(NAN)});
-    stage->render(viewport.rightHalf(), false);
-    stage->camera() = camera;
-    stage->setBody(inUse());
-    tool.setTool(held.pose());
-    tool.setArrow(arrowOf(state.force), isUncertain(state.touch));
+      other.tool.pose.tip.setConstant(NAN);
+    return other;
   }
 
   Viewport touchedPart() const { return beside ? viewport.leftHalf() : viewport; }
@@ -242,32 +245,32 @@ struct Picture::Impl {
     // Before the mouse, which then moves what is framed.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
       showEverything();
-    requests.tool = control.apply(persons(), inUse().model(), state, status, stage->camera());
-    stage->lattice().show(inUse(), state, view);
+    requests.tool = control.apply(persons(), inUse().model(), state, status, shot.camera);
+    lattice.show(inUse(), state, view);
     showTool(state, status);
     showBody(inUse(), state.touch, state.method);
     compare(state);
     panels.build(contents(state, status), view, requests);
-    render(state);
+    render();
     window.swap();
-    drawn = state;
     return requests;
   }
 
   Window window;
   Panels panels;
   std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
-  std::unique_ptr<Stage> stage;
+  Stage stage;
+  LatticeView lattice;
+  Shot shot;  ///< of the last picture
   HeldTool held;
   HandControl control;
   double listened = 0;  ///< s, glfwGetTime() of the last picture
   ViewChoices view;
   ForceHistory history;
   GuardLamps lamps;
-  std::int32_t model = -1;           ///< that is on the stage
-  Viewport viewport;                 ///< of the last picture
-  std::optional<HapticState> drawn;  ///< of the last picture
-  double full_force = 0.5;           ///< N, of the longest arrow: round, grows with what was seen
+  std::int32_t model = -1;  ///< of the last picture
+  Viewport viewport;        ///< of the last picture
+  double full_force = 0.5;  ///< N, of the longest arrow: round, grows with what was seen
   /// The other dataset that is shown; without a touch it is shown at rest.
   struct Beside {
     BodyView* body;
@@ -290,8 +293,8 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 }
 
 Image Picture::grab() {
-  PALPATE_ASSERT(impl_->drawn, "what is kept is the picture that was drawn last");
-  impl_->render(*impl_->drawn);
+  PALPATE_ASSERT(impl_->shot.body != nullptr, "what is kept is the picture that was drawn last");
+  impl_->render();
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
 

@@ -40,6 +40,19 @@ void drawBackground() {
   }
 }
 
+void placeCamera(const OrbitCamera& camera, const Viewport& viewport) {
+  glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
+  const double up = camera.near() * std::tan(OrbitCamera::height_angle / 2),
+               right = up * viewport.width / viewport.height;
+  glMatrixMode(GL_PROJECTION);
+  glLoadIdentity();
+  glFrustum(-right, right, -up, up, camera.near(), camera.far());
+  Eigen::Isometry3d eye(camera.axes());
+  eye.pretranslate(camera.position());
+  glMatrixMode(GL_MODELVIEW);
+  glLoadMatrixd(eye.inverse().matrix().data());
+}
+
 /// Leaves OpenGL's state, but for its matrices, as it was.
 template <class Draw>
 void drawApart(const Draw& draw) {
@@ -52,38 +65,20 @@ void drawApart(const Draw& draw) {
 
 }  // namespace
 
-void Stage::setBody(BodyView& body) {
-  body.setLight(light_);
-  body_ = &body;
-}
-
-void Stage::placeCamera(const Viewport& viewport) const {
-  glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
-  const double up = camera_.near() * std::tan(OrbitCamera::height_angle / 2),
-               right = up * viewport.width / viewport.height;
-  glMatrixMode(GL_PROJECTION);
-  glLoadIdentity();
-  glFrustum(-right, right, -up, up, camera_.near(), camera_.far());
-  Eigen::Isometry3d eye(camera_.axes());
-  eye.pretranslate(camera_.position());
-  glMatrixMode(GL_MODELVIEW);
-  glLoadMatrixd(eye.inverse().matrix().data());
-}
-
-void Stage::render(const Viewport& viewport, bool clear) {
+void Stage::render(const Shot& shot, const Viewport& viewport, bool clear) const {
   drawApart([&] {
     // Clears the whole window: no clip rectangle of the panels may be left on.
     glDisable(GL_SCISSOR_TEST);
     glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);
     if (clear) glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    placeCamera(viewport);
+    placeCamera(shot.camera, viewport);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
-    if (body_ != nullptr) drawApart([&] { body_->draw(); });
+    if (shot.body != nullptr) drawApart([&] { shot.body->draw(light_); });
     drawApart(drawBackground);
-    if (body_ != nullptr) drawApart([&] { body_->drawOver(); });
-    drawApart([&] { lattice_.draw(); });
-    drawApart([&] { tool_.draw(); });
+    if (shot.body != nullptr) drawApart([&] { shot.body->drawOver(light_); });
+    if (shot.lattice != nullptr) drawApart([&] { shot.lattice->draw(); });
+    drawApart([&] { tool_.draw(shot.tool, light_); });
   });
 }
 

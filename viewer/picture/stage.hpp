@@ -27,30 +27,25 @@ struct Viewport {
   }
 };
 
-/// What is drawn, in order: one body, the background, the lattice and the tool, in a light that
-/// goes with the camera. Belongs to the thread in which a Window is current, and must go before it.
+/// What a part of the window shows. Body and lattice, where there are any, must outlive it.
+struct Shot {
+  BodyView* body = nullptr;
+  const LatticeView* lattice = nullptr;
+  ShownTool tool;
+  OrbitCamera camera;
+};
+
+/// Draws shots in a light that goes with the camera. Belongs to the thread in which a Window is
+/// current, and must go before it.
 class Stage {
  public:
-  /// extent: radius of what is shown, m; sizes of tool and lattice follow from it.
-  explicit Stage(double extent) : tool_(extent, light_) {}
-
-  /// The body that is drawn from now on; must outlive the stage or its replacement.
-  void setBody(BodyView& body);
-  ToolView& tool() { return tool_; }
-  LatticeView& lattice() { return lattice_; }
-  OrbitCamera& camera() { return camera_; }
   /// Draws into the part of the window. clear: before, and the rest becomes the ground of the
-  /// panels. OpenGL's state is as before then.
-  void render(const Viewport& viewport, bool clear = true);
+  /// panels. OpenGL's state is as before then, but for its matrices.
+  void render(const Shot& shot, const Viewport& viewport, bool clear = true) const;
 
  private:
-  void placeCamera(const Viewport& viewport) const;
-
-  OrbitCamera camera_;
   SoftLight light_;
   ToolView tool_;
-  LatticeView lattice_;
-  BodyView* body_ = nullptr;
 };
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/tool_shape.hpp"
@@ -22,53 +23,43 @@ struct SkinBelow {
   double gap = 0;                                   ///< m
 };
 
-/// Draws the tool in its true size, the force on it as an arrow, a line to the skin while it is
-/// free, and where the point that it touches lies at rest, with a line to it. What of the tool lies
-/// behind the surface is seen through it. The arrow is in front of everything, dashed and amber
-/// where its force is uncertain. Metres, scene frame.
-class ToolView {
- public:
-  /// extent: radius of what is shown, m: of what has no size of its own. light: must outlive it.
-  ToolView(double extent, const SoftLight& light);
-
-  void setShape(const ToolShape& shape) { shape_ = shape; }
-  /// So that what is shown around it is seen.
-  void setSeeThrough(bool see_through) { see_through_ = see_through; }
-  /// Nothing is drawn of a tool that is not finite.
-  void setTool(const ToolPose& pose) { pose_ = pose; }
-  /// arrow: from the tip of the tool to its own, m; one that is very short is not drawn.
-  void setArrow(const Eigen::Vector3d& arrow, bool uncertain);
-  /// Where the material point in contact lies at rest; only while something is touched.
-  void setAnchor(const Eigen::Vector3d& anchor, bool touching);
-  /// Only while nothing is touched.
-  void setSkin(const SkinBelow& skin, bool free);
+/// What is seen of a hand. Metres, scene frame.
+struct ShownTool {
+  double extent = 0.1;  ///< radius of what is shown: of what has no size of its own
+  ToolShape shape;
+  ToolPose pose;  ///< nothing is drawn where its tip is not finite
+  /// From the tip of the tool to its own; one that is very short is not drawn.
+  Eigen::Vector3d arrow = Eigen::Vector3d::Zero();
+  bool uncertain = false;                 ///< the force of the arrow is
+  std::optional<Eigen::Vector3d> anchor;  ///< where the material point in contact lies at rest
+  std::optional<Eigen::Vector3d> skin;    ///< below a free tool
+  bool see_through = false;               ///< so that what is shown around it is seen
 
   /// The middle of the tip, and the end of the handle.
   std::array<Eigen::Vector3d, 2> axis() const;
-  // m, as they are drawn.
+  // As they are drawn.
   double radius() const;  ///< of the tip
   double handleRadius() const;
+};
 
-  /// Changes OpenGL's state, and begins with its default (Stage).
-  void draw() const;
+/// Draws the tool in its true size, the force on it as an arrow, a line to the skin while it is
+/// free, and where the point that it touches lies at rest, with a line to it. What of the tool lies
+/// behind the surface is seen through it. The arrow is in front of everything, dashed and amber
+/// where its force is uncertain. Changes OpenGL's state, and begins with its default (Stage).
+class ToolView {
+ public:
+  void draw(const ShownTool& tool, const SoftLight& light) const;
 
  private:
-  void drawTool(double opacity) const;
-  void drawTranslucent(double opacity) const;
-  void drawArrow() const;
-  void drawAnchor() const;
-  void drawSkinLine() const;
+  void drawTool(const ShownTool& tool, const SoftLight& light, double opacity) const;
+  void drawTranslucent(const ShownTool& tool, const SoftLight& light, double opacity) const;
+  void drawArrow(const ShownTool& tool, const SoftLight& light) const;
+  void drawAnchor(const ShownTool& tool, const SoftLight& light) const;
+  static void drawSkinLine(const ShownTool& tool);
 
-  double extent_;
-  const SoftLight& light_;
   TurnedSolid ball_ = TurnedSolid::ball(), cylinder_ = TurnedSolid::cylinder(),
               cone_ = TurnedSolid::cone(), handle_ = TurnedSolid::handle(),
               finger_ = TurnedSolid::finger(), disc_ = TurnedSolid::disc();
-  ToolShape shape_;
-  ToolPose pose_;
-  Eigen::Vector3d arrow_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
-  SkinBelow skin_;
-  bool uncertain_ = false, touching_ = false, free_ = false, see_through_ = false;
 };
 
 }  // namespace palpate

@@ -612,27 +612,27 @@ TEST(Picture, WithoutADisplaySaysWhatToDo) {
 /// A stage in a window of its own, seen from +z, y up: pixels of what is on it.
 class StageTest : public ::testing::Test {
  protected:
-  StageTest() : window("Stage", 400, 400, true, false), stage(0.1) {
-    stage.camera().frame(Eigen::Vector3d::Zero(), 0.1, Eigen::Vector3d::UnitZ(),
-                         Eigen::Vector3d::UnitY(), 1);
+  StageTest() : window("Stage", 400, 400, true, false) {
+    shot.camera.frame(Eigen::Vector3d::Zero(), 0.1, Eigen::Vector3d::UnitZ(),
+                      Eigen::Vector3d::UnitY(), 1);
   }
   Image render() {
-    stage.render({400, 400, 0, 0, 400, 400});
+    stage.render(shot, {400, 400, 0, 0, 400, 400});
     return readPixels(400, 400);
   }
 
   test::VirtualScreen screen;
   Window window;
   Stage stage;
+  Shot shot;
 };
 
 TEST_F(StageTest, PointsTheArrowAlongTheForce) {
-  stage.tool().setTool({});
   EXPECT_EQ(find(render(), isBlue, 400, 400).count, 0);
   for (const Eigen::Vector3d& arrow :
        {Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(-0.06, 0, 0), Eigen::Vector3d(0, 0.06, 0),
         Eigen::Vector3d(0.03, -0.04, 0)}) {
-    stage.tool().setArrow(arrow, false);
+    shot.tool.arrow = arrow;
     const Spot spot = find(render(), isBlue, 400, 400);
     ASSERT_GT(spot.count, 50);
     const Eigen::Vector2d seen(spot.x - 199.5, 199.5 - spot.y);
@@ -642,10 +642,10 @@ TEST_F(StageTest, PointsTheArrowAlongTheForce) {
 }
 
 TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
-  stage.tool().setTool({});
   /// How many pieces of a colour there are along the middle of the picture.
   const auto pieces = [&](bool uncertain, bool (*colour)(Pixel)) {
-    stage.tool().setArrow({0.08, 0, 0}, uncertain);
+    shot.tool.arrow = {0.08, 0, 0};
+    shot.tool.uncertain = uncertain;
     const Image image = render();
     int count = 0;
     for (int x = 1; x < 400; ++x)
@@ -659,17 +659,19 @@ TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
 TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
   const std::vector<LatticeDot> dots = {{{0.03, 0, 0}, colourOf(Tag::failed)},
                                         {{-0.03, 0.02, 0}, colourOf(Tag::expandable)}};
-  stage.lattice().setDots(dots, {0, 0.01, 0}, 6);
+  LatticeView lattice;
+  shot.lattice = &lattice;
+  lattice.setDots(dots, {0, 0.01, 0}, 6);
   const auto at = [&](const Image& image, const LatticeDot& dot) {
     const Eigen::Vector3d place =
-        stage.camera().project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
+        shot.camera.project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
     Pixel p = pixelOf(image, static_cast<int>(200 + 400 * place.x()),
                       static_cast<int>(200 - 400 * place.y()));
     return std::array<double, 3>{static_cast<double>(p[0]), static_cast<double>(p[1]),
                                  static_cast<double>(p[2])};
   };
   const Image without = render();
-  stage.lattice().show(true);
+  lattice.show(true);
   const Image with = render();
   for (const LatticeDot& dot : dots) {
     EXPECT_NE(at(without, dot), dot.colour);
