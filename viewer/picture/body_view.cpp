@@ -21,9 +21,8 @@ namespace {
 constexpr double first_scale_share = 0.035;
 
 constexpr float contour_width = 1.7F, contour_opacity = 0.85F;
-constexpr std::array<float, 3> ghost_line = {0.14F, 0.24F, 0.46F};
+constexpr std::array<std::uint8_t, 3> ghost_line = {36, 61, 117}, ghost_fill = {92, 128, 196};
 constexpr float ghost_line_opacity = 0.75F, ghost_line_width = 1.6F;
-constexpr std::array<std::uint8_t, 3> ghost_fill = {92, 128, 196};
 constexpr float ghost_fill_opacity = 0.22F;
 // Of the sphere's radius: displacements shorter than the first have no ghost, longer than the
 // second all of it.
@@ -220,36 +219,27 @@ void BodyView::drawGhost() {
     if (std::ranges::any_of(corners, [&](std::uint32_t v) { return ghost_shares_[v] > 0; }))
       ghost_corners_.insert(ghost_corners_.end(), corners.begin(), corners.end());
   }
+  glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
+  glColorPointer(4, GL_UNSIGNED_BYTE, 0, ghost_colours_.data());
   glEnable(GL_STENCIL_TEST);
-  drawGhostFill();
-  drawGhostOutline();
-}
-
-void BodyView::drawGhostFill() {
-  for (std::size_t v = 0; v < shape_.size(); ++v)
-    ghost_colours_[v] = std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{
-        ghost_fill[0], ghost_fill[1], ghost_fill[2],
-        static_cast<std::uint8_t>(255 * ghost_fill_opacity * ghost_shares_[v])});
   glStencilFunc(GL_EQUAL, 0, body_mark | fill_mark);
   glStencilMask(fill_mark);
   glStencilOp(GL_KEEP, GL_KEEP, GL_INVERT);
-  glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
-  glColorPointer(4, GL_UNSIGNED_BYTE, 0, ghost_colours_.data());
+  colourGhost(ghost_fill, ghost_fill_opacity);
   drawElements(GL_TRIANGLES, ghost_corners_);
-}
-
-void BodyView::drawGhostOutline() {
-  findOutline(shape_.rest(), shape_.restNormals(), ghost_corners_, ghost_shares_, eyeOfView(),
-              outline_);
   glStencilFunc(GL_EQUAL, 0, body_mark);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   setLineWidth(ghost_line_width);
-  glBegin(GL_LINES);
-  for (const OutlinePoint& point : outline_) {
-    glColor4f(ghost_line[0], ghost_line[1], ghost_line[2], ghost_line_opacity * point.share);
-    glVertex3fv(point.place.data());
-  }
-  glEnd();
+  colourGhost(ghost_line, ghost_line_opacity);
+  drawElements(GL_LINES, contour_.edges(shape_.rest(), eyeOfView()));
+}
+
+/// Of the ghost, by vertex: as much of it as the vertex has a share.
+void BodyView::colourGhost(const std::array<std::uint8_t, 3>& colour, float opacity) {
+  for (std::size_t v = 0; v < shape_.size(); ++v)
+    ghost_colours_[v] = std::bit_cast<std::uint32_t>(
+        std::array<std::uint8_t, 4>{colour[0], colour[1], colour[2],
+                                    static_cast<std::uint8_t>(255 * opacity * ghost_shares_[v])});
 }
 
 }  // namespace palpate

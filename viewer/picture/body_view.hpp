@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -9,7 +10,6 @@
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/picture/contour.hpp"
 #include "viewer/picture/framed_sphere.hpp"
-#include "viewer/picture/outline.hpp"
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/surface_shape.hpp"
 
@@ -65,8 +65,7 @@ class BodyView {
   void useSurface() const;
   void drawContour(const SoftLight& light);
   void drawGhost();
-  void drawGhostFill();
-  void drawGhostOutline();
+  void colourGhost(const std::array<std::uint8_t, 3>& colour, float opacity);
   const std::vector<float>& errorPlacesOf(std::int32_t method);
   void colourPressures();
 
@@ -87,7 +86,6 @@ class BodyView {
   std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1
   std::vector<std::uint32_t> ghost_colours_;  ///< by vertex, bytes
   std::vector<std::uint32_t> ghost_corners_;  ///< of triangles that have a share
-  std::vector<OutlinePoint> outline_;
 };
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace palpate {
 /// The edges of a surface of triangles along which its picture ends: those between a triangle that
 /// faces the eye and one that does not. Drawn over it as soft lines they take away the steps of its
 /// pixels, which several samples a pixel would do at four times the cost where a processor draws.
-/// One thread.
+/// Of the shape at rest they are the outline. One thread.
 class Contour {
  public:
   /// corners: three vertices per triangle, closed.

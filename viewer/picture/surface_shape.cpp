@@ -119,7 +119,6 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
     positions_.col(static_cast<Eigen::Index>(v)) = vertices[v].cast<float>();
   setNormals();
   rest_ = positions_;
-  rest_normals_ = normals_;
   setFelt(triangles, touchable);
   setTissue();
   colourTissue();

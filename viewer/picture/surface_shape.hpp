@@ -36,10 +36,9 @@ class SurfaceShape {
   void colourPressures(std::span<const float> pressures, double full);
 
   // A column per vertex.
-  const Eigen::Matrix3Xf& rest() const { return rest_; }                 ///< m
-  const Eigen::Matrix3Xf& restNormals() const { return rest_normals_; }  ///< as normals()
-  const Eigen::Matrix3Xf& positions() const { return positions_; }       ///< m
-  const Eigen::Matrix3Xf& normals() const { return normals_; }           ///< unit, weighted by area
+  const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
+  const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
+  const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
   /// Bytes red, green, blue, and how wet it looks: 255 tissue, less where a colour covers it.
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Three vertices per triangle.
@@ -57,7 +56,7 @@ class SurfaceShape {
   void setNormals();
   void round(std::vector<float>& values) const;
 
-  Eigen::Matrix3Xf rest_, rest_normals_, positions_, normals_;
+  Eigen::Matrix3Xf rest_, positions_, normals_;
   std::size_t given_;                       ///< vertices
   std::vector<std::uint32_t> coarse_;       ///< corners of the triangles given
   std::vector<SurfaceRounding> roundings_;  ///< one after the other
