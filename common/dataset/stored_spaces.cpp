@@ -32,10 +32,6 @@ constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-// ---- the tables, as writer and reader both go through them ----------------------------------
-
-constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
-
 /// What is written of one space.
 struct SpaceToWrite {
   const SpaceRows& rows;
@@ -43,203 +39,105 @@ struct SpaceToWrite {
 };
 using SpacesToWrite = std::vector<SpaceToWrite>;
 
+// ---- the tables and their columns, as writer and reader both go through them ------------------
+
+constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
+
+constexpr auto split_count = [](const SpaceToWrite& space) { return space.rows.splits().size(); };
+constexpr auto point_count = [](const SpaceToWrite& space) {
+  return static_cast<std::size_t>(space.rows.points());
+};
+constexpr auto jump_count = [](const SpaceToWrite& space) { return space.jumps.size(); };
+constexpr auto probe_count = [](const SpaceToWrite& space) {
+  return static_cast<std::size_t>(space.rows.probes());
+};
+constexpr auto attempt_count = [](const SpaceToWrite& space) { return space.rows.attempts(); };
+
 /// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable, how
 /// many a SpaceToWrite has)
 template <class Visit>
 void forEachTable(const Visit& visit) {
-  using Space = SpaceToWrite;
   visit("/spaces/first_patch_node", patch_node_path, patch_nodes,
-        [](const Space& space) { return space.rows.patch().nodes.size(); });
-  visit("/spaces/first_point", ijk_path, &SpaceTable::points,
-        [](const Space& space) { return static_cast<std::size_t>(space.rows.points()); });
-  visit("/spaces/first_split", split_level_path, &SpaceTable::splits,
-        [](const Space& space) { return space.rows.splits().size(); });
-  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges,
-        [](const Space& space) { return space.jumps.size(); });
-  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes,
-        [](const Space& space) { return static_cast<std::size_t>(space.rows.probes()); });
-  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts,
-        [](const Space& space) { return space.rows.attempts(); });
+        [](const SpaceToWrite& space) { return space.rows.patch().nodes.size(); });
+  visit("/spaces/first_point", ijk_path, &SpaceTable::points, point_count);
+  visit("/spaces/first_split", split_level_path, &SpaceTable::splits, split_count);
+  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges, jump_count);
+  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes, probe_count);
+  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts, attempt_count);
 }
 
-// Each column: visit(path, rows, unit, member). A row is a pointer to a record, of which the column
-// has the member (std::identity: all of it); null where the file has no number. Rows that are read
-// are a vector of them. Those that are written come one after the other, as often as there are
-// columns: they may be more than fit into memory.
+// Each column: visit(path, unit, the part of a row that it holds), and whether the file has a value
+// for a row, where that is not always so.
 
-template <class Row>
-struct WrittenRows {
-  using Visit = std::function<void(const Row*)>;
-  std::size_t size = 0;
-  std::function<void(const Visit&)> each;
-};
-
-/// Pointers to one member of each row.
-template <class Row, class Member>
-auto partsOf(const std::vector<Row*>& rows, Member member) {
-  std::vector<std::remove_reference_t<decltype(rows.front()->*member)>*> parts;
-  for (Row* row : rows) parts.push_back(row == nullptr ? nullptr : &(row->*member));
-  return parts;
-}
-template <class Row, class Part, class Base>
-WrittenRows<Part> partsOf(const WrittenRows<Row>& rows, Part Base::*member) {
-  return {rows.size, [each = rows.each, member](const typename WrittenRows<Part>::Visit& visit) {
-            each([&](const Row* row) { visit(row == nullptr ? nullptr : &(row->*member)); });
-          }};
+template <class Visit>
+void forEachSplitColumn(const Visit& visit) {
+  visit("/splits/lowest", "1", &LatticeCell::lowest);
+  visit(split_level_path, "1", &LatticeCell::level);
 }
 
-/// Null in the place of those that hold no equilibrium.
-template <class Row>
-std::vector<Row*> solvedOf(std::vector<Row*> records) {
-  for (Row*& record : records)
-    if (!isSolved(record->tag)) record = nullptr;
-  return records;
-}
-WrittenRows<PointRecord> solvedOf(const WrittenRows<PointRecord>& records) {
-  return {
-      records.size, [each = records.each](const WrittenRows<PointRecord>::Visit& visit) {
-        each([&](const PointRecord* record) { visit(isSolved(record->tag) ? record : nullptr); });
-      }};
+template <class Visit>
+void forEachAttemptColumn(const Visit& visit) {
+  const auto visitFailure = [&](const char* path, const char* unit, auto member) {
+    visit(
+        path, unit, [member](auto& attempt) -> auto& { return attempt.failure.*member; });
+  };
+  visit("/attempts/target", "1", &FailedAttempt::target);
+  visit("/attempts/parent", "1", &FailedAttempt::parent);
+  visitFailure(cause_path, "1", &Failure::cause);
+  visitFailure("/attempts/step_reached", "1", &Failure::step_reached);
+  visitFailure("/attempts/residual", "N", &Failure::residual);
+  visitFailure("/attempts/element", "1", &Failure::element);
+  visitFailure("/attempts/element_det_F", "1", &Failure::element_det_F);
+  visitFailure("/attempts/negative_pivots", "1", &Failure::negative_pivots);
+  visitFailure("/attempts/expected_negative_pivots", "1", &Failure::expected_negative_pivots);
+  visitFailure("/attempts/mumps_infog1", "1", &Failure::mumps_infog1);
+  visitFailure("/attempts/mumps_infog2", "1", &Failure::mumps_infog2);
 }
 
-/// What /points and /probes, which is `group`, have in common. The tags come before what depends on
-/// them. `with_drive`: some space is of a finger; other files keep their bytes.
-template <class Records, class Visit>
-void forEachRecordColumn(const std::string& group, const Records& records, bool with_drive,
+/// What /points and /probes, which is `group`, have in common: the columns of recordOf(row). The
+/// tags come before what depends on them. `with_drive`: some space is of a finger; other files keep
+/// their bytes.
+template <class RecordOf, class Visit>
+void forEachRecordColumn(const std::string& group, const RecordOf& recordOf, bool with_drive,
                          const Visit& visit) {
-  visit(group + "/tag", records, "1", &PointRecord::tag);
-  visit(group + "/cause", records, "1", &PointRecord::cause);
-  visit(group + "/parent", records, "1", &PointRecord::parent);
-  const auto costs = partsOf(records, &PointRecord::cost);
-  visit(group + "/newton_iterations", costs, "1", &Cost::newton_iterations);
-  visit(group + "/factorizations", costs, "1", &Cost::factorizations);
-  visit(group + "/steps", costs, "1", &Cost::steps);
-  const auto solved = solvedOf(records);
-  const auto equilibria = partsOf(solved, &PointRecord::equilibrium);
-  visit(group + "/force", equilibria, "N", &Equilibrium::force);
-  visit(group + "/stiffness", equilibria, "N/m", &Equilibrium::stiffness);
-  visit(group + "/energy", equilibria, "J", &Equilibrium::energy);
+  const auto isThere = [&](const auto& row) { return isSolved(recordOf(row).tag); };
+  const auto visitCost = [&](const char* name, auto member) {
+    visit(
+        group + name, "1",
+        [&recordOf, member ](auto& row) -> auto& { return recordOf(row).cost.*member; });
+  };
+  const auto visitEquilibrium = [&](const char* name, const char* unit, auto member) {
+    visit(
+        group + name, unit,
+        [&recordOf, member ](auto& row) -> auto& { return recordOf(row).equilibrium.*member; },
+        isThere);
+  };
+  const auto part = [&](auto member) {
+    return [&recordOf, member ](auto& row) -> auto& { return recordOf(row).*member; };
+  };
+  visit(group + "/tag", "1", part(&PointRecord::tag));
+  visit(group + "/cause", "1", part(&PointRecord::cause));
+  visit(group + "/parent", "1", part(&PointRecord::parent));
+  visitCost("/newton_iterations", &Cost::newton_iterations);
+  visitCost("/factorizations", &Cost::factorizations);
+  visitCost("/steps", &Cost::steps);
+  visitEquilibrium("/force", "N", &Equilibrium::force);
+  visitEquilibrium("/stiffness", "N/m", &Equilibrium::stiffness);
+  visitEquilibrium("/energy", "J", &Equilibrium::energy);
   if (with_drive) {
-    visit(group + "/drive", equilibria, "N", &Equilibrium::drive);
-    visit(group + "/drive_stiffness", equilibria, "N/m", &Equilibrium::drive_stiffness);
-    visit(group + "/drive_slope", equilibria, "N/m", &Equilibrium::drive_slope);
-    visit(group + "/stiffness_by_p", equilibria, "N/m^2", &Equilibrium::stiffness_by_p);
-    visit(group + "/stiffness_by_s", equilibria, "N/m^2", &Equilibrium::stiffness_by_s);
-    visit(group + "/drive_slope_by_p", equilibria, "N/m^2", &Equilibrium::drive_slope_by_p);
+    visitEquilibrium("/drive", "N", &Equilibrium::drive);
+    visitEquilibrium("/drive_stiffness", "N/m", &Equilibrium::drive_stiffness);
+    visitEquilibrium("/drive_slope", "N/m", &Equilibrium::drive_slope);
+    visitEquilibrium("/stiffness_by_p", "N/m^2", &Equilibrium::stiffness_by_p);
+    visitEquilibrium("/stiffness_by_s", "N/m^2", &Equilibrium::stiffness_by_s);
+    visitEquilibrium("/drive_slope_by_p", "N/m^2", &Equilibrium::drive_slope_by_p);
   }
-  visit(group + "/min_det_F", equilibria, "1", &Equilibrium::min_det_F);
-  visit(group + "/residual", solved, "N", &PointRecord::residual);
-  visit(group + "/fields_id", solved, "1", &PointRecord::fields);
+  visitEquilibrium("/min_det_F", "1", &Equilibrium::min_det_F);
+  visit(group + "/residual", "N", part(&PointRecord::residual), isThere);
+  visit(group + "/fields_id", "1", part(&PointRecord::fields), isThere);
 }
 
-/// Pointers to the entries of a list of each space, those of all spaces one after the other.
-template <class Spaces, class List>
-auto rowsOf(Spaces& spaces, List list) {
-  std::vector<std::remove_reference_t<decltype(std::invoke(list, spaces.front()).front())>*> rows;
-  for (auto& space : spaces)
-    for (auto& row : std::invoke(list, space)) rows.push_back(&row);
-  return rows;
-}
-
-auto splitsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::splits); }
-auto attemptsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::attempts); }
-auto jumpsOf(std::vector<SpaceTable>& spaces) {
-  return rowsOf(spaces, &SpaceTable::inconsistent_edges);
-}
-auto pointsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::points); }
-auto probesOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::probes); }
-
-/// countOf(space) rows, which each(space, visit) goes through.
-template <class Row, class Count, class Each>
-WrittenRows<Row> writtenRows(const SpacesToWrite& spaces, const Count& countOf, const Each& each) {
-  std::size_t size = 0;
-  for (const SpaceToWrite& space : spaces) size += static_cast<std::size_t>(countOf(space));
-  return {size, [&spaces, each](const typename WrittenRows<Row>::Visit& visit) {
-            for (const SpaceToWrite& space : spaces) each(space, visit);
-          }};
-}
-/// Of lists that are there.
-template <class Row, class List>
-WrittenRows<Row> listedRows(const SpacesToWrite& spaces, const List& listOf) {
-  return writtenRows<Row>(
-      spaces, [listOf](const SpaceToWrite& space) { return listOf(space).size(); },
-      [listOf](const SpaceToWrite& space, const auto& visit) {
-        for (const Row& row : listOf(space)) visit(&row);
-      });
-}
-
-WrittenRows<LatticeCell> splitsOf(const SpacesToWrite& spaces) {
-  return listedRows<LatticeCell>(
-      spaces, [](const SpaceToWrite& space) -> auto& { return space.rows.splits(); });
-}
-WrittenRows<LatticeEdge> jumpsOf(const SpacesToWrite& spaces) {
-  return listedRows<LatticeEdge>(
-      spaces, [](const SpaceToWrite& space) -> auto& { return space.jumps; });
-}
-WrittenRows<FailedAttempt> attemptsOf(const SpacesToWrite& spaces) {
-  return writtenRows<FailedAttempt>(
-      spaces, [](const SpaceToWrite& space) { return space.rows.attempts(); },
-      [](const SpaceToWrite& space, const auto& visit) {
-        space.rows.eachAttempt([&](const FailedAttempt& attempt) { visit(&attempt); });
-      });
-}
-WrittenRows<PointRecord> pointsOf(const SpacesToWrite& spaces) {
-  return writtenRows<PointRecord>(
-      spaces, [](const SpaceToWrite& space) { return space.rows.points(); },
-      [](const SpaceToWrite& space, const auto& visit) {
-        for (std::int32_t n = 0; n < space.rows.points(); ++n) {
-          const PointRecord record = space.rows.point(n);
-          visit(&record);
-        }
-      });
-}
-WrittenRows<Probe> probesOf(const SpacesToWrite& spaces) {
-  return writtenRows<Probe>(
-      spaces, [](const SpaceToWrite& space) { return space.rows.probes(); },
-      [](const SpaceToWrite& space, const auto& visit) {
-        for (std::int32_t n = 0; n < space.rows.probes(); ++n) {
-          const Probe probe = space.rows.probe(n);
-          visit(&probe);
-        }
-      });
-}
-
-bool hasFinger(const SpaceTable& space) { return space.patch.finger.has_value(); }
-bool hasFinger(const SpaceToWrite& space) { return space.rows.patch().finger.has_value(); }
-
-/// In the order of the file. visit.group(path) comes before the columns of a group, and
-/// visit.lattices(spaces) where those of /points that are no members are.
-template <class Spaces, class Visit>
-void forEachColumn(Spaces& spaces, const Visit& visit) {
-  visit.group("/splits");
-  const auto splits = splitsOf(spaces);
-  visit("/splits/lowest", splits, "1", &LatticeCell::lowest);
-  visit(split_level_path, splits, "1", &LatticeCell::level);
-  visit.group("/attempts");
-  const auto attempts = attemptsOf(spaces);
-  visit("/attempts/target", attempts, "1", &FailedAttempt::target);
-  visit("/attempts/parent", attempts, "1", &FailedAttempt::parent);
-  const auto failures = partsOf(attempts, &FailedAttempt::failure);
-  visit(cause_path, failures, "1", &Failure::cause);
-  visit("/attempts/step_reached", failures, "1", &Failure::step_reached);
-  visit("/attempts/residual", failures, "N", &Failure::residual);
-  visit("/attempts/element", failures, "1", &Failure::element);
-  visit("/attempts/element_det_F", failures, "1", &Failure::element_det_F);
-  visit("/attempts/negative_pivots", failures, "1", &Failure::negative_pivots);
-  visit("/attempts/expected_negative_pivots", failures, "1", &Failure::expected_negative_pivots);
-  visit("/attempts/mumps_infog1", failures, "1", &Failure::mumps_infog1);
-  visit("/attempts/mumps_infog2", failures, "1", &Failure::mumps_infog2);
-  visit(jumps_path, jumpsOf(spaces), "1", std::identity());
-  visit.group(points_group);
-  visit.lattices(spaces);
-  const bool with_drive =
-      std::ranges::any_of(spaces, [](const auto& space) { return hasFinger(space); });
-  forEachRecordColumn(points_group, pointsOf(spaces), with_drive, visit);
-  visit.group(probes_group);
-  const auto probes = probesOf(spaces);
-  visit(probe_position_path, probes, "m", &Probe::displacement);
-  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), with_drive, visit);
-}
+constexpr auto record_of_probe = [](auto& probe) -> auto& { return probe.record; };
 
 // ---- lattices -------------------------------------------------------------------------------
 
@@ -289,12 +187,12 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
 
 // ---- columns --------------------------------------------------------------------------------
 
-/// As what a member lies in the file: matrices by rows.
+/// As what a part of a row lies in the file: matrices by rows.
 template <class T>
 using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
 
-template <class Row, class Member>
-using MemberInFile = InFile<std::remove_cvref_t<std::invoke_result_t<Member, Row&>>>;
+template <class Row, class Part>
+using PartInFile = InFile<std::remove_cvref_t<std::invoke_result_t<Part, Row&>>>;
 
 /// Stands where there is no number.
 template <class T>
@@ -310,35 +208,52 @@ T nothing() {
 bool isKnown(Tag tag) { return tagOf(static_cast<std::uint32_t>(tag)).has_value(); }
 bool isKnown(Cause cause) { return causeOf(static_cast<std::uint32_t>(cause)).has_value(); }
 
+struct Always {
+  bool operator()(const auto& /*row*/) const { return true; }
+};
+
+/// Writes columns of rows that come one after the other, as often as there are columns: they may
+/// be more than fit into memory.
+template <class Row>
 struct ColumnWriter {
+  using Visit = std::function<void(const Row&)>;
   Writer& out;
+  std::size_t size;
+  std::function<void(const Visit&)> each;
 
-  void group(const char* path) const { out.makeGroup(path); }
-  void lattices(const SpacesToWrite& spaces) const { writeLattices(out, spaces); }
-
-  template <class Row, class Member>
-  void operator()(const std::string& path, const WrittenRows<Row>& rows, const char* unit,
-                  Member member) const {
-    using Value = MemberInFile<const Row, Member>;
-    hdf5::RowWriter list = out.list<Value>(path, rows.size, unit);
-    rows.each([&](const Row* row) {
-      list.add(row == nullptr ? nothing<Value>() : Value(std::invoke(member, *row)));
+  template <class Part, class IsThere = Always>
+  void operator()(const std::string& path, const char* unit, Part part,
+                  IsThere isThere = {}) const {
+    using Value = PartInFile<const Row, Part>;
+    hdf5::RowWriter list = out.list<Value>(path, size, unit);
+    each([&](const Row& row) {
+      list.add(isThere(row) ? Value(std::invoke(part, row)) : nothing<Value>());
     });
     list.finish();
   }
 };
 
+/// The rows of all spaces, countOf(space) of which each(space, visit) goes through.
+template <class Row, class Count, class Each>
+ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Count& countOf,
+                            const Each& each) {
+  std::size_t size = 0;
+  for (const SpaceToWrite& space : spaces) size += countOf(space);
+  return {out, size, [&spaces, each](const typename ColumnWriter<Row>::Visit& visit) {
+            for (const SpaceToWrite& space : spaces) each(space, visit);
+          }};
+}
+
+/// Reads columns into rows that are there.
+template <class Row>
 struct ColumnReader {
   const Reader& in;
-  const Scene& scene;
+  std::vector<Row*> rows;
 
-  void group(const char*) const {}
-  void lattices(std::vector<SpaceTable>& spaces) const { readLattices(in, scene, spaces); }
-
-  template <class Row, class Member>
-  void operator()(const std::string& path, const std::vector<Row*>& rows, const char*,
-                  Member member) const {
-    using Value = MemberInFile<Row, Member>;
+  template <class Part, class IsThere = Always>
+  void operator()(const std::string& path, const char* /*unit*/, Part part,
+                  IsThere isThere = {}) const {
+    using Value = PartInFile<Row, Part>;
     const std::vector<Value> values = in.readList<Value>(path, rows.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {
       // A value from a newer program would be an enumerator without a name.
@@ -346,10 +261,20 @@ struct ColumnReader {
         if (!isKnown(values[n]))
           throw in.damaged(path, fmt::format("holds {}, which this program does not know",
                                              static_cast<int>(values[n])));
-      if (rows[n] != nullptr) std::invoke(member, *rows[n]) = values[n];
+      if (isThere(*rows[n])) std::invoke(part, *rows[n]) = values[n];
     }
   }
 };
+
+/// Rows of a list of each space, those of all spaces one after the other.
+template <class List>
+auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
+  using Row = std::remove_reference_t<decltype(std::invoke(list, spaces.front()).front())>;
+  ColumnReader<Row> columns{in, {}};
+  for (SpaceTable& space : spaces)
+    for (Row& row : std::invoke(list, space)) columns.rows.push_back(&row);
+  return columns;
+}
 
 /// Centre, radius, and what of the ball it reaches; of other tools no numbers. The width of that is
 /// an array of its own, which older files lack.
@@ -394,18 +319,20 @@ void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spac
   out.writeList(path, firsts, "1");
 }
 
-void writePatches(Writer& out, const SpacesToWrite& spaces) {
+/// Whether some space is of a finger.
+bool writePatches(Writer& out, const SpacesToWrite& spaces) {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
   std::vector<FingerRow> fingers;
   std::vector<double> widths;
-  bool is_weighted = false;
+  bool is_weighted = false, with_finger = false;
   for (const SpaceToWrite& space : spaces) {
     const ActivePatch& patch = space.rows.patch();
     nodes.insert(nodes.end(), patch.nodes.begin(), patch.nodes.end());
     weights.insert(weights.end(), patch.weights.begin(), patch.weights.end());
     weights.resize(nodes.size(), no_number);
     is_weighted = is_weighted || !patch.weights.empty();
+    with_finger = with_finger || patch.finger;
     fingers.push_back(patch.finger ? rowOf(*patch.finger) : noFinger());
     widths.push_back(patch.finger ? patch.finger->reach.width : no_number);
   }
@@ -413,10 +340,11 @@ void writePatches(Writer& out, const SpacesToWrite& spaces) {
   out.writeList(patch_node_path, nodes, "1");
   // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
-  if (std::ranges::any_of(spaces, [](const SpaceToWrite& space) { return hasFinger(space); })) {
+  if (with_finger) {
     out.writeList(finger_path, fingers, "m");
     out.writeList(finger_width_path, widths, "m");
   }
+  return with_finger;
 }
 
 // ---- reading --------------------------------------------------------------------------------
@@ -447,19 +375,20 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
     std::invoke(list, spaces[s]).resize(static_cast<std::size_t>(firsts[s + 1] - firsts[s]));
 }
 
-void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
+/// Whether some space is of a finger.
+bool readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
                  std::vector<SpaceTable>& spaces) {
   const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
   const auto isFingers = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
-  const auto nodes = rowsOf(spaces, patch_nodes);
-  ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
-  std::vector<double> weights(nodes.size());
+  const auto nodes = columnsOf(in, spaces, patch_nodes);
+  nodes(patch_node_path, "1", std::identity());
+  std::vector<double> weights(nodes.rows.size());
   if (std::ranges::any_of(scene.active, isWeighted))
-    weights = in.readList<double>(patch_weight_path, nodes.size());
+    weights = in.readList<double>(patch_weight_path, nodes.rows.size());
   std::vector<FingerRow> fingers(spaces.size());
-  if (std::ranges::any_of(scene.active, isFingers))
-    fingers = in.readList<FingerRow>(finger_path, spaces.size());
+  const bool with_finger = std::ranges::any_of(scene.active, isFingers);
+  if (with_finger) fingers = in.readList<FingerRow>(finger_path, spaces.size());
   std::vector<double> widths(spaces.size(), std::numeric_limits<double>::infinity());
   if (std::ranges::binary_search(in.arrays(), finger_width_path, {}, &hdf5::ArrayInfo::path))
     widths = in.readList<double>(finger_width_path, spaces.size());
@@ -487,6 +416,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
       throw in.damaged(active_path,
                        fmt::format("{} is not in the patch of {}", patch.node, patch.name));
   }
+  return with_finger;
 }
 
 std::string unusableRow(std::size_t n) {
@@ -494,21 +424,39 @@ std::string unusableRow(std::size_t n) {
                      largest_stored);
 }
 
-void checkSolved(const Reader& in, const std::string& group,
-                 const std::vector<PointRecord*>& records) {
-  for (std::size_t n = 0; n < records.size(); ++n)
-    if (!isUsable(records[n]->equilibrium)) throw in.damaged(group + "/force", unusableRow(n));
-}
-
 /// What no reader would take.
-void refuseUnusable(const Writer& out, const std::string& group,
-                    const WrittenRows<PointRecord>& records) {
+template <class Row, class RecordOf>
+void refuseUnusable(const std::string& group, const ColumnWriter<Row>& columns,
+                    const RecordOf& recordOf) {
   std::size_t n = 0;
-  records.each([&](const PointRecord* record) {
-    if (isSolved(record->tag) && !isUsable(record->equilibrium))
-      throw failure("{}: {}/force: {}", out.name(), group, unusableRow(n));
+  columns.each([&](const Row& row) {
+    const PointRecord& record = recordOf(row);
+    if (isSolved(record.tag) && !isUsable(record.equilibrium))
+      throw failure("{}: {}/force: {}", columns.out.name(), group, unusableRow(n));
     ++n;
   });
+}
+template <class Row, class RecordOf>
+void checkSolved(const std::string& group, const ColumnReader<Row>& columns,
+                 const RecordOf& recordOf) {
+  for (std::size_t n = 0; n < columns.rows.size(); ++n)
+    if (!isUsable(recordOf(*columns.rows[n]).equilibrium))
+      throw columns.in.damaged(group + "/force", unusableRow(n));
+}
+
+void writeSplitsAndAttempts(Writer& out, const SpacesToWrite& spaces) {
+  out.makeGroup("/splits");
+  forEachSplitColumn(columnsOf<LatticeCell>(out, spaces, split_count,
+                                            [](const SpaceToWrite& space, const auto& visit) {
+                                              std::ranges::for_each(space.rows.splits(), visit);
+                                            }));
+  out.makeGroup("/attempts");
+  forEachAttemptColumn(columnsOf<FailedAttempt>(
+      out, spaces, attempt_count,
+      [](const SpaceToWrite& space, const auto& visit) { space.rows.eachAttempt(visit); }));
+  columnsOf<LatticeEdge>(out, spaces, jump_count, [](const SpaceToWrite& space, const auto& visit) {
+    std::ranges::for_each(space.jumps, visit);
+  })(jumps_path, "1", std::identity());
 }
 
 }  // namespace
@@ -518,8 +466,16 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
   PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene has an active node");
   SpacesToWrite spaces;
   for (std::size_t s = 0; s < rows.size(); ++s) spaces.push_back({*rows[s], jumps[s]});
-  refuseUnusable(out, points_group, pointsOf(spaces));
-  refuseUnusable(out, probes_group, partsOf(probesOf(spaces), &Probe::record));
+  const auto points = columnsOf<PointRecord>(
+      out, spaces, point_count, [](const SpaceToWrite& space, const auto& visit) {
+        for (std::int32_t n = 0; n < space.rows.points(); ++n) visit(space.rows.point(n));
+      });
+  const auto probes =
+      columnsOf<Probe>(out, spaces, probe_count, [](const SpaceToWrite& space, const auto& visit) {
+        for (std::int32_t n = 0; n < space.rows.probes(); ++n) visit(space.rows.probe(n));
+      });
+  refuseUnusable(points_group, points, std::identity());
+  refuseUnusable(probes_group, probes, record_of_probe);
   out.makeGroup("/spaces");
   writeNames(out, spaces);
   std::vector<std::int32_t> active;
@@ -528,8 +484,14 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
   forEachTable([&](const char* firsts, const char*, auto, auto countOf) {
     writeFirsts(out, firsts, spaces, countOf);
   });
-  writePatches(out, spaces);
-  forEachColumn(spaces, ColumnWriter{out});
+  const bool with_drive = writePatches(out, spaces);
+  writeSplitsAndAttempts(out, spaces);
+  out.makeGroup(points_group);
+  writeLattices(out, spaces);
+  forEachRecordColumn(points_group, std::identity(), with_drive, points);
+  out.makeGroup(probes_group);
+  probes(probe_position_path, "m", &Probe::displacement);
+  forEachRecordColumn(probes_group, record_of_probe, with_drive, probes);
 }
 
 std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const Mesh& mesh) {
@@ -538,10 +500,18 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
   forEachTable([&](const char* firsts, const char* rows, auto list, auto) {
     resizeLists(in, firsts, rows, spaces, list);
   });
-  readPatches(in, scene, mesh.nodes.size(), spaces);
-  forEachColumn(spaces, ColumnReader{in, scene});
-  checkSolved(in, points_group, rowsOf(spaces, &SpaceTable::points));
-  checkSolved(in, probes_group, partsOf(rowsOf(spaces, &SpaceTable::probes), &Probe::record));
+  const bool with_drive = readPatches(in, scene, mesh.nodes.size(), spaces);
+  forEachSplitColumn(columnsOf(in, spaces, &SpaceTable::splits));
+  forEachAttemptColumn(columnsOf(in, spaces, &SpaceTable::attempts));
+  columnsOf(in, spaces, &SpaceTable::inconsistent_edges)(jumps_path, "1", std::identity());
+  readLattices(in, scene, spaces);
+  const auto points = columnsOf(in, spaces, &SpaceTable::points);
+  forEachRecordColumn(points_group, std::identity(), with_drive, points);
+  const auto probes = columnsOf(in, spaces, &SpaceTable::probes);
+  probes(probe_position_path, "m", &Probe::displacement);
+  forEachRecordColumn(probes_group, record_of_probe, with_drive, probes);
+  checkSolved(points_group, points, std::identity());
+  checkSolved(probes_group, probes, record_of_probe);
   for (const SpaceTable& space : spaces)
     if (const std::string fault = faultOf(space); !fault.empty())
       throw in.damaged("space " + space.patch.name, fault);
