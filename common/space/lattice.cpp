@@ -167,52 +167,37 @@ constexpr std::array<Step, 26> steps_outward = [] {
           if (i * i + j * j + k * k == squared) steps[n++] = {i, j, k};
   return steps;
 }();
-/// Where those of squared length 1, 2 and 3 begin, and the end.
-constexpr std::array<std::size_t, 4> first_step = {0, 6, 18, 26};
 
 }  // namespace
 
-Lattice::NeighbourWalk::NeighbourWalk(const Lattice& lattice, std::int32_t index)
-    : lattice_(lattice),
-      center_{lattice.points_[index][0] / lattice.divisions_,
-              lattice.points_[index][1] / lattice.divisions_,
-              lattice.points_[index][2] / lattice.divisions_} {
-  PALPATE_ASSERT(index >= 0 && index < lattice.uniform_size_,
-                 "added points have no place in this order");
-  place_ = *lattice.placeInCube(lattice.points_[index]);
-}
-
-std::int32_t Lattice::NeighbourWalk::next() {
-  while (at_ == count_) {
-    if (step_ == 3) return -1;
-    ++step_;
-    findOfStep();
-  }
-  return candidates_[at_++].number;
-}
-
-void Lattice::NeighbourWalk::findOfStep() {
-  at_ = count_ = 0;
-  const std::int64_t side = 2 * std::int64_t{lattice_.extent_} + 1;
-  const auto isInside = [&](std::int32_t x) { return std::abs(x) <= lattice_.extent_; };
-  const auto first = first_step[static_cast<std::size_t>(step_) - 1];
-  for (std::size_t s = first; s < first_step[static_cast<std::size_t>(step_)]; ++s) {
+Lattice::Neighbours Lattice::findNeighbours(std::int32_t index) const {
+  PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
+  const LatticePoint& point = points_[index];
+  const LatticePoint center = {point[0] / divisions_, point[1] / divisions_, point[2] / divisions_};
+  const auto place = static_cast<std::int64_t>(*placeInCube(point));
+  const std::int64_t side = 2 * std::int64_t{extent_} + 1;
+  const auto isInside = [&](std::int32_t x) { return std::abs(x) <= extent_; };
+  Neighbours found;
+  std::size_t begin = 0;  // of those that are as far
+  for (std::size_t s = 0; s < steps_outward.size(); ++s) {
     const auto [i, j, k] = steps_outward[s];
-    if (!isInside(center_[0] + i) || !isInside(center_[1] + j) || !isInside(center_[2] + k))
-      continue;
-    const std::int64_t place = static_cast<std::int64_t>(place_) + (i * side + j) * side + k;
-    const std::int32_t number = lattice_.index_of_[static_cast<std::size_t>(place)];
+    // Six steps along one axis, twelve along two, eight along three.
+    if (s == 6 || s == 18) begin = found.count;
+    if (!isInside(center[0] + i) || !isInside(center[1] + j) || !isInside(center[2] + k)) continue;
+    const std::int32_t number =
+        index_of_[static_cast<std::size_t>(place + (i * side + j) * side + k)];
     // Refined points have parents of their own (the plan's pursuits).
-    if (number < 0 || number >= lattice_.uniform_size_) continue;
+    if (number < 0 || number >= uniform_size_) continue;
     // Of steps of one length the norm grows with the product.
     const std::int64_t along =
-        std::int64_t{center_[0]} * i + std::int64_t{center_[1]} * j + std::int64_t{center_[2]} * k;
-    const Candidate candidate = {along * 32 + static_cast<std::int64_t>(s), number};
-    std::size_t at = count_++;
-    for (; at > 0 && candidates_[at - 1].rank > candidate.rank; --at)
-      candidates_[at] = candidates_[at - 1];
-    candidates_[at] = candidate;
+        std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
+    const Neighbour neighbour = {along * 32 + static_cast<std::int64_t>(s), number};
+    std::size_t at = found.count++;
+    for (; at > begin && found.sorted[at - 1].rank > neighbour.rank; --at)
+      found.sorted[at] = found.sorted[at - 1];
+    found.sorted[at] = neighbour;
   }
+  return found;
 }
 
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {

@@ -88,12 +88,11 @@ class Lattice {
   /// first, then nearest to the origin, then lexicographic (i, j, k).
   std::vector<std::int32_t> neighbours(std::int32_t index) const;
   /// Calls visit(number) for each of them in that order, until it returns true; whether it did.
-  /// Costs less where the first ones tell.
   template <class Visit>
   bool visitNeighbours(std::int32_t index, const Visit& visit) const {
-    NeighbourWalk walk(*this, index);
-    for (std::int32_t n = walk.next(); n >= 0; n = walk.next())
-      if (visit(n)) return true;
+    const Neighbours near = findNeighbours(index);
+    for (std::size_t n = 0; n < near.count; ++n)
+      if (visit(near.sorted[n].number)) return true;
     return false;
   }
 
@@ -104,28 +103,15 @@ class Lattice {
   void add(const LatticePoint& point);
 
  private:
-  /// Through the neighbours of one point, those of each length of step put in order when it comes
-  /// to them.
-  class NeighbourWalk {
-   public:
-    NeighbourWalk(const Lattice& lattice, std::int32_t index);
-    /// -1 behind the last.
-    std::int32_t next();
-
-   private:
-    struct Candidate {
-      std::int64_t rank;  ///< norm, then coordinates, as far as they differ
-      std::int32_t number;
-    };
-    void findOfStep();
-
-    const Lattice& lattice_;
-    const LatticePoint center_;  ///< in spacings
-    std::size_t place_;          ///< in the cube
-    int step_ = 0;               ///< squared, of the candidates; 3 is the longest
-    std::array<Candidate, 12> candidates_;
-    std::size_t count_ = 0, at_ = 0;
+  struct Neighbour {
+    std::int64_t rank;  ///< norm, then coordinates, as far as those of one length of step differ
+    std::int32_t number;
   };
+  struct Neighbours {
+    std::array<Neighbour, 26> sorted;
+    std::size_t count = 0;
+  };
+  Neighbours findNeighbours(std::int32_t index) const;
 
   std::optional<std::size_t> placeInCube(const LatticePoint& point) const;
 
