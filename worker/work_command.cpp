@@ -10,7 +10,7 @@
 #include <future>
 #include <thread>
 
-#include "common/base/random_bytes.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/keys/key_options.hpp"
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
