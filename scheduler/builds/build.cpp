@@ -23,7 +23,7 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
-      store_(directory_, problem_, problem_bytes_, segment_bytes),
+      store_(directory_, problem_, segment_bytes),
       coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {}
 
 /// Before anybody works for it.

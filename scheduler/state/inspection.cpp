@@ -263,7 +263,7 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   const bool stale =
       found.tables != TableState::whole || found.lost_results > 0 || !found.damage.empty();
   if (!stale || !found.problem) return done;
-  Tables(held, *found.problem, encodeProblem(*found.problem)).forgetProgress();
+  Tables(held, *found.problem).forgetProgress();
   if (found.tables != TableState::whole) done.push_back(fmt::format("{} made", tables.string()));
   if (found.lost_results > 0)
     done.push_back(fmt::format("{} lost result(s) not counted any more", found.lost_results));

@@ -10,10 +10,10 @@
 namespace palpate {
 
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
-                   const std::string& problem_bytes, std::uint64_t segment_bytes)
+                   std::uint64_t segment_bytes)
     : directory_(&directory),
       // The tables first: they know best what the directory of another build is about.
-      tables_(directory, problem, problem_bytes),
+      tables_(directory, problem),
       kept_out_(tables_.keptOut()),
       found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_)),
       journal_(directory.path(), found_.recorded.end, segment_bytes),

@@ -13,11 +13,10 @@ namespace palpate {
 /// Errors of journal or tables are fatal for the scheduler, but for DamagedRecord. One thread.
 class JobStore {
  public:
-  /// Opens the state in `directory`, which must outlive this object, or makes it. `problem_bytes`
-  /// is encodeProblem(problem). Error (bad input) when it belongs to another build, naming its
-  /// scene, or to another version. What is damaged is told (log), and computed again.
+  /// Opens the state in `directory`, which must outlive this object, or makes it. Error (bad input)
+  /// when it belongs to another build, naming its scene, or to another version. What is damaged is
+  /// told (log), and computed again.
   JobStore(const StateDirectory& directory, const Problem& problem,
-           const std::string& problem_bytes,
            std::uint64_t segment_bytes = Journal::default_segment_bytes);
 
   const ContentId& build() const { return tables_.build().build; }

@@ -275,16 +275,11 @@ Tables::Tables(const StateDirectory& directory)
   readBuild();
 }
 
-Tables::Tables(const StateDirectory& directory, const Problem& problem,
-               const std::string& problem_bytes)
-    : Tables(directory, problem, problem_bytes, problemId(problem)) {}
-
-Tables::Tables(const StateDirectory& directory, const Problem& problem,
-               const std::string& problem_bytes, const ContentId& wanted)
+Tables::Tables(const StateDirectory& directory, const Problem& problem, const ContentId& wanted)
     : StoredTables(openForWriting(directory, wanted)) {
   database_.execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL");
   database_.execute(synchronous_as_a_rule);
-  if (isEmpty(database_)) create(problem, problem_bytes, wanted);
+  if (isEmpty(database_)) create(problem, wanted);
   readBuild();
   if (build_.build != wanted)
     throw badInput(
@@ -295,8 +290,7 @@ Tables::Tables(const StateDirectory& directory, const Problem& problem,
         problem.scene.name);
 }
 
-void Tables::create(const Problem& problem, const std::string& problem_bytes,
-                    const ContentId& build) {
+void Tables::create(const Problem& problem, const ContentId& build) {
   // All or nothing: a database without its meta would belong to no build.
   inTransaction(database_, [&] {
     database_.execute(schema);
@@ -304,7 +298,7 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes,
                                   application_id, schema_version));
     putMeta(database_, "build", build.hex());
     putMeta(database_, "scene_name", problem.scene.name);
-    putMeta(database_, "problem", Blob{problem_bytes});
+    putMeta(database_, "problem", Blob{encodeProblem(problem)});
     putMeta(database_, "made_by", thisProgram());
     putMeta(database_, "secret", Blob{randomBytes(secret_bytes)});
   });

@@ -74,10 +74,11 @@ class StoredTables {
 /// One thread.
 class Tables : public StoredTables {
  public:
-  /// Opens the tables in `directory`, or makes them. `problem_bytes` is encodeProblem(problem).
-  /// Error (bad input) when they belong to another build, naming its scene, or to another version.
-  /// Tables that SQLite finds damaged are put aside (state.db.damaged) and made anew.
-  Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes);
+  /// Opens the tables in `directory`, or makes them. Error (bad input) when they belong to another
+  /// build, naming its scene, or to another version. Tables that SQLite finds damaged are put aside
+  /// (state.db.damaged) and made anew.
+  Tables(const StateDirectory& directory, const Problem& problem)
+      : Tables(directory, problem, problemId(problem)) {}
   /// Those that are there, of whichever build.
   explicit Tables(const StateDirectory& directory);
 
@@ -111,9 +112,8 @@ class Tables : public StoredTables {
   std::string secret();
 
  private:
-  Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes,
-         const ContentId& wanted);
-  void create(const Problem& problem, const std::string& problem_bytes, const ContentId& build);
+  Tables(const StateDirectory& directory, const Problem& problem, const ContentId& wanted);
+  void create(const Problem& problem, const ContentId& build);
   /// As a rule these tables may lose their last moments. Not this: synced when it returns.
   void durably(const std::function<void()>& change);
 };

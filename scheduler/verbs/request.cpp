@@ -160,7 +160,7 @@ std::int64_t retryStored(const RetryOptions& options) {
   if (options.failed.empty()) return Tables(directory).forgetLosses();
   const std::vector<ResultKey> failed = failedWith(build.plans(), *causeNamed(options.failed));
   if (!failed.empty())
-    JobStore(directory, build.problem(), encodeProblem(build.problem())).drop(failed);
+    JobStore(directory, build.problem()).drop(failed);
   return std::ssize(failed);
 }
 

@@ -147,7 +147,7 @@ std::int64_t record(const Problem& problem, JobStore& store, std::vector<SpacePl
 Json make(const Problem& problem, const std::filesystem::path& directory) {
   const auto began = Clock::now();
   const StateDirectory held(directory);
-  JobStore store(held, problem, encodeProblem(problem));
+  JobStore store(held, problem);
   std::vector<SpacePlan> plans = store.takeReplay().plans;
   constexpr std::int64_t held_back = 64;
   // The first of each is asked for by the replay.
@@ -164,7 +164,7 @@ Json make(const Problem& problem, const std::filesystem::path& directory) {
 /// The results that were held back, so that it can be sealed.
 Json complete(const Problem& problem, const std::filesystem::path& directory) {
   const StateDirectory held(directory);
-  JobStore store(held, problem, encodeProblem(problem));
+  JobStore store(held, problem);
   Replay replay = store.takeReplay();
   return {{"results", record(problem, store, replay.plans, replay.settled.missing, 0)}};
 }
@@ -204,9 +204,8 @@ Json scan(const std::filesystem::path& directory) {
 
 Json openTables(const Problem& problem, const std::filesystem::path& directory) {
   const StateDirectory held(directory);
-  const std::string bytes = encodeProblem(problem);
   const auto began = Clock::now();
-  const Tables tables(held, problem, bytes);
+  const Tables tables(held, problem);
   return {{"seconds", secondsSince(began)}, {"peak_mb", megabytes("VmHWM")}};
 }
 

@@ -139,7 +139,7 @@ class FuzzedState {
     static const test::TemporaryDirectory directory;
     static const bool made = [] {
       const StateDirectory state(directory.path() / "state");
-      JobStore store(state, problem(), encodeProblem(problem()));
+      JobStore store(state, problem());
       const auto now = Coordinator::Time() + std::chrono::hours(1);
       Coordinator coordinator(problem(), encodeProblem(problem()), store, now);
       for (const auto& [header, payload] : firstResults()) store.append(header, payload);

@@ -322,7 +322,7 @@ TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
     const auto [header, payload] = test::solve(world.problem, 0, {1, 0, 0}, {0, 0, 0});
     test::TemporaryDirectory directory;
     const StateDirectory held(directory / "state");
-    JobStore store(held, world.problem, encodeProblem(world.problem));
+    JobStore store(held, world.problem);
     store.append(header, payload);
     store.commit();
     std::filesystem::copy(directory / "state", world.directory / "stray");

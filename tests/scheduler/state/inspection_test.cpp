@@ -354,7 +354,7 @@ TEST_F(InspectionTest, FindsADirectoryInWhichNothingIsRecordedYetWhole) {
   const fs::path fresh = directory / "fresh";
   {
     const StateDirectory held(fresh);
-    const Tables tables(held, problem, encodeProblem(problem));
+    const Tables tables(held, problem);
     EXPECT_TRUE(inspect(held).whole());
   }
   EXPECT_TRUE(inspect(fresh).whole()) << describe(inspect(fresh), fresh);

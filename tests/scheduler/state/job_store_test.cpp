@@ -18,7 +18,7 @@ struct JobStoreTest : testing::Test {
   const std::filesystem::path state = directory / "state";
   const std::filesystem::path segment = state / "segment-000001.dat";
 
-  JobStore open(const StateDirectory& held) { return {held, problem, encodeProblem(problem)}; }
+  JobStore open(const StateDirectory& held) { return {held, problem}; }
 
   std::pair<wire::Result, std::string> result(std::uint32_t space, const LatticePoint& target,
                                               const LatticePoint& parent) {
@@ -120,7 +120,7 @@ TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
   flip(torn.offset + torn.length - 1);
   const StateDirectory held(state);
   {
-    JobStore store(held, problem, encodeProblem(problem), 1);
+    JobStore store(held, problem, 1);
     EXPECT_FALSE(store.knows(key));
     const auto [header, payload] = result(0, key.target, key.parent);
     store.append(header, payload);
@@ -268,7 +268,7 @@ TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
   const Problem other = test::cubeProblem(2000);
   const auto openOther = [&] {
     const StateDirectory held(state);
-    JobStore(held, other, encodeProblem(other));
+    JobStore(held, other);
   };
   test::expectBadInput(openOther,
                        {"scene \"cube\"", problemId(problem).shortHex(), "another --state"});
@@ -466,7 +466,7 @@ TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   const pid_t child = fork();
   if (child == 0) {
     const StateDirectory held(directory / "state");
-    JobStore store(held, problem, encodeProblem(problem));
+    JobStore store(held, problem);
     for (const std::uint32_t space : {0u, 1u}) {
       const auto [header, payload] = test::solve(problem, space, {}, {});
       store.append(header, payload);
@@ -479,7 +479,7 @@ TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   ASSERT_TRUE(WIFSIGNALED(status));
 
   const StateDirectory held(directory / "state");
-  JobStore store(held, problem, encodeProblem(problem));
+  JobStore store(held, problem);
   EXPECT_FALSE(store.damaged());
   EXPECT_EQ(store.found(), 1u) << "nobody was told that the other is recorded";
   EXPECT_EQ(store.find({0, {}, {}})->payload, test::solve(problem, 0, {}, {}).second);

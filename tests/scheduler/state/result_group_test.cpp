@@ -13,7 +13,7 @@ struct ResultGroupTest : testing::Test {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();
   const StateDirectory held{directory / "state"};
-  JobStore store{held, problem, encodeProblem(problem)};
+  JobStore store{held, problem};
   ResultGroup group{store};
   const ResultGroup::Time now = std::chrono::steady_clock::now();
 

@@ -20,7 +20,7 @@ struct TablesTest : testing::Test {
   const Problem problem = test::cubeProblem();
   const StateDirectory held{directory / "state"};
 
-  Tables open() { return {held, problem, encodeProblem(problem)}; }
+  Tables open() { return {held, problem}; }
 
   void alter(const std::string& sql) const {
     Database(held.database(), Database::Access::read_write_create).execute(sql);
@@ -98,7 +98,7 @@ TEST_F(TablesTest, HaveASecretOfTheirOwnAndMakeAnotherWhereItIsDamaged) {
   EXPECT_THAT(secret, SizeIs(32));
   EXPECT_EQ(open().secret(), secret);
   const StateDirectory other(directory / "other");
-  EXPECT_NE(Tables(other, problem, encodeProblem(problem)).secret(), secret);
+  EXPECT_NE(Tables(other, problem).secret(), secret);
   for (const char* damage : {"UPDATE meta SET value = x'00' WHERE key = 'secret'",
                              "DELETE FROM meta WHERE key = 'secret'"}) {
     const std::string before = open().secret();
