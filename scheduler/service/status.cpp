@@ -60,6 +60,19 @@ void setStage(wire::SpaceStatus& row, Stage stage) {
 
 }  // namespace
 
+wire::SpaceStatus sumOf(const wire::Status& status) {
+  wire::SpaceStatus sum;
+  sum.set_name("all");
+  for (const wire::SpaceStatus& space : status.spaces()) {
+    sum.set_points(sum.points() + space.points());
+    sum.set_unknown(sum.unknown() + space.unknown());
+    sum.set_expandable(sum.expandable() + space.expandable());
+    sum.set_terminating(sum.terminating() + space.terminating());
+    sum.set_failed(sum.failed() + space.failed());
+  }
+  return sum;
+}
+
 std::string rowNameOf(const ActiveSelection& active) {
   return active.isProbe() ? "probes of " + active.probe_of : active.name;
 }

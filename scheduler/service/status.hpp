@@ -10,6 +10,9 @@ namespace palpate {
 /// Counts one point of `space` more, by its tag and, when it failed, by its cause.
 void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point);
 
+/// The counts of all spaces together, under the name "all".
+wire::SpaceStatus sumOf(const wire::Status& status);
+
 /// Where a build is, as its plans tell: points and attempts.
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans);
 /// Adds the workers (`servers`) and the counters.

@@ -15,25 +15,12 @@ namespace {
 
 constexpr std::size_t longest_bar = 28, shortest_bar = 8;
 
-struct Points {
-  std::int64_t all = 0, known = 0;
-};
-
-Points pointsOf(const wire::Status& status) {
-  Points points;
-  for (const wire::SpaceStatus& space : status.spaces()) {
-    points.all += space.points();
-    points.known += space.points() - space.unknown();
-  }
-  return points;
-}
-
 /// Nothing while nothing can be said.
-std::string timeLeft(const wire::Status& status, const Points& points) {
+std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
   if (status.paused()) return "paused";
   // Every point has a configuration, and some are solved again from other neighbours: nobody knows
   // how often.
-  if (points.known == points.all && status.state() == "running") return "solving branches";
+  if (all.unknown() == 0 && status.state() == "running") return "solving branches";
   if (!status.has_eta_seconds()) return "";
   // Nothing takes 0 s as long as it is not done.
   return (status.may_grow() ? "about " : "") + durationText(std::max(1.0, status.eta_seconds())) +
@@ -42,18 +29,12 @@ std::string timeLeft(const wire::Status& status, const Points& points) {
 
 /// Of many spaces those that tell something, as far as they fit on a screen, and a sum: first those
 /// that are being worked on, then those with most failed points.
-std::vector<wire::SpaceStatus> spacesToShow(std::vector<wire::SpaceStatus> spaces) {
+std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   constexpr std::size_t most = 24;
+  std::vector<wire::SpaceStatus> spaces(status.spaces().begin(), status.spaces().end());
   if (spaces.size() <= most) return spaces;
   const auto done = [](const wire::SpaceStatus& s) { return s.stage() == "complete"; };
-  wire::SpaceStatus sum;
-  for (const wire::SpaceStatus& s : spaces) {
-    sum.set_points(sum.points() + s.points());
-    sum.set_unknown(sum.unknown() + s.unknown());
-    sum.set_expandable(sum.expandable() + s.expandable());
-    sum.set_terminating(sum.terminating() + s.terminating());
-    sum.set_failed(sum.failed() + s.failed());
-  }
+  wire::SpaceStatus sum = sumOf(status);
   sum.set_name(fmt::format("all {}", spaces.size()));
   sum.set_stage(fmt::format("{} complete", std::ranges::count_if(spaces, done)));
   std::erase_if(spaces, [&](const wire::SpaceStatus& s) {
@@ -77,7 +58,7 @@ std::string pointTable(const wire::Status& status, bool with_stages) {
   };
   std::string text =
       row("active node", "points", "expandable", "terminating", "failed", "unknown", "stage");
-  for (const wire::SpaceStatus& s : spacesToShow({status.spaces().begin(), status.spaces().end()}))
+  for (const wire::SpaceStatus& s : spacesToShow(status))
     text += row(s.name(), s.points(), s.expandable(), s.terminating(), s.failed(), s.unknown(),
                 s.stage());
   return text;
@@ -165,11 +146,11 @@ std::string durationText(double seconds) {
 }
 
 std::string progressLine(const wire::Status& status, std::size_t columns) {
-  const Points points = pointsOf(status);
-  std::string line = fmt::format("{}/{} points", points.known, points.all);
+  const wire::SpaceStatus all = sumOf(status);
+  std::string line = fmt::format("{}/{} points", all.points() - all.unknown(), all.points());
   // What people look for first, first: the last ones go when the line is too long.
   for (const std::string& part :
-       {timeLeft(status, points), fmt::format("{:.1f}/s", status.configurations_per_second()),
+       {timeLeft(status, all), fmt::format("{:.1f}/s", status.configurations_per_second()),
         counted(status.workers_size(), "worker"), fmt::format("frontier {}", status.ready())}) {
     if (part.empty()) continue;
     if (line.size() + 2 + part.size() > columns) break;
@@ -189,9 +170,11 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
   const std::string line = progressLine(status, with_bar ? room - shortest_bar - brackets : room);
   if (!with_bar || line.size() + shortest_bar + brackets > room) return line.substr(0, room);
   const std::size_t length = std::min(longest_bar, room - line.size() - brackets);
-  const Points points = pointsOf(status);
-  const auto filled = static_cast<std::size_t>(
-      points.all > 0 ? static_cast<std::int64_t>(length) * points.known / points.all : 0);
+  const wire::SpaceStatus all = sumOf(status);
+  const std::int64_t known = all.points() - all.unknown();
+  const auto filled = all.points() > 0 ? length * static_cast<std::size_t>(known) /
+                                             static_cast<std::size_t>(all.points())
+                                       : 0;
   return fmt::format("[{:#<{}}{:{}}] {}", "", filled, "", length - filled, line);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/program.hpp"
+#include "scheduler/service/status.hpp"
 
 namespace palpate {
 namespace {
@@ -49,15 +50,7 @@ class Exposition {
 
 std::vector<wire::SpaceStatus> spacesOf(const wire::Status& status) {
   if (status.spaces_size() <= most_spaces) return {status.spaces().begin(), status.spaces().end()};
-  wire::SpaceStatus all;
-  all.set_name("all");
-  for (const wire::SpaceStatus& space : status.spaces()) {
-    all.set_unknown(all.unknown() + space.unknown());
-    all.set_expandable(all.expandable() + space.expandable());
-    all.set_terminating(all.terminating() + space.terminating());
-    all.set_failed(all.failed() + space.failed());
-  }
-  return {all};
+  return {sumOf(status)};
 }
 
 void addWork(Exposition& out, const wire::Status& status) {
