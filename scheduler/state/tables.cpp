@@ -44,7 +44,7 @@ constexpr const char* synchronous_as_a_rule = "PRAGMA synchronous = NORMAL";
 
 /// A number that is counted on from: of damaged tables as near to what is there as counting allows.
 template <class Number>
-Number counted(const Statement& query, int column) {
+Number wholeNumber(const Statement& query, int column) {
   constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max() / 2;
   return static_cast<Number>(std::clamp<std::int64_t>(query.integer(column), 0, most));
 }
@@ -201,7 +201,7 @@ void StoredTables::verify() { requireWhole(database_, "PRAGMA integrity_check(1)
 std::optional<Progress> StoredTables::progress() {
   Statement query(database_, "SELECT value FROM meta WHERE key = 'recorded'");
   if (!query.step()) return std::nullopt;
-  return Progress{counted<std::size_t>(query, 0), meta(database_, "status")};
+  return Progress{wholeNumber<std::size_t>(query, 0), meta(database_, "status")};
 }
 
 std::vector<wire::WorkerStatus> StoredTables::servers() {
@@ -226,7 +226,7 @@ std::vector<wire::WorkerStatus> StoredTables::servers() {
 Counters StoredTables::counters() {
   Counters counters;
   Statement query(database_, "SELECT name, value FROM counters");
-  while (query.step()) counters[query.text(0)] = counted<std::int64_t>(query, 1);
+  while (query.step()) counters[query.text(0)] = wholeNumber<std::int64_t>(query, 1);
   return counters;
 }
 
@@ -354,7 +354,8 @@ std::map<TransitionKey, Losses> Tables::losses() {
   using Number = std::int32_t;
   while (query.step())
     losses[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
-        {counted<std::uint32_t>(query, 3), counted<int>(query, 4), counted<int>(query, 5)};
+        {wholeNumber<std::uint32_t>(query, 3), wholeNumber<int>(query, 4),
+         wholeNumber<int>(query, 5)};
   return losses;
 }
 
