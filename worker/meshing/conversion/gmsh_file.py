@@ -1,5 +1,6 @@
 """Gmsh's .msh of version 2.2 and 4.1, of which meshio loses groups where it is binary."""
 import os
+import re
 import subprocess
 
 import numpy as np
@@ -48,35 +49,30 @@ class GmshFile(ByteLines):
                 if end < 0:
                     wrong(self.path, None, f"the file is truncated: it ends inside ${name}")
                 # A text section is numbers between words; a binary one is read where it lies.
-                self.words, self.text, self.taken = None, (begin, end), 0
-                if not self.binary:
-                    self.words = iter(self.data[begin:end].split())
+                self.words = None if self.binary else self.data[begin:end].split()
+                self.text, self.taken = (begin, end), 0
                 yield name, begin, end
+                self.at = end
 
     def here(self, back=0):
         """The line of the number that was taken last, or of one `back` before it; of text."""
         if self.words is None:
             return None
         begin, end = self.text
-        number, left = self.data.count(b"\n", 0, begin), self.taken - back
-        for line in self.data[begin:end].split(b"\n"):
-            number += 1
-            left -= len(line.split())
-            if left <= 0:
-                break
-        return number
-
-    def word(self, convert):
-        self.taken += 1
-        return convert(next(self.words))
+        words = [begin + word.start() for word in re.finditer(rb"\S+", self.data[begin:end])]
+        return 1 + self.data.count(b"\n", 0, [*words, end][min(self.taken - back - 1, len(words))])
 
     def take(self, kind, count=1):
         """`count` numbers: "i" of 32 bits, "s" of the file's size, "d" double."""
         if self.words is not None:
             convert, dtype = (float, float) if kind == "d" else (int, np.int64)
+            taken = []
             try:
-                return np.array([self.word(convert) for _ in range(count)], dtype=dtype)
-            except (StopIteration, ValueError, RuntimeError, OverflowError):
+                for _ in range(count):
+                    self.taken += 1
+                    taken.append(convert(self.words[self.taken - 1]))
+                return np.array(taken, dtype=dtype)
+            except (IndexError, ValueError, OverflowError):
                 wrong(self.path, self.here(), "the file is truncated, or has words where numbers are expected")
         dtype = {"i": np.dtype("<i4"), "s": self.size, "d": np.dtype("<f8")}[kind]
         values = np.frombuffer(self.bytes(count * dtype.itemsize), dtype)
@@ -101,7 +97,6 @@ class GmshMesh:
         for section, begin, end in file.sections():
             if section in sections:
                 self.read(section, sections[section], begin, end)
-            file.at = end
 
     def read(self, section, reader, begin, end):
         file = self.file
@@ -185,17 +180,13 @@ class GmshMesh:
     def old_elements(self):
         file, count = self.file, self.old_count()
         while count > 0:
-            if file.binary:
-                number, elements, n_tags = (int(n) for n in file.take("i", 3))
-                kind = self.kind_of(number)
-                for row in file.take("i", elements * (1 + n_tags + GMSH_NODES[kind])).reshape(elements, -1):
-                    self.add_old(kind, row, n_tags)
-                count -= elements
-            else:
-                tag, number, n_tags = (int(n) for n in file.take("i", 3))
-                kind = self.kind_of(number)
-                self.add_old(kind, np.concatenate([[tag], file.take("i", n_tags + GMSH_NODES[kind])]), n_tags)
-                count -= 1
+            first, number, n_tags = (int(n) for n in file.take("i", 3))  # binary: the type, and how many follow
+            elements, begun = (number, []) if file.binary else (1, [first])
+            kind = self.kind_of(first if file.binary else number)
+            more = file.take("i", elements * (1 + n_tags + GMSH_NODES[kind]) - len(begun))
+            for row in np.concatenate([np.array(begun, dtype=np.int64), more]).reshape(elements, -1):
+                self.add_old(kind, row, n_tags)
+            count -= elements
 
     def add_old(self, kind, row, n_tags):
         nodes = row[1 + n_tags:]
