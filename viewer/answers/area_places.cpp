@@ -39,7 +39,10 @@ FingerPlace::Fault AreaPlaces::faultOf(const FingerPlace& place) const noexcept 
   return free_share_.isBelow(least_free_share, place.at) ? Fault::fixed : Fault::none;
 }
 
-ForceAnswer AreaPlaces::judged(FingerPlace place, const AreaSample& sample) const noexcept {
+ForceAnswer AreaPlaces::answer(const AreaField& area, FingerPlace place,
+                               const Eigen::Vector3d& p) const noexcept {
+  if (place.triangle < 0) return {{}, place};
+  const AreaSample sample = area.evaluate(place.at, p);
   const Eigen::Vector3d& normal = normals_[at(place.triangle)];
   place.drive = sample.drive - normal.dot(sample.drive) * normal;
   ForceAnswer answer{sample, place};

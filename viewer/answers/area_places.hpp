@@ -38,19 +38,14 @@ class AreaPlaces {
   AreaPlaces(const Mesh& mesh, const NodeSet& fixed, const std::vector<Eigen::Vector3d>& sites,
              double finger_radius);
 
-  /// For any `near` and displacement p, metres, by the energy of the area, which is
-  /// evaluated as an AreaField. Numbers that are not finite give no force.
-  template <class Field>
-  ForceAnswer answer(const Field& field, const Eigen::Vector3d& near,
-                     const Eigen::Vector3d& p) const {
-    const FingerPlace place = placeOf(near, p);
-    return place.triangle < 0 ? ForceAnswer{{}, place} : judged(place, field.evaluate(place.at, p));
-  }
+  /// For any `near` and displacement p, metres.
+  FingerPlace placeOf(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const noexcept;
+  /// By the energy of the area, which is prepared there. Numbers that are not finite give no force.
+  ForceAnswer answer(const AreaField& area, FingerPlace place,
+                     const Eigen::Vector3d& p) const noexcept;
 
  private:
-  FingerPlace placeOf(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const noexcept;
   FingerPlace::Fault faultOf(const FingerPlace& place) const noexcept;
-  ForceAnswer judged(FingerPlace place, const AreaSample& sample) const noexcept;
 
   SurfaceTree surface_;
   std::vector<Eigen::Vector3d> normals_;  ///< of its triangles

@@ -24,15 +24,6 @@ ForceAnswer withoutSigns(ForceAnswer answer) {
   return answer;
 }
 
-/// An area that prepares itself where it is asked.
-struct AreaWhereAsked {
-  GrowingArea& area;
-  AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const {
-    area.prepare(s);
-    return area.evaluate(s, p);
-  }
-};
-
 }  // namespace
 
 ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
@@ -51,7 +42,7 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
   const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
   const std::vector<Eigen::Vector3d> centers = centersOf(sites);
   const double radius = first_.patch.finger->radius;
-  area_ = std::make_unique<GrowingArea>(
+  area_ = std::make_unique<AreaField>(
       sites, AreaField::stationsOf(sites, placesAround(dataset.mesh(), centers, radius)));
   places_.emplace(dataset.mesh(), dataset.fixedNodes(), centers, radius);
 }
@@ -60,7 +51,9 @@ ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   if (!area_) return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
-  return withoutSigns(places_->answer(AreaWhereAsked{*area_}, *touch.at, touch.displacement));
+  const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
+  if (place.triangle >= 0) area_->prepareAt(place.at);
+  return withoutSigns(places_->answer(*area_, place, touch.displacement));
 }
 
 }  // namespace palpate

@@ -7,7 +7,6 @@
 #include "common/dataset/dataset.hpp"
 #include "common/scene/active_choice.hpp"
 #include "viewer/answers/area_places.hpp"
-#include "viewer/fields/growing_area.hpp"
 
 namespace palpate {
 
@@ -46,7 +45,7 @@ class ForceAnswers {
   const SpaceTable& first_;
   const std::string method_;
   std::unique_ptr<ForceField> field_;  ///< without a place
-  std::unique_ptr<GrowingArea> area_;  ///< with one
+  std::unique_ptr<AreaField> area_;    ///< with one
   std::optional<AreaPlaces> places_;
 };
 

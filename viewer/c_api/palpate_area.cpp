@@ -7,8 +7,9 @@ namespace {
 
 palpate_area_sample sampleOf(const LoadedDataset& dataset, std::int32_t area,
                              const Eigen::Vector3d& near, const Eigen::Vector3d& displacement) {
+  const AreaPlaces& places = dataset.places[at(area)];
   const ForceAnswer answer =
-      dataset.places[at(area)].answer(dataset.model.area(at(area)), near, displacement);
+      places.answer(dataset.model.area(at(area)), places.placeOf(near, displacement), displacement);
   palpate_area_sample given{};
   giveForce(given, answer.sample);
   give(given.drive, answer.finger->drive);

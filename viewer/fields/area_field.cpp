@@ -54,6 +54,19 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
   return numbers;
 }
 
+/// visit(number of a point within reach of s).
+template <class Visit>
+void eachWithin(const NearPoints& points, const Eigen::Vector3d& s, Visit visit) noexcept {
+  for (const std::int32_t n : points.near(s))
+    if ((s - points.points()[at(n)]).norm() < points.reach()) visit(at(n));
+}
+
+std::vector<std::size_t> withinReach(const NearPoints& points, const Eigen::Vector3d& s) {
+  std::vector<std::size_t> found;
+  eachWithin(points, s, [&](std::size_t n) { found.push_back(n); });
+  return found;
+}
+
 /// The quantities at a place from those of sites around it.
 class Interpolation {
  public:
@@ -173,15 +186,19 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
   return centers;
 }
 
-AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stations)
-    : radius_(spaces.at(0)->lattice.radius()),
-      finger_(spaces.front()->patch.finger.value().radius),
-      sites_(centersOf(spaces), reach_in_distances * site_distance * finger_),
-      judgements_(spaces.size()) {
+AreaField::AreaField(std::vector<const SpaceTable*> sites, Stations stations)
+    : spaces_(std::move(sites)),
+      radius_(spaces_.at(0)->lattice.radius()),
+      finger_(spaces_.front()->patch.finger.value().radius),
+      sites_(centersOf(spaces_), reach_in_distances * site_distance * finger_),
+      stations_(std::move(stations.places), reach_in_distances * station_distance * finger_),
+      at_stations_(stationCount()),
+      judgements_(siteCount()),
+      made_(siteCount()) {
   const auto isTooFine = [](const LatticeCell& cell) { return at(cell.level) >= most_levels; };
-  for (const SpaceTable* space : spaces) {
+  for (const SpaceTable* space : spaces_) {
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
-                       space->lattice.spacing() == spaces.front()->lattice.spacing(),
+                       space->lattice.spacing() == spaces_.front()->lattice.spacing(),
                    "the sites of an area are of one build");
     if (std::ranges::any_of(space->splits, isTooFine))
       throw badInput(
@@ -189,67 +206,128 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stat
           "is damaged, get it again",
           most_levels);
   }
-  if (!stations.places.empty()) setStations(std::move(stations.places));
 }
 
-AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
+AreaField::AreaField(const std::vector<const SpaceTable*>& sites,
                      const std::vector<Eigen::Vector3d>& surface,
                      const std::function<void(double)>& progress)
-    : AreaField(spaces, Stations{}) {
-  setStations(stationsOn(surface));
-  std::vector<std::size_t> all(spaces.size());
-  std::iota(all.begin(), all.end(), 0);
-  std::vector<SiteFits> fits;
-  MadeSites made(spaces.size());
-  std::atomic<std::size_t> work_done = 0;
-  const std::size_t work = (work_of_site + 1) * siteCount() + stationCount();
-  const auto did = [&](std::size_t more) {
-    const std::size_t done = work_done += more;
-    if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
-  };
-  makeSites(spaces, all, fits, made, [&] { did(work_of_site); });
-  for (std::size_t n = 0; n < stationCount(); ++n) beginStation(n, spaces);
-  inParallel(stationCount(), [&](std::size_t n) {
-    interpolateTo(n, made);
-    did(1);
-  });
-  for (std::size_t n = 0; n < siteCount(); ++n) beginJudgement(n, spaces);
-  inParallel(siteCount(), [&](std::size_t n) {
-    judge(n, spaces, made);
-    did(1);
-  });
-}
-
-void AreaField::makeSites(const std::vector<const SpaceTable*>& spaces,
-                          const std::vector<std::size_t>& sites, std::vector<SiteFits>& fits,
-                          MadeSites& made, const std::function<void()>& site_done) {
-  const std::size_t n_parts = coreCount();
-  while (fits.size() < n_parts) fits.emplace_back(spaces.front()->lattice.unit());
-  inParallel(std::min(n_parts, sites.size()), [&](std::size_t part) {
-    for (std::size_t n = part; n < sites.size(); n += n_parts) {
-      made[sites[n]].emplace(*spaces[sites[n]], fits[part]);
-      if (site_done) site_done();
-    }
-  });
+    : AreaField(sites, stationsOf(sites, surface)) {
+  prepareAll(progress);
 }
 
 /// Of the surface near sites, spread evenly.
-std::vector<Eigen::Vector3d> AreaField::stationsOn(
-    const std::vector<Eigen::Vector3d>& surface) const {
-  std::vector<Eigen::Vector3d> places = sites_.points();
+AreaField::Stations AreaField::stationsOf(const std::vector<const SpaceTable*>& sites,
+                                          const std::vector<Eigen::Vector3d>& surface) {
+  const double finger = sites.at(0)->patch.finger.value().radius;
+  std::vector<Eigen::Vector3d> places = centersOf(sites);
+  const NearPoints centers(places, answered_distance * finger);
   for (const Eigen::Vector3d& place : surface)
-    if (std::ranges::any_of(sites_.near(place), [&](std::int32_t site) {
-          return (sites_.points()[at(site)] - place).norm() <= answered_distance * finger_;
+    if (std::ranges::any_of(centers.near(place), [&](std::int32_t site) {
+          return (centers.points()[at(site)] - place).norm() <= centers.reach();
         }))
       places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
-  const std::vector<double> distances(places.size(), station_distance * finger_);
-  return farthestPoints(places, distances, any);
+  const std::vector<double> distances(places.size(), station_distance * finger);
+  return {farthestPoints(places, distances, any)};
 }
 
-void AreaField::setStations(std::vector<Eigen::Vector3d> stations) {
-  at_stations_.resize(stations.size());
-  stations_ = NearPoints(std::move(stations), reach_in_distances * station_distance * finger_);
+void AreaField::prepareAll(const std::function<void(double)>& progress) {
+  std::atomic<std::size_t> work_done = 0;
+  const std::size_t work = (work_of_site + 1) * siteCount() + stationCount();
+  std::vector<std::size_t> stations(stationCount()), judged(siteCount());
+  std::iota(stations.begin(), stations.end(), 0);
+  std::iota(judged.begin(), judged.end(), 0);
+  prepare(stations, judged, [&](std::size_t more) {
+    const std::size_t done = work_done += more;
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
+  });
+  is_whole_ = true;
+  fits_ = {};
+  made_ = {};
+}
+
+void AreaField::prepareAt(const Eigen::Vector3d& s) {
+  prepare(stationsAt(s), sitesAt(s), [](std::size_t) {});
+}
+
+void AreaField::prepare(const std::vector<std::size_t>& stations,
+                        const std::vector<std::size_t>& judged,
+                        const std::function<void(std::size_t)>& did) {
+  std::vector<std::size_t> new_stations, new_judged;
+  std::set<std::size_t> sites;
+  const auto need = [&](const std::vector<std::size_t>& needed) {
+    for (const std::size_t site : needed)
+      if (!made_[site]) sites.insert(site);
+  };
+  for (const std::size_t station : stations) {
+    if (isInterpolated(station)) continue;
+    new_stations.push_back(station);
+    need(sitesOfStation(station));
+  }
+  for (const std::size_t site : judged) {
+    if (isJudged(site)) continue;
+    new_judged.push_back(site);
+    need({site});
+    need(sitesOfJudgement(site));
+  }
+  if (new_stations.empty() && new_judged.empty()) return;
+  const std::vector<std::size_t> new_sites(sites.begin(), sites.end());
+  const std::size_t n_parts = coreCount();
+  while (fits_.size() < n_parts) fits_.emplace_back(spaces_.front()->lattice.unit());
+  inParallel(std::min(n_parts, new_sites.size()), [&](std::size_t part) {
+    for (std::size_t n = part; n < new_sites.size(); n += n_parts) {
+      made_[new_sites[n]].emplace(*spaces_[new_sites[n]], fits_[part]);
+      did(work_of_site);
+    }
+  });
+  made_count_ += new_sites.size();
+  for (const std::size_t station : new_stations) beginStation(station);
+  inParallel(new_stations.size(), [&](std::size_t n) {
+    interpolateTo(new_stations[n]);
+    did(1);
+  });
+  for (const std::size_t site : new_judged) beginJudgement(site);
+  inParallel(new_judged.size(), [&](std::size_t n) {
+    judge(new_judged[n]);
+    did(1);
+  });
+}
+
+bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
+  const auto lacking =
+      std::ranges::find_if(sites, [&](std::size_t site) { return !made_[site].has_value(); });
+  if (lacking == sites.end()) return false;
+  if (fits_.empty()) fits_.emplace_back(spaces_.front()->lattice.unit());
+  made_[*lacking].emplace(*spaces_[*lacking], fits_.front());
+  ++made_count_;
+  return true;
+}
+
+bool AreaField::prepareNext(const Eigen::Vector3d& s) {
+  for (const std::size_t station : stationsAt(s)) {
+    if (isInterpolated(station)) continue;
+    if (makeOneOf(sitesOfStation(station))) return true;
+    beginStation(station);
+    interpolateTo(station);
+    return true;
+  }
+  for (const std::size_t site : sitesAt(s)) {
+    if (isJudged(site)) continue;
+    if (makeOneOf({site}) || makeOneOf(sitesOfJudgement(site))) return true;
+    beginJudgement(site);
+    judge(site);
+    return true;
+  }
+  return false;
+}
+
+bool AreaField::prepareSite(const Eigen::Vector3d& s) {
+  if (made_count_ == siteCount()) return false;
+  std::vector<std::size_t> nearest(siteCount());
+  std::iota(nearest.begin(), nearest.end(), 0);
+  std::ranges::stable_sort(nearest, {},
+                           [&](std::size_t site) { return (siteCenter(site) - s).squaredNorm(); });
+  return makeOneOf(nearest);
 }
 
 std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
@@ -266,17 +344,18 @@ std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeC
 }
 
 std::vector<std::size_t> AreaField::stationsAt(const Eigen::Vector3d& s) const {
-  std::vector<std::size_t> found;
-  for (const std::int32_t n : stations_.near(s))
-    if ((s - stations_.points()[at(n)]).norm() < stations_.reach()) found.push_back(at(n));
-  return found;
+  return withinReach(stations_, s);
 }
 
 std::vector<std::size_t> AreaField::sitesAt(const Eigen::Vector3d& s) const {
-  std::vector<std::size_t> found;
-  for (const std::int32_t n : sites_.near(s))
-    if ((s - sites_.points()[at(n)]).norm() < sites_.reach()) found.push_back(at(n));
-  return found;
+  return withinReach(sites_, s);
+}
+
+bool AreaField::isPreparedAt(const Eigen::Vector3d& s) const noexcept {
+  bool is_prepared = true;
+  eachWithin(stations_, s, [&](std::size_t n) { is_prepared = is_prepared && isInterpolated(n); });
+  eachWithin(sites_, s, [&](std::size_t n) { is_prepared = is_prepared && isJudged(n); });
+  return is_prepared;
 }
 
 std::vector<std::size_t> AreaField::sitesOfStation(std::size_t station) const {
@@ -287,16 +366,16 @@ std::vector<std::size_t> AreaField::sitesOfJudgement(std::size_t site) const {
   return nearestOf(sites_.points(), sites_.points()[site], sites_of_judgement, site);
 }
 
-void AreaField::beginStation(std::size_t station, const std::vector<const SpaceTable*>& spaces) {
+void AreaField::beginStation(std::size_t station) {
   std::set<LatticeCell> cells;
   for (const std::size_t site : sitesOfStation(station))
-    cells.insert(spaces[site]->splits.begin(), spaces[site]->splits.end());
+    cells.insert(spaces_[site]->splits.begin(), spaces_[site]->splits.end());
   std::vector<LatticeCell> splits(cells.begin(), cells.end());
   std::ranges::sort(splits, coarserFirst);
-  at_stations_[station].tree = treeOf(*spaces.front(), splits);
+  at_stations_[station].tree = treeOf(*spaces_.front(), splits);
 }
 
-void AreaField::interpolateTo(std::size_t station, const MadeSites& made) {
+void AreaField::interpolateTo(std::size_t station) {
   const CellTree& tree = trees_[at_stations_[station].tree];
   std::vector<SiteJet>& jets = at_stations_[station].jets;
   jets.resize(tree.slots().size());
@@ -305,19 +384,18 @@ void AreaField::interpolateTo(std::size_t station, const MadeSites& made) {
   at_stations_[station].power = interpolation.power();
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
     if (tree.slots()[slot].kind != SlotKind::hanging)
-      jets[slot] = interpolation.at(made, tree.slots()[slot].point);
+      jets[slot] = interpolation.at(made_, tree.slots()[slot].point);
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });
 }
 
-void AreaField::beginJudgement(std::size_t site, const std::vector<const SpaceTable*>& spaces) {
-  judgements_[site].tree = treeOf(*spaces[site], spaces[site]->splits);
+void AreaField::beginJudgement(std::size_t site) {
+  judgements_[site].tree = treeOf(*spaces_[site], spaces_[site]->splits);
 }
 
-void AreaField::judge(std::size_t site, const std::vector<const SpaceTable*>& spaces,
-                      const MadeSites& made) {
-  const SiteJets& own = *made[site];
+void AreaField::judge(std::size_t site) {
+  const SiteJets& own = *made_[site];
   judgements_[site].region = own.region;
   std::vector<Doubt>& doubts = judgements_[site].doubts;
   judgements_[site].p_error = own.p_error;
@@ -337,12 +415,12 @@ void AreaField::judge(std::size_t site, const std::vector<const SpaceTable*>& sp
   const float weakest = weakest_share * strongest;
   float worst = 0, least = std::numeric_limits<float>::infinity();
   for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
-    const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
+    const auto number = spaces_[site]->lattice.indexOf(tree.slots()[slot].point);
     // The force at rest is zero, of which nothing is a share.
-    if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
+    if (!number || *number == 0 || !isSolved(spaces_[site]->points[at(*number)].tag)) continue;
     const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
     const Eigen::Vector3f difference =
-        slopeOf(others.at<1>(made, tree.slots()[slot].point)) - slope;
+        slopeOf(others.at<1>(made_, tree.slots()[slot].point)) - slope;
     const float lack = share * difference.norm() / std::max(slope.norm(), weakest);
     doubts[slot].lack = lack;
     worst = std::max(worst, lack);
@@ -412,6 +490,7 @@ void AreaField::eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept {
 AreaSample AreaField::evaluate(const Eigen::Vector3d& s,
                                const Eigen::Vector3d& displacement) const noexcept {
   if (!s.allFinite() || displacement.array().isNaN().any()) return {};
+  if (!is_whole_ && !isPreparedAt(s)) return {};
   const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * radius_);
   const double length = p.norm();
   if (isWithin(length, leastRadiusAt(s))) return inRegion(s, p);

@@ -49,68 +49,56 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// The error bound adds shares, which were measured, of that of the interpolation in p, of what
 /// each site lacks when it is interpolated from the others around it, and of the force.
 ///
-/// Immutable after construction: any thread may evaluate.
+/// Prepared as a whole, or only where a finger is: for a page, which must not make its reader wait,
+/// and for commands that ask a few places. Where it is prepared it says the same to the last bit.
+///
+/// One thread prepares, while nobody evaluates; else any thread may evaluate.
 class AreaField {
  public:
-  /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
-  /// the body's surface around them, close together against the radius (placesAround of
-  /// common/problem/sites.hpp). Side by side on all cores, any of which calls `progress` with the
-  /// share of the work that is done, up to 1; what it throws ends the making. Error when a site has
-  /// no solved point, or cells that are halved more than most_levels times.
-  AreaField(const std::vector<const SpaceTable*>& sites,
-            const std::vector<Eigen::Vector3d>& surface,
-            const std::function<void(double)>& progress = {});
-
-  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond what was
-  /// computed around s the sample is the continuation of answered_region.hpp, one energy over s
-  /// too; where no site is within reach of s the sample is not inside, and fades out to nothing. Of
-  /// a single site there is no bound (NaN), because nothing tells how its expansion does beside it.
-  /// Real time.
-  AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
-
-  std::size_t siteCount() const { return sites_.points().size(); }
-  std::size_t stationCount() const { return stations_.points().size(); }
-  /// The stations that the field of these sites and this surface would have: quick.
-  static std::vector<Eigen::Vector3d> stationsOf(const std::vector<const SpaceTable*>& sites,
-                                                 const std::vector<Eigen::Vector3d>& surface) {
-    return AreaField(sites, Stations{}).stationsOn(surface);
-  }
-  double siteReach() const { return sites_.reach(); }  ///< m: farther away a site says nothing
-  /// Where stations are, metres.
-  const std::vector<Eigen::Vector3d>& stations() const { return stations_.points(); }
-
- protected:
-  /// Sites as far as they are made.
-  using MadeSites = std::vector<std::optional<SiteJets>>;
-
   /// Metres.
   struct Stations {
     std::vector<Eigen::Vector3d> places;
   };
-  /// Nothing is prepared yet; the stations are those of the whole field of these sites.
-  AreaField(const std::vector<const SpaceTable*>& sites, Stations stations);
+  /// Nothing is prepared yet. `sites` are spaces of fingers of one radius, of one build, and
+  /// outlive what is prepared of them; `stations` those of the whole area, at least one. Error when
+  /// a site has cells that are halved more often than a build does.
+  AreaField(std::vector<const SpaceTable*> sites, Stations stations);
+  /// All is prepared, with `progress` (prepareAll). `surface`: as for stationsOf.
+  AreaField(const std::vector<const SpaceTable*>& sites,
+            const std::vector<Eigen::Vector3d>& surface,
+            const std::function<void(double)>& progress = {});
+  /// The stations of an area. `surface`: places of the body's surface around the sites, close
+  /// together against the radius (placesAround of common/problem/sites.hpp). Quick.
+  static Stations stationsOf(const std::vector<const SpaceTable*>& sites,
+                             const std::vector<Eigen::Vector3d>& surface);
 
-  /// Makes these sites, which are not made yet, side by side on all cores, with `fits` for each
-  /// thread, which are kept for further sites. Calls `site_done` for each, where there is one.
-  static void makeSites(const std::vector<const SpaceTable*>& spaces,
-                        const std::vector<std::size_t>& sites, std::vector<SiteFits>& fits,
-                        MadeSites& made, const std::function<void()>& site_done);
+  /// Side by side on all cores, any of which calls `progress` with the share of the work that is
+  /// done, up to 1; what it throws ends the making. Error when a site has no solved point. The
+  /// sites are not read any more after it.
+  void prepareAll(const std::function<void(double)>& progress = {});
+  /// What a finger at s (metres) needs, side by side on all cores. Error as prepareAll().
+  void prepareAt(const Eigen::Vector3d& s);
+  /// One piece of that, some milliseconds of work; false when nothing is lacking there. Error as
+  /// prepareAll().
+  bool prepareNext(const Eigen::Vector3d& s);
+  /// One site that is not made yet, of all the nearest to s; false when all are. Where sites are
+  /// made, the rest is quick.
+  bool prepareSite(const Eigen::Vector3d& s);
 
-  // What a finger at a place needs, metres: numbers of stations, and of sites that say something
-  // about the error; and what these are made from.
-  std::vector<std::size_t> stationsAt(const Eigen::Vector3d& s) const;
+  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond what was
+  /// computed around s the sample is the continuation of answered_region.hpp, one energy over s
+  /// too; where no site is within reach of s the sample is not inside, and fades out to nothing;
+  /// where it is not prepared the sample is not inside and has no force. Of a single site there is
+  /// no bound (NaN), because nothing tells how its expansion does beside it. Real time.
+  AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+
+  std::size_t siteCount() const { return sites_.points().size(); }
+  std::size_t madeSites() const { return made_count_; }
+  std::size_t stationCount() const { return stations_.points().size(); }
+  double siteReach() const { return sites_.reach(); }  ///< m: farther away a site says nothing
+  /// The numbers of those that say something at a place, metres.
   std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
-  std::vector<std::size_t> sitesOfStation(std::size_t station) const;
-  std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
-
-  // A station is interpolated, and a site judged, in two parts: the first changes what all share,
-  // the second is of this one alone. `made` has its sites.
-  bool isInterpolated(std::size_t station) const { return !at_stations_[station].jets.empty(); }
-  void beginStation(std::size_t station, const std::vector<const SpaceTable*>& spaces);
-  void interpolateTo(std::size_t station, const MadeSites& made);
-  bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
-  void beginJudgement(std::size_t site, const std::vector<const SpaceTable*>& spaces);
-  void judge(std::size_t site, const std::vector<const SpaceTable*>& spaces, const MadeSites& made);
+  const Eigen::Vector3d& siteCenter(std::size_t site) const { return sites_.points()[site]; }
 
  private:
   /// The lattice of a station, and what is interpolated to it.
@@ -142,8 +130,25 @@ class AreaField {
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;
 
-  std::vector<Eigen::Vector3d> stationsOn(const std::vector<Eigen::Vector3d>& surface) const;
-  void setStations(std::vector<Eigen::Vector3d> stations);
+  std::vector<std::size_t> stationsAt(const Eigen::Vector3d& s) const;
+  // What stations and judgements are made from.
+  std::vector<std::size_t> sitesOfStation(std::size_t station) const;
+  std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
+  bool isInterpolated(std::size_t station) const { return !at_stations_[station].jets.empty(); }
+  bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
+  bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
+
+  /// Those of these stations and sites that are lacking, with the sites that they need. `did` is
+  /// told how much work is done, by any thread.
+  void prepare(const std::vector<std::size_t>& stations, const std::vector<std::size_t>& judged,
+               const std::function<void(std::size_t)>& did);
+  bool makeOneOf(const std::vector<std::size_t>& sites);
+  // In two parts: the first changes what all share, the second is of this station or site alone,
+  // whose sites are made.
+  void beginStation(std::size_t station);
+  void interpolateTo(std::size_t station);
+  void beginJudgement(std::size_t site);
+  void judge(std::size_t site);
   /// The number of the tree of a lattice like that of a space, with these cells split.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
   /// visit(NearStation), in a fixed order; p: in the ball.
@@ -163,13 +168,20 @@ class AreaField {
   void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
                     AreaSample& sample) const noexcept;
 
-  double radius_ = 0, finger_ = 0;  ///< of the ball, of the finger, m
+  std::vector<const SpaceTable*> spaces_;  ///< of the sites
+  double radius_ = 0, finger_ = 0;         ///< of the ball, of the finger, m
   /// One for each way in which lattices are refined; of their slots only the places count.
   std::vector<CellTree> trees_;
   std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, stations_;
   std::vector<Station> at_stations_;   ///< per station
   std::vector<Judgement> judgements_;  ///< per site
+
+  // While it is prepared.
+  std::vector<SiteFits> fits_;                 ///< per thread
+  std::vector<std::optional<SiteJets>> made_;  ///< per site
+  std::size_t made_count_ = 0;
+  bool is_whole_ = false;
 };
 
 /// What an area says at one of its places, as a field of its own.

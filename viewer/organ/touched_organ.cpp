@@ -23,7 +23,7 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
     if (touch.finger_radius == 0) continue;
     std::vector<const SpaceTable*> sites;
     for (const std::int32_t space : touch.spaces) sites.push_back(&organ_.spaces[at(space)]);
-    touched.area.emplace(std::move(sites), touch.stations);
+    touched.area.emplace(std::move(sites), AreaField::Stations{touch.stations});
   }
 }
 
@@ -38,7 +38,7 @@ Eigen::Vector3d TouchedOrgan::positionOf(const SurfacePoint& point) const {
 bool TouchedOrgan::prepare(std::size_t touch, const Eigen::Vector3d& s) {
   Touched& touched = touched_.at(touch);
   if (touched.area) {
-    if (touched.area->grow(s)) return true;
+    if (touched.area->prepareNext(s)) return true;
     for (const std::size_t site : touched.area->sitesAt(s)) {
       const std::int32_t space = organ_.touches[touch].spaces[site];
       if (share_fields_[at(space)]) continue;
@@ -56,7 +56,7 @@ bool TouchedOrgan::prepare(std::size_t touch, const Eigen::Vector3d& s) {
 
 bool TouchedOrgan::prepareAhead(std::size_t touch, const Eigen::Vector3d& s) {
   Touched& touched = touched_.at(touch);
-  return touched.area && touched.area->growSites(s);
+  return touched.area && touched.area->prepareSite(s);
 }
 
 AreaSample TouchedOrgan::evaluate(std::size_t touch, const Eigen::Vector3d& s,
@@ -92,7 +92,7 @@ void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const 
     const Eigen::Vector3d s = positionOf(anchor);
     const double reach = area->siteReach();
     for (const std::size_t site : area->sitesAt(s)) {
-      const double x = (s - area->site(site).patch.finger.value().center).norm() / reach;
+      const double x = (s - area->siteCenter(site)).norm() / reach;
       const float share = shareAt(x);
       addShares(carried.spaces[site], p, share);
       whole += share;

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "common/mesh/surface_point.hpp"
+#include "viewer/fields/area_field.hpp"
 #include "viewer/fields/displacement_field.hpp"
-#include "viewer/fields/growing_area.hpp"
 #include "viewer/fields/potential_field.hpp"
 #include "viewer/organ/carried_organ.hpp"
 
@@ -38,7 +38,7 @@ class TouchedOrgan {
 
  private:
   struct Touched {
-    std::optional<GrowingArea> area;
+    std::optional<AreaField> area;
     std::unique_ptr<PotentialField> field;  ///< of an active node
   };
   const DisplacementField& sharesOf(std::int32_t space);

@@ -102,7 +102,8 @@ CarriedTouch touchOf(const TouchArea& area, const Dataset& dataset) {
     touch.spaces.push_back(static_cast<std::int32_t>(space));
   const auto sites = chosenOf(dataset.spaces(), area.spaces);
   touch.stations =
-      AreaField::stationsOf(sites, placesAround(dataset.mesh(), centersOf(sites), area.radius));
+      AreaField::stationsOf(sites, placesAround(dataset.mesh(), centersOf(sites), area.radius))
+          .places;
   return touch;
 }
 

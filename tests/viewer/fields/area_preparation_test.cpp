@@ -1,34 +1,33 @@
-#include "viewer/fields/growing_area.hpp"
-
 #include <gtest/gtest.h>
 
 #include "common/problem/sites.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
+#include "viewer/fields/area_field.hpp"
 
 namespace palpate {
 namespace {
 
-struct GrowingAreaTest : testing::Test {
+struct AreaPreparation : testing::Test {
   test::FingerBody body;
   std::vector<const SpaceTable*> sites;
   std::vector<Eigen::Vector3d> surface;
   const Eigen::Vector3d s{0.052, 0.047, 0.1}, p{0.003, -0.002, -0.008};
 
-  GrowingAreaTest() {
+  AreaPreparation() {
     for (const SpaceTable& space : body.spaces) sites.push_back(&space);
     surface = placesAround(body.problem.mesh, centersOf(sites),
                            body.spaces.front().patch.finger.value().radius);
   }
-  GrowingArea area() const { return {sites, AreaField::stationsOf(sites, surface)}; }
+  AreaField area() const { return {sites, AreaField::stationsOf(sites, surface)}; }
 };
 
-TEST_F(GrowingAreaTest, SaysWhatTheWholeFieldDoesToTheLastBit) {
+TEST_F(AreaPreparation, SaysWhatTheWholeFieldDoesToTheLastBit) {
   const AreaField whole(sites, surface);
-  GrowingArea growing = area();
+  AreaField growing = area();
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, 0.01, 0),
                                       Eigen::Vector3d(-0.03, 0.02, 0)}) {
-    while (growing.grow(s + step)) {
+    while (growing.prepareNext(s + step)) {
     }
     const AreaSample expected = whole.evaluate(s + step, p), got = growing.evaluate(s + step, p);
     EXPECT_GT(expected.force.norm(), 0.1);
@@ -40,41 +39,41 @@ TEST_F(GrowingAreaTest, SaysWhatTheWholeFieldDoesToTheLastBit) {
   }
 }
 
-TEST_F(GrowingAreaTest, PreparedAtOnceIsWhatGrowsPieceByPiece) {
-  GrowingArea piecewise = area(), at_once = area();
+TEST_F(AreaPreparation, PreparedAtOnceIsWhatGrowsPieceByPiece) {
+  AreaField piecewise = area(), at_once = area();
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.03, 0.01, 0)}) {
-    while (piecewise.grow(s + step)) {
+    while (piecewise.prepareNext(s + step)) {
     }
-    at_once.prepare(s + step);
-    EXPECT_FALSE(at_once.grow(s + step));
+    at_once.prepareAt(s + step);
+    EXPECT_FALSE(at_once.prepareNext(s + step));
     EXPECT_EQ(at_once.madeSites(), piecewise.madeSites());
     EXPECT_EQ(at_once.evaluate(s + step, p).force, piecewise.evaluate(s + step, p).force);
   }
 }
 
-TEST_F(GrowingAreaTest, PreparesNoMoreThanIsNeeded) {
-  GrowingArea growing = area();
+TEST_F(AreaPreparation, PreparesNoMoreThanIsNeeded) {
+  AreaField growing = area();
   EXPECT_FALSE(growing.evaluate(s, p).inside) << "nothing is prepared";
-  while (growing.grow(s)) {
+  while (growing.prepareNext(s)) {
   }
   EXPECT_TRUE(growing.evaluate(s, p).inside);
   EXPECT_LT(growing.madeSites(), growing.siteCount());
-  while (growing.growSites(s)) {
+  while (growing.prepareSite(s)) {
   }
   EXPECT_EQ(growing.madeSites(), growing.siteCount());
 }
 
 // Once it read the spacing of a lattice that was not there yet.
-TEST_F(GrowingAreaTest, FarFromAllStationsItSaysNothingEvenAtFirst) {
-  GrowingArea growing = area();
+TEST_F(AreaPreparation, FarFromAllStationsItSaysNothingEvenAtFirst) {
+  AreaField growing = area();
   const Eigen::Vector3d nowhere(1, 1, 1);
-  EXPECT_FALSE(growing.grow(nowhere));
+  EXPECT_FALSE(growing.prepareNext(nowhere));
   EXPECT_FALSE(growing.evaluate(nowhere, p).inside);
   EXPECT_EQ(growing.evaluate(nowhere, p).force, Eigen::Vector3d::Zero());
 }
 
 // Sums have room for six levels; a file may claim more.
-TEST_F(GrowingAreaTest, CellsThatAreHalvedMoreOftenThanABuildDoesAreRefused) {
+TEST_F(AreaPreparation, CellsThatAreHalvedMoreOftenThanABuildDoesAreRefused) {
   for (std::int32_t level = 0; level <= 6; ++level)
     body.spaces[0].splits.push_back({{0, 0, 0}, level});
   test::expectBadInput([&] { area(); }, {"halved more than 6 times"});
