@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 
 namespace palpate {
@@ -50,7 +49,11 @@ std::optional<std::size_t> numberIn(const std::string& name, const std::string& 
 }  // namespace
 
 ExportTarget::ExportTarget(std::filesystem::path file)
-    : file_(std::move(file)), format_(formatOf(file_)) {}
+    : file_(std::move(file)), format_(formatOf(file_)), series_(file_.stem().string()) {
+  // The list is XML, which has no words for control characters.
+  std::ranges::replace_if(
+      series_, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+}
 
 std::string ExportTarget::endings() {
   std::vector<std::string> texts;
@@ -59,40 +62,22 @@ std::string ExportTarget::endings() {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// A .pvd names its files, which XML can do of no control character.
-void ExportTarget::refuseNameForXml() const {
-  const std::string name = file_.filename().string();
-  if (format_ == ExportFormat::pvd &&
-      std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
-    throw badInput("-o {}: a .pvd cannot name its files so; give a name without control characters",
-                   printable(name, longest_reason));
-}
-
 void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const {
   refuseInput(file_, "-o", {&dataset, 1});
-  refuseNameForXml();
+  if (may_replace) return;
   std::error_code ignored;
-  if (std::filesystem::is_directory(file_, ignored))
-    throw badInput("-o {}: is a directory; name a file", file_.string());
-  if (isThere(file_) && !may_replace)
-    throw badInput("{} is there already: give another -o, or --replace", file_.string());
-  if (format_ != ExportFormat::pvd || !isThere(seriesFolder())) return;
-  if (!std::filesystem::is_directory(seriesFolder(), ignored))
-    throw badInput(
-        "{} is there already, and no folder, which {} needs for its files: give another -o",
-        seriesFolder().string(), file_.string());
-  if (!std::filesystem::is_empty(seriesFolder(), ignored) && !may_replace)
-    throw badInput("{} is there already: give another -o, or --replace for the series in it",
-                   seriesFolder().string());
+  const std::filesystem::path folder = seriesFolder();
+  const bool has_series = format_ == ExportFormat::pvd && isThere(folder) &&
+                          !std::filesystem::is_empty(folder, ignored);
+  if (isThere(file_) || has_series)
+    throw badInput("{} is there already: give another -o, or --replace",
+                   (has_series ? folder : file_).string());
 }
 
-std::filesystem::path ExportTarget::seriesFolder() const {
-  return file_.parent_path() / file_.stem();
-}
+std::filesystem::path ExportTarget::seriesFolder() const { return file_.parent_path() / series_; }
 
 std::string ExportTarget::nameInSeries(std::size_t number) const {
-  const std::string stem = file_.stem().string();
-  return fmt::format("{}/{}_{:04}.vtu", stem, stem, number);
+  return fmt::format("{0}/{0}_{1:04}.vtu", series_, number);
 }
 
 std::filesystem::path ExportTarget::seriesFile(std::size_t number) const {
@@ -108,11 +93,10 @@ void ExportTarget::beginSeries() const {
 }
 
 void ExportTarget::endSeries(std::size_t count) const {
-  const std::string stem = file_.stem().string();
   std::vector<std::filesystem::path> longer;
   try {
     for (const auto& entry : std::filesystem::directory_iterator(seriesFolder()))
-      if (const auto number = numberIn(entry.path().filename().string(), stem);
+      if (const auto number = numberIn(entry.path().filename().string(), series_);
           number && *number >= count)
         longer.push_back(entry.path());
     for (const std::filesystem::path& file : longer) std::filesystem::remove(file);

@@ -37,21 +37,16 @@ TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
   target.refuseWhatIsThere(dataset, true);
 }
 
-TEST_F(ExportTargetTest, TheDatasetAndFoldersAreNeverReplaced) {
+TEST_F(ExportTargetTest, TheDatasetIsNeverReplaced) {
   const std::filesystem::path named_so = directory / "organ.vtu";
   std::filesystem::create_hard_link(dataset, named_so);
   expectBadInput([&] { ExportTarget(named_so).refuseWhatIsThere(dataset, true); },
                  {"which is read and would be replaced"});
-  std::filesystem::create_directory(directory / "folder.vtu");
-  expectBadInput([&] { ExportTarget(directory / "folder.vtu").refuseWhatIsThere(dataset, true); },
-                 {"is a directory"});
 }
 
 TEST_F(ExportTargetTest, ASeriesHasANameThatXmlCanHold) {
-  expectBadInput(
-      [&] { ExportTarget(directory / "new\nway.pvd").refuseWhatIsThere(dataset, false); },
-      {"new?way.pvd", "without control characters"});
-  ExportTarget(directory / "Weg ä.pvd").refuseWhatIsThere(dataset, false);
+  EXPECT_EQ(ExportTarget("new\nway.pvd").nameInSeries(0), "new?way/new?way_0000.vtu");
+  EXPECT_EQ(ExportTarget("Weg ä.pvd").nameInSeries(0), "Weg ä/Weg ä_0000.vtu");
 }
 
 TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
@@ -65,7 +60,7 @@ TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
   target.refuseWhatIsThere(dataset, true);
   const ExportTarget other(directory / "file.pvd");
   touch(directory / "file");
-  expectBadInput([&] { other.refuseWhatIsThere(dataset, true); }, {"no folder"});
+  test::expectError(ExitCode::failed, [&] { other.beginSeries(); }, {"file", "cannot be begun"});
 }
 
 TEST_F(ExportTargetTest, OfALongerSeriesBeforeNothingIsLeftAndNothingElseIsTouched) {
