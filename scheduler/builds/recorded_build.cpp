@@ -14,7 +14,9 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
   std::vector<KeptOut> liars;
   do {
     liars = tables_->keptOut();
-    readJournal(liars);
+    found_ = replayJournal(directory_, problem_, tables_->build().build, liars);
+    for (const std::string& damage : found_->recorded.damage)
+      spdlog::warn("{}; what was recorded there will be computed again", damage);
     // A scheduler notes a check before its result is in the journal. So tables that are opened
     // after the journal was read hold every check of what was found, and who was found out
     // meanwhile.
@@ -22,30 +24,21 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
   } while (tables_->keptOut() != liars);
 }
 
-void RecordedBuild::readJournal(const std::vector<KeptOut>& liars) {
-  ReplayedJournal found = replayJournal(directory_, problem_, tables_->build().build, liars);
-  for (const std::string& damage : found.recorded.damage)
-    spdlog::warn("{}; what was recorded there will be computed again", damage);
-  kernel_family_ = std::move(found.kernel_family);
-  where_ = std::move(found.recorded.where);
-  plans_ = std::move(found.replay.plans);
-}
-
 bool RecordedBuild::complete() {
-  return tables_->checks().empty() && std::ranges::all_of(plans_, &SpacePlan::complete);
+  return tables_->checks().empty() && std::ranges::all_of(plans(), &SpacePlan::complete);
 }
 
 std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {
-  const auto found = where_.find(key);
-  if (found == where_.end()) return std::nullopt;
+  const auto found = found_->recorded.where.find(key);
+  if (found == found_->recorded.where.end()) return std::nullopt;
   return journal_.read(found->second);
 }
 
 SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
-  if (kernel_family_.empty())
+  if (kernelFamily().empty())
     throw failure("{}: nothing is recorded there yet", directory_.string());
   return sealPlans(
-      file, problem_, plans_, kernel_family_, [&](const ResultKey& key) { return find(key); },
+      file, problem_, plans(), kernelFamily(), [&](const ResultKey& key) { return find(key); },
       !complete());
 }
 

@@ -18,9 +18,9 @@ class RecordedBuild {
   const Problem& problem() const { return problem_; }
   StoredTables& tables() { return *tables_; }
   /// One per active node.
-  const std::vector<SpacePlan>& plans() const { return plans_; }
+  const std::vector<SpacePlan>& plans() const { return found_->replay.plans; }
   /// Of every result; empty before the first.
-  const std::string& kernelFamily() const { return kernel_family_; }
+  const std::string& kernelFamily() const { return found_->kernel_family; }
   /// Every space is complete, and no check is open.
   bool complete();
   /// Writes its dataset, partial unless it is complete; returns the rows. Error when nothing is
@@ -28,16 +28,13 @@ class RecordedBuild {
   SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
-  void readJournal(const std::vector<KeptOut>& liars);
   std::optional<JournalRecord> find(const ResultKey& key) const;
 
   const std::filesystem::path directory_;
   JournalReader journal_;
   std::optional<StoredTables> tables_;  ///< read after the journal
   const Problem problem_;
-  ResultIndex where_;
-  std::string kernel_family_;
-  std::vector<SpacePlan> plans_;
+  std::optional<ReplayedJournal> found_;
 };
 
 /// How far the build in `directory` is, as its last scheduler said (progressOf); if that did not,
