@@ -60,14 +60,9 @@ bool isEmpty(Database& database) {
   return objects.step() && objects.integer(0) == 0;
 }
 
-template <class Value = std::string>
-Value meta(Database& database, const std::string& key) {
+std::string meta(Database& database, const std::string& key) {
   Statement query(database, "SELECT value FROM meta WHERE key = ?");
-  if (!query.bind(key).step()) return Value();
-  if constexpr (std::is_integral_v<Value>)
-    return query.integer<Value>(0);
-  else
-    return query.text(0);
+  return query.bind(key).step() ? query.text(0) : "";
 }
 
 /// The program that made the tables, as they say in another place; empty when they are not ours.
@@ -230,7 +225,7 @@ Counters StoredTables::counters() {
   return counters;
 }
 
-bool StoredTables::paused() { return meta<std::int64_t>(database_, "paused") != 0; }
+bool StoredTables::paused() { return meta(database_, "paused") == "1"; }
 
 std::map<std::string, std::int32_t> StoredTables::priorities() {
   std::map<std::string, std::int32_t> found;
