@@ -228,9 +228,8 @@ TEST_F(Examples, ForUnityRunUnderMono) {
 }
 
 TEST_F(Examples, ComeWithTheLibraryAndNothingElseDoes) {
-  for (const char* file :
-       {"c/touch.c", "c/CMakeLists.txt", "python/touch.py", "python/force_curve.py",
-        "unity/Palpate.cs", "unity/PalpateOrgan.cs"})
+  for (const char* file : {"c/touch.c", "c/CMakeLists.txt", "python/touch.py",
+                           "python/force_curve.py", "unity/Palpate.cs", "unity/PalpateOrgan.cs"})
     EXPECT_TRUE(std::filesystem::exists(*prefix_ / "share/doc/palpate/examples" / file)) << file;
   const auto program =
       std::filesystem::status(*prefix_ / "share/doc/palpate/examples/python/touch.py");
