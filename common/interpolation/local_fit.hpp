@@ -100,6 +100,24 @@ class LocalFits {
 };
 
 /// For the energies of fingers, whose third derivatives are known.
-inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 4, 4, 6, true};
+inline constexpr LocalFits::Kind finger_fit = {.known = KnownOrders::third,
+                                               .highest_extrapolated = 4,
+                                               .highest_completed = 4,
+                                               .most_extrapolated_from = 4,
+                                               .most_completed_from = 6,
+                                               .highest_known_are_judged = true};
+/// For their drives, of which two derivatives are known, and for the slopes of these, with one.
+inline constexpr LocalFits::Kind finger_drive_fit = {.known = KnownOrders::curvature,
+                                                     .highest_extrapolated = 3,
+                                                     .highest_completed = 4,
+                                                     .most_extrapolated_from = 6,
+                                                     .most_completed_from = 12,
+                                                     .highest_known_are_judged = true};
+inline constexpr LocalFits::Kind finger_slope_fit = {.known = KnownOrders::slope,
+                                                     .highest_extrapolated = 3,
+                                                     .highest_completed = 3,
+                                                     .most_extrapolated_from = 6,
+                                                     .most_completed_from = 12,
+                                                     .highest_known_are_judged = true};
 
 }  // namespace palpate

@@ -17,9 +17,7 @@ using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 /// what they say matters little beyond what the device renders.
 struct SiteFits {
   explicit SiteFits(double unit)
-      : energy(unit, finger_fit),
-        drive(unit, {KnownOrders::curvature, 3, 4, 6, 12, true}),
-        slope(unit, {KnownOrders::slope, 3, 3, 6, 12, true}) {}
+      : energy(unit, finger_fit), drive(unit, finger_drive_fit), slope(unit, finger_slope_fit) {}
   LocalFits energy, drive, slope;
 };
 

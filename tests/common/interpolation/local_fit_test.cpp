@@ -117,7 +117,7 @@ TEST(LocalFits, JudgeThirdDerivativesByTheStiffnessesAround) {
 
 TEST(LocalFits, JudgeCurvaturesByTheSlopesAround) {
   KnownToTheThirdOrder around;
-  const LocalFits fits(unit, {KnownOrders::curvature, 3, 4, 6, 12, true});
+  const LocalFits fits(unit, finger_drive_fit);
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::curvature);
   around.own.stiffness *= -1;
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope);
@@ -125,7 +125,7 @@ TEST(LocalFits, JudgeCurvaturesByTheSlopesAround) {
 
 TEST(LocalFits, JudgeSlopesByTheValuesAroundWhenFarOff) {
   KnownToTheThirdOrder around;
-  const LocalFits fits(unit, {KnownOrders::slope, 3, 3, 6, 12, true});
+  const LocalFits fits(unit, finger_slope_fit);
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope);
   around.own.force *= 3;
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope) << "of coarse cells";
@@ -153,7 +153,7 @@ TEST(LocalFits, FitWhatDoesNotCount) {
 
 TEST(LocalFits, StayFiniteWhereNobodyKnowsAnOrder) {
   KnownToTheThirdOrder around;
-  LocalFits fits(unit, {KnownOrders::curvature, 3, 4, 6, 12, true});
+  LocalFits fits(unit, finger_drive_fit);
   around.sources.resize(1);
   around.sources[0].known = KnownOrders::slope;
   const Eigen::Vector3d beside(0.004, -0.002, 0.003);
