@@ -196,18 +196,6 @@ Basis<3> quinticHermite(double t) {
 }  // namespace
 
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent) {
-  return slotPolynomials(tree, space, inconsistent, ghostPolynomials(tree, space, inconsistent));
-}
-
-std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent,
-                                             std::vector<LocalPolynomial> ghosts) {
-  LocalFits fits(space.lattice.unit());
-  return slotPolynomials(tree, space, inconsistent, std::move(ghosts), fits);
-}
-
-std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits) {
   PALPATE_ASSERT(ghosts.size() == tree.slots().size(), "ghostPolynomials made one per slot");
@@ -215,12 +203,6 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
   for (std::size_t slot = 0; slot < ghosts.size(); ++slot)
     if (tree.slots()[slot].kind == SlotKind::solved) ghosts[slot] = fitter.complete(slot);
   return ghosts;
-}
-
-std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
-                                              const std::vector<LatticeEdge>& inconsistent) {
-  LocalFits fits(space.lattice.unit());
-  return ghostPolynomials(tree, space, inconsistent, fits);
 }
 
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,

@@ -17,25 +17,17 @@ struct EnergySample {
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// What the solved points around every slot say about the energy near it. Of solved slots exact up
-/// to the second order, the higher derivatives from a least-squares fit to the solved corners of
-/// the leaves around. Of ghosts a fit to the nearest solved points. Zero for hanging slots. Points
-/// that an inconsistent edge joins to the slot or to a nearer source are left out.
-std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent);
-
-/// The same for the ghosts alone, which take nearly all of the time; zero for solved slots.
-std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
-                                              const std::vector<LatticeEdge>& inconsistent);
-/// With fits that other spaces on such a lattice share.
+/// What the nearest solved points say about the energy near every ghost: a least-squares fit. Zero
+/// for other slots. Points that an inconsistent edge joins to a nearer source are left out. Spaces
+/// on such a lattice may share the fits.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);
 
-/// slotPolynomials where those of the ghosts are known.
-std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent,
-                                             std::vector<LocalPolynomial> ghosts);
+/// The same of every slot, from `ghosts` (ghostPolynomials, which take nearly all of the time).
+/// Solved slots have their own data exactly, the higher derivatives from a fit to the solved
+/// corners of the leaves around, but those that an inconsistent edge joins to the slot or to a
+/// nearer source. Zero for hanging slots.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);

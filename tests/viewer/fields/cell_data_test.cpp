@@ -18,11 +18,16 @@ std::int32_t slotAt(const CellTree& tree, const LatticePoint& point) {
   return 0;
 }
 
+std::vector<Equilibrium> equilibriaOf(const CellTree& tree, const SpaceTable& space,
+                                      const std::vector<LatticeEdge>& inconsistent = {}) {
+  LocalFits fits(space.lattice.unit());
+  return slotEquilibria(tree, space, ghostPolynomials(tree, space, inconsistent, fits));
+}
+
 void expectGhostsLike(const test::AnalyticEnergy& energy, const SpaceTable& space,
                       double tolerance) {
   const CellTree tree(space);
-  const std::vector<Equilibrium> equilibria =
-      slotEquilibria(tree, space, ghostPolynomials(tree, space, {}));
+  const std::vector<Equilibrium> equilibria = equilibriaOf(tree, space);
   int ghosts = 0;
   for (std::size_t s = 0; s < equilibria.size(); ++s) {
     if (tree.slots()[s].kind != SlotKind::ghost) continue;
@@ -58,8 +63,7 @@ TEST(SlotEquilibria, ContinueALonePointByItsStiffness) {
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
   const CellTree tree(space);
   const Equilibrium& origin = space.points[0].equilibrium;
-  const std::vector<Equilibrium> equilibria =
-      slotEquilibria(tree, space, ghostPolynomials(tree, space, {}));
+  const std::vector<Equilibrium> equilibria = equilibriaOf(tree, space);
   const std::int32_t far = slotAt(tree, {2, 0, 0});
   EXPECT_LE((equilibria[far].force - origin.force - origin.stiffness * Vector3d(0.02, 0, 0)).norm(),
             1e-9);
@@ -78,8 +82,7 @@ TEST(SlotEquilibria, DoNotMixBranchesInAGhost) {
   std::sort(inconsistent.begin(), inconsistent.end());
   const CellTree tree(space);
   const std::int32_t corner = slotAt(tree, {2, 2, 2});
-  const Vector3d force =
-      slotEquilibria(tree, space, ghostPolynomials(tree, space, inconsistent))[corner].force;
+  const Vector3d force = equilibriaOf(tree, space, inconsistent)[corner].force;
   EXPECT_LE((force + energy.gradient(tree.displacement(corner))).norm(), 1);
 }
 
@@ -91,8 +94,7 @@ TEST(SlotEquilibria, StayModestWhereDataDisagree) {
   for (const PointRecord& point : space.points)
     largest = std::max(largest, point.equilibrium.force.norm());
   const CellTree tree(space);
-  for (const Equilibrium& e : slotEquilibria(tree, space, ghostPolynomials(tree, space, {})))
-    EXPECT_LT(e.force.norm(), 100 * largest);
+  for (const Equilibrium& e : equilibriaOf(tree, space)) EXPECT_LT(e.force.norm(), 100 * largest);
 }
 
 TEST(SlotCoverage, IsOneAtSolvedSlotsWithoutInconsistentEdges) {
