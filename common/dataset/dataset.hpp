@@ -17,18 +17,13 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 /// absent, never a part. The bytes are a function of the arguments alone (no time stamps). Layout:
 /// docs/dataset.md.
 ///
-/// `spaces` has one table per problem.active, in that order and with those patches, each on the
-/// lattice of problem.scene (and what was added to it), with one record per point of it and without
-/// faultOf; else Error, and nothing is written. `fields` is asked for every solved point once, in
-/// order of space and point, and must give what its record names; scene.storage says what is kept
-/// of it. Of probes no fields are kept. `partial`: the build is not done (Dataset::isPartial).
-/// Error on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
-/// thread-safe).
-void sealDataset(const std::filesystem::path& file, const Problem& problem,
-                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
-                 const FieldsSource& fields, bool partial = false);
-/// The same of spaces that are no tables. Beside what they hold it takes some MB, and 36 bytes a
-/// point.
+/// `spaces` has one per problem.active, in that order and with those patches, each on the lattice
+/// of problem.scene (and what was added to it), with one record per point of it and without
+/// faultOf; else Error, and nothing is written. Beside what they hold sealing takes some MB, and 36
+/// bytes a point. `fields` is asked for every solved point once, in order of space and point, and
+/// must give what its record names; scene.storage says what is kept of it. Of probes no fields are
+/// kept. `partial`: the build is not done (Dataset::isPartial). Error on any HDF5 or system
+/// failure; FILE.tmp is then removed. One thread at a time (HDF5 is not thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);

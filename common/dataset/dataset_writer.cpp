@@ -28,6 +28,9 @@ void checkArguments(const std::string& file, const Problem& problem, const Space
           "is not that of the scene (radius {} m, spacing {} m)",
           file, given.name, lattice.radius(), lattice.spacing(), expected.radius(),
           expected.spacing());
+    if (spaces[s]->points() < lattice.uniformSize())
+      throw failure("{}: space \"{}\": has {} points, the lattice {}", file, given.name,
+                    spaces[s]->points(), lattice.uniformSize());
     if (const std::string fault = faultOf(*spaces[s]); !fault.empty())
       throw failure("{}: space \"{}\": {}", file, given.name, fault);
   }
@@ -95,16 +98,6 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
     const ContentId content = writeDataset(aside, problem, spaces, kernel_family, fields, partial);
     verifySealed(aside, content);
   });
-}
-
-void sealDataset(const std::filesystem::path& file, const Problem& problem,
-                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
-                 const FieldsSource& fields, bool partial) {
-  for (const SpaceTable& space : spaces)
-    if (std::ssize(space.points) != space.lattice.size())
-      throw failure("{}: space \"{}\": has {} points, the lattice {}", file.string(),
-                    space.patch.name, space.points.size(), space.lattice.size());
-  sealDataset(file, problem, rowsOf(spaces), kernel_family, fields, partial);
 }
 
 }  // namespace palpate

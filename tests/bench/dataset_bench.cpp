@@ -69,7 +69,7 @@ std::string measured(const char* name, const Problem& problem) {
       spaces[s].points[n].fields = fields(s, n).id();
   }
   Clock::time_point start = Clock::now();
-  sealDataset(file, problem, spaces, "portable", fields);
+  sealDataset(file, problem, rowsOf(spaces), "portable", fields);
   const double sealing = secondsSince(start);
   start = Clock::now();
   const Dataset dataset(file);

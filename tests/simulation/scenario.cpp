@@ -94,13 +94,12 @@ std::string Scenario::sealedWith(const FalseResults& instead,
       }
   }
   const std::filesystem::path file = folder / "undisturbed.h5";
-  sealDataset(file, problem, spaceTables(plans), "baseline",
-              [&](std::size_t space, std::int32_t point) {
-                const TransitionKey key = {static_cast<std::uint32_t>(space), point,
-                                           plans[space].points().parent(point)};
-                return NodalFields::decode(fields.at(key), problem.mesh.nodes.size(),
-                                           problem.pressures.count());
-              });
+  sealDataset(file, problem, rowsOf(plans), "baseline", [&](std::size_t space, std::int32_t point) {
+    const TransitionKey key = {static_cast<std::uint32_t>(space), point,
+                               plans[space].points().parent(point)};
+    return NodalFields::decode(fields.at(key), problem.mesh.nodes.size(),
+                               problem.pressures.count());
+  });
   return readText(file, "the dataset");
 }
 

@@ -88,7 +88,7 @@ NodalFields FingerBody::fields(std::size_t space, std::int32_t point) const {
 }
 
 void FingerBody::seal(const std::filesystem::path& file) const {
-  sealDataset(file, problem, spaces, "portable",
+  sealDataset(file, problem, rowsOf(spaces), "portable",
               [this](std::size_t space, std::int32_t point) { return fields(space, point); });
 }
 

@@ -38,7 +38,7 @@ NodalFields PressedBody::fields(std::size_t space, std::int32_t point) const {
 }
 
 void PressedBody::seal(const std::filesystem::path& file) const {
-  sealDataset(file, problem, spaces, "portable",
+  sealDataset(file, problem, rowsOf(spaces), "portable",
               [this](std::size_t space, std::int32_t point) { return fields(space, point); });
 }
 

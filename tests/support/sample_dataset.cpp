@@ -227,7 +227,7 @@ NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {
 }
 
 void SampleDataset::seal(const std::filesystem::path& file) const {
-  sealDataset(file, problem, spaces, kernel_family,
+  sealDataset(file, problem, rowsOf(spaces), kernel_family,
               [this](std::size_t space, std::int32_t point) { return fields(space, point); });
 }
 

@@ -444,7 +444,7 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
                        : sample.fields(space, point);
   };
   expectError(ExitCode::failed,
-              [&] { sealDataset(file, sample.problem, sample.spaces, "portable", broken); },
+              [&] { sealDataset(file, sample.problem, rowsOf(sample.spaces), "portable", broken); },
               {"segment 3"});
   sample.spaces[1].points[4].fields = ContentId::of("another result");
   expectError(ExitCode::failed, [&] { sample.seal(file); }, {"edge-2", "lattice point 4"});
@@ -455,7 +455,7 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
 TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
   const auto seal = [&](const std::vector<SpaceTable>& spaces) {
     sealDataset(
-        directory / "no.h5", sample.problem, spaces, "portable",
+        directory / "no.h5", sample.problem, rowsOf(spaces), "portable",
         [this](std::size_t space, std::int32_t point) { return sample.fields(space, point); });
   };
   const std::vector<SpaceTable> exchanged = {sample.spaces[1], sample.spaces[0]},
