@@ -105,71 +105,50 @@ ContentId verifiedContent(const std::filesystem::path& file) {
   return idIn(in, layout::content_attribute);
 }
 
-struct Dataset::Impl {
-  explicit Impl(const std::filesystem::path& path)
-      : file(path),
-        in(path),
-        scene_toml(openedText(in, path.string())),
-        scene(sceneIn(in, scene_toml, path.string())),
-        body(readMesh(in, scene)),
-        spaces(readSpaces(in, scene, body.mesh)),
-        fields(in, scene, body.mesh, spaces),
-        probe_places(splitOff(spaces)),
-        content_id(idIn(in, layout::content_attribute)),
-        build_id(idIn(in, layout::build_attribute)),
-        partial(in.hasAttribute(layout::partial_attribute)),
-        kernel_family(in.text(layout::kernel_attribute)) {
-    for (SpaceTable& space : spaces) space.max_force = scene.workspace.max_force;
-  }
-
-  std::filesystem::path file;
+/// What is read when it is asked for.
+struct Dataset::Input {
   Reader in;
-  std::string scene_toml;
-  Scene scene;
-  StoredMesh body;
-  std::vector<SpaceTable> spaces;
-  FieldsReader fields;  ///< after what it reads from and for
-  std::vector<SpaceTable> probe_places;
-  ContentId content_id, build_id;
-  bool partial;
-  std::string kernel_family;
+  std::optional<FieldsReader> fields;  ///< of that
+
+  explicit Input(const std::filesystem::path& file) : in(file) {}
 };
 
-Dataset::Dataset(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
+Dataset::Dataset(const std::filesystem::path& file)
+    : file_(file), input_(std::make_unique<Input>(file)) {
+  Reader& in = input_->in;
+  scene_toml_ = openedText(in, file.string());
+  scene_ = sceneIn(in, scene_toml_, file.string());
+  body_ = readMesh(in, scene_);
+  spaces_ = readSpaces(in, scene_, body_.mesh);
+  input_->fields.emplace(in, scene_, body_.mesh, spaces_);
+  probe_places_ = splitOff(spaces_);
+  for (SpaceTable& space : spaces_) space.max_force = scene_.workspace.max_force;
+  content_id_ = idIn(in, layout::content_attribute);
+  build_id_ = idIn(in, layout::build_attribute);
+  partial_ = in.hasAttribute(layout::partial_attribute);
+  kernel_family_ = in.text(layout::kernel_attribute);
+}
+
 Dataset::~Dataset() = default;
 Dataset::Dataset(Dataset&&) noexcept = default;
 Dataset& Dataset::operator=(Dataset&&) noexcept = default;
 
-const std::filesystem::path& Dataset::file() const { return impl_->file; }
-ContentId Dataset::contentId() const { return impl_->content_id; }
-ContentId Dataset::buildId() const { return impl_->build_id; }
-bool Dataset::isPartial() const { return impl_->partial; }
-const std::string& Dataset::kernelFamily() const { return impl_->kernel_family; }
-const std::string& Dataset::sceneToml() const { return impl_->scene_toml; }
-const Scene& Dataset::scene() const { return impl_->scene; }
-const Mesh& Dataset::mesh() const { return impl_->body.mesh; }
-const std::vector<std::int32_t>& Dataset::fixedNodes() const { return impl_->body.fixed; }
-const std::vector<SpaceTable>& Dataset::spaces() const { return impl_->spaces; }
-const std::vector<SpaceTable>& Dataset::probePlaces() const { return impl_->probe_places; }
-
-const std::vector<std::int32_t>& Dataset::surfaceNodes() const { return impl_->body.surface; }
-const std::vector<std::int32_t>& Dataset::storedNodes() const { return impl_->body.stored; }
-
 NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
-  const SpaceTable& table = impl_->spaces.at(space);
+  const SpaceTable& table = spaces_.at(space);
   const PointRecord& record = table.points.at(static_cast<std::size_t>(point));
   if (!isSolved(record.tag))
-    throw badInput("{}: lattice point {} of {} is {}: it has no nodal fields", impl_->file.string(),
+    throw badInput("{}: lattice point {} of {} is {}: it has no nodal fields", file_.string(),
                    point, table.patch.name, name(record.tag));
-  return impl_->fields.read(space, static_cast<std::size_t>(point), 1);
+  return input_->fields->read(space, table, static_cast<std::size_t>(point), 1);
 }
 
 NodalFields Dataset::surfaceFields(std::size_t space) const {
-  const std::vector<std::int32_t>&surface = impl_->body.surface, &stored = impl_->body.stored;
-  const std::size_t n_points = impl_->spaces.at(space).points.size();
-  NodalFields all = impl_->fields.read(space, 0, n_points);
+  const std::vector<std::int32_t>&surface = body_.surface, &stored = body_.stored;
+  const SpaceTable& table = spaces_.at(space);
+  const std::size_t n_points = table.points.size();
+  NodalFields all = input_->fields->read(space, table, 0, n_points);
   if (surface.size() == stored.size() && all.pressure.empty()) return all;
-  PALPATE_ASSERT(stored.size() == impl_->body.mesh.nodes.size(), "stored are these or all nodes");
+  PALPATE_ASSERT(stored.size() == body_.mesh.nodes.size(), "stored are these or all nodes");
   return {rowsOfNodes(all.displacement, stored.size(), 3, surface),
           rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
 }
@@ -179,7 +158,7 @@ std::vector<float> Dataset::surfaceDisplacements(std::size_t space) const {
 }
 
 void Dataset::verifyAll() const {
-  for (const hdf5::ArrayInfo& array : impl_->in.arrays()) impl_->in.verify(array);
+  for (const hdf5::ArrayInfo& array : input_->in.arrays()) input_->in.verify(array);
 }
 
 void warnIfPartial(const Dataset& dataset) {

@@ -28,9 +28,18 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);
 
+/// What a dataset holds of the body.
+struct StoredMesh {
+  Mesh mesh;                          ///< without groups; quadratic with P2 displacement
+  std::vector<std::int32_t> fixed;    ///< sorted
+  std::vector<std::int32_t> surface;  ///< surfaceNodes(mesh)
+  std::vector<std::int32_t> stored;   ///< storedNodes of the scene
+};
+
 /// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
 /// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5
-/// is not thread-safe); the tables may be read by any thread.
+/// is not thread-safe); the tables may be read by any thread. References to what it holds end when
+/// it is moved.
 class Dataset {
  public:
   /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of
@@ -41,25 +50,27 @@ class Dataset {
   Dataset(Dataset&&) noexcept;
   Dataset& operator=(Dataset&&) noexcept;
 
-  const std::filesystem::path& file() const;  ///< as it was opened
-  ContentId contentId() const;  ///< over all arrays and the scene: equal for equal results
-  ContentId buildId() const;    ///< problemId of the problem it answers
+  const std::filesystem::path& file() const { return file_; }  ///< as it was opened
+  /// Over all arrays and the scene: equal for equal results.
+  ContentId contentId() const { return content_id_; }
+  ContentId buildId() const { return build_id_; }  ///< problemId of the problem it answers
   /// Sealed before its build was done: points are unknown, or refinement is not at its end.
-  bool isPartial() const;
-  const std::string& kernelFamily() const;  ///< of the workers that computed it
-  const std::string& sceneToml() const;     ///< resolved scene
-  const Scene& scene() const;               ///< read from that text
-  const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
-  const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
+  bool isPartial() const { return partial_; }
+  const std::string& kernelFamily() const { return kernel_family_; }  ///< of its workers
+  const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene
+  const Scene& scene() const { return scene_; }                       ///< read from that text
+  /// Quadratic with P2 displacement; groups are not stored.
+  const Mesh& mesh() const { return body_.mesh; }
+  const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted
   /// One per active node, in the order of the scene; not those that only measure an area.
-  const std::vector<SpaceTable>& spaces() const;
+  const std::vector<SpaceTable>& spaces() const { return spaces_; }
   /// Where areas are measured, in the order of the scene: the origin and one probe each
   /// (ActivePatch::probe).
-  const std::vector<SpaceTable>& probePlaces() const;
+  const std::vector<SpaceTable>& probePlaces() const { return probe_places_; }
   /// The vertices on the surface, sorted: what is seen.
-  const std::vector<std::int32_t>& surfaceNodes() const;
+  const std::vector<std::int32_t>& surfaceNodes() const { return body_.surface; }
   /// The nodes whose displacements are kept, sorted: those of the surface, or all.
-  const std::vector<std::int32_t>& storedNodes() const;
+  const std::vector<std::int32_t>& storedNodes() const { return body_.stored; }
 
   /// What is kept of the nodal fields of a solved point: three displacements per stored node, and
   /// pressures when all nodes are stored.
@@ -74,8 +85,17 @@ class Dataset {
   void verifyAll() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  struct Input;
+
+  std::filesystem::path file_;
+  std::unique_ptr<Input> input_;
+  std::string scene_toml_;
+  Scene scene_;
+  StoredMesh body_;
+  std::vector<SpaceTable> spaces_, probe_places_;
+  ContentId content_id_, build_id_;
+  bool partial_ = false;
+  std::string kernel_family_;
 };
 
 /// Logs a warning, with how many points are unknown, when it is partial.

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <functional>
-
+#include "common/dataset/dataset.hpp"
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/dataset/hdf5_writer.hpp"
-#include "common/problem/problem.hpp"
-#include "common/space/space_table.hpp"
 
 /// What a dataset consists of, part by part: names, numbers and groups, each with its writer and
 /// its reader. docs/dataset.md is the page about it. One thread at a time, as HDF5.
@@ -43,14 +40,6 @@ ContentId verifiedContent(const std::filesystem::path& file);
 
 // ---- /mesh: the body and the nodes that mean something (stored_mesh.cpp) ----------------------
 
-/// What /mesh holds.
-struct StoredMesh {
-  Mesh mesh;                          ///< without groups; quadratic with P2 displacement
-  std::vector<std::int32_t> fixed;    ///< sorted
-  std::vector<std::int32_t> surface;  ///< surfaceNodes(mesh)
-  std::vector<std::int32_t> stored;   ///< storedNodes of the scene
-};
-
 /// Writes the group /mesh.
 void writeMesh(hdf5::Writer& out, const Problem& problem);
 /// Reads it; Error that names the array when it is damaged, or is not that of a body with `scene`.
@@ -74,25 +63,26 @@ std::vector<SpaceTable> readSpaces(const hdf5::Reader& in, const Scene& scene, c
 /// `fields` gives those of a solved point, all nodes; Error when they are not what its record
 /// names.
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
-                 const std::function<NodalFields(std::size_t space, std::int32_t point)>& fields);
+                 const FieldsSource& fields);
 
 /// Reads them back, each row compared with its hash.
 class FieldsReader {
  public:
   /// Error that names the array when shapes are not those of the scene, the mesh and the spaces.
-  /// `in` and `spaces` must outlive this object.
+  /// `in` must outlive this object.
   FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh,
                const std::vector<SpaceTable>& spaces);
 
   /// Displacements (metres) of the stored nodes, and pressures (Pa) of the nodes where they are
   /// kept, of `count` points from `first` on, one after the other; NaN in points that are not
   /// solved. Of a node between materials the pressure is that of its own slot (PressureSlots).
-  /// Error that names point and array when a row is damaged.
-  NodalFields read(std::size_t space, std::size_t first, std::size_t count) const;
+  /// `table` is that of space number `space`. Error that names point and array when a row is
+  /// damaged.
+  NodalFields read(std::size_t space, const SpaceTable& table, std::size_t first,
+                   std::size_t count) const;
 
  private:
   const hdf5::Reader& in_;
-  const std::vector<SpaceTable>& spaces_;
   std::vector<std::size_t> first_rows_;  ///< of the spaces
   std::size_t n_values_, n_pressures_;   ///< per row of what is read
   std::size_t stored_pressures_ = 0;     ///< per row of the file

@@ -72,7 +72,7 @@ std::vector<float> displacementsOf(const NodalFields& fields,
 }  // namespace
 
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
-                 const std::function<NodalFields(std::size_t, std::int32_t)>& fields) {
+                 const FieldsSource& fields) {
   const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
   const hsize_t n_pressures = storedPressures(problem);
   const bool quantized = isQuantized(problem.scene);
@@ -129,7 +129,6 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
 FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh,
                            const std::vector<SpaceTable>& spaces)
     : in_(in),
-      spaces_(spaces),
       n_values_(3 * storedNodes(scene, mesh).size()),
       n_pressures_(scene.storage.displacement == StoredNodes::all
                        ? pressureNodes(scene.discretization.pressure, mesh)
@@ -151,10 +150,11 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
   if (quantized_) steps_ = in.readList<float>(step_path, n_rows);
 }
 
-NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t count) const {
-  const std::vector<PointRecord>& points = spaces_.at(space).points;
+NodalFields FieldsReader::read(std::size_t space, const SpaceTable& table, std::size_t first,
+                               std::size_t count) const {
+  const std::vector<PointRecord>& points = table.points;
   PALPATE_ASSERT(first + count <= points.size(), "a space has rows for its own points only");
-  const std::size_t first_row = first_rows_[space] + first;
+  const std::size_t first_row = first_rows_.at(space) + first;
   NodalFields rows;
   rows.pressure.resize(count * n_pressures_);
   std::vector<float> pressures(count * stored_pressures_);
@@ -185,7 +185,7 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
     }
     if (rowHash(stored, quantized_ ? &steps_[row] : nullptr, of_row) != hashes_[row])
       throw in_.damaged(fmt::format("{} or pressure, row {} (point {} of {})", displacement_path,
-                                    row, first + i, spaces_[space].patch.name),
+                                    row, first + i, table.patch.name),
                         "does not match stored_id");
   }
   return rows;
