@@ -16,14 +16,6 @@ std::string quoted(const std::string& cell) {
 
 }  // namespace
 
-std::string csvOf(const Plot& plot) {
-  std::string text = csvLine({"series", plot.x.label, plot.y.label});
-  for (const PlotSeries& series : plot.series)
-    for (std::size_t n = 0; n < series.x.size(); ++n)
-      text += csvLine({series.label, csvNumber(series.x[n]), csvNumber(series.y[n])});
-  return text;
-}
-
 std::string csvLine(const std::vector<std::string>& cells) {
   std::string line;
   for (std::size_t n = 0; n < cells.size(); ++n) line += (n == 0 ? "" : ",") + quoted(cells[n]);

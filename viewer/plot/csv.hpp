@@ -3,15 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "viewer/plot/svg_plot.hpp"
-
 // Numbers as CSV (RFC 4180, but lines end with a line feed): a line of titles, then values;
 // nothing where a value is not finite.
 
 namespace palpate {
-
-/// The points of a plot: name of the series, x, y, under the labels of the axes.
-std::string csvOf(const Plot& plot);
 
 /// One line, with its end.
 std::string csvLine(const std::vector<std::string>& cells);

@@ -41,7 +41,7 @@ struct PlaceDifference {
   double relative = not_measured;  ///< as ComparedPlace
 };
 
-/// Two organs or materials side by side: everything that text and page say, measured.
+/// Two organs or materials side by side: everything that text, JSON and page say, measured.
 struct Comparison {
   std::vector<Dataset> open;           ///< two, as given
   std::vector<DatasetFacts> datasets;  ///< of them
@@ -62,9 +62,5 @@ Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& met
 
 /// For a terminal: at most 100 columns but for file names, ends with a newline.
 std::string comparisonText(const Comparison& comparison);
-/// One JSON object on one line (docs/commands.md).
-std::string comparisonJson(const Comparison& comparison);
-/// One HTML page, as reportPage.
-std::string comparisonPage(const Comparison& comparison);
 
 }  // namespace palpate

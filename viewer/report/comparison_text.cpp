@@ -1,36 +1,10 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
 namespace {
-
-/// Prints numbers that are not finite as null.
-using ComparisonJson = nlohmann::ordered_json;
-
-ComparisonJson sideJson(const ComparedSide& side) {
-  return {{"stiffness", side.stiffness},
-          {"mean_force", side.mean_force},
-          {"largest_force", side.largest_force},
-          {"mean_error_bound", side.mean_bound}};
-}
-
-ComparisonJson placeJson(const ComparedPlace& place) {
-  return {{"name", place.name},
-          {"apart", place.apart},
-          {"displacements", place.displacements},
-          {"first", sideJson(place.sides[0])},
-          {"second", sideJson(place.sides[1])},
-          {"difference",
-           {{"mean", place.difference.mean},
-            {"median", place.difference.median},
-            {"percentile_95", place.difference.percentile_95},
-            {"maximum", place.difference.maximum},
-            {"relative", place.relative}}}};
-}
 
 std::string placeRow(const std::string& name, const std::array<std::string, 8>& cells) {
   return fmt::format("{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}{:>10}\n", name, cells[0],
@@ -69,21 +43,6 @@ std::string comparisonText(const Comparison& comparison) {
               "nothing.");
   for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
   return text;
-}
-
-std::string comparisonJson(const Comparison& comparison) {
-  ComparisonJson json;
-  for (const DatasetFacts& facts : comparison.datasets)
-    json["compared"].push_back(facts.file.string());
-  json["method"] = comparison.method;
-  json["differences"] = comparison.differences;
-  for (const auto& [name, first, second] : comparison.properties)
-    json["properties"][name] = {first, second};
-  json["common_nodes"] = comparison.common;
-  for (const ComparedPlace& place : comparison.places) json["nodes"].push_back(placeJson(place));
-  json["limits"] = comparison.limits;
-  // Names of files need not be UTF-8, which JSON demands.
-  return json.dump(-1, ' ', false, ComparisonJson::error_handler_t::replace) + '\n';
 }
 
 }  // namespace palpate

@@ -61,7 +61,8 @@ struct NodeMeasures {
   std::vector<ErrorMeasures> methods;  ///< on the measured lattice, in the order of Report::methods
 };
 
-/// Everything `palpate report` says, measured; the writers below only format.
+/// Everything `palpate report` says, measured; its writers only format (reportText,
+/// report_json.hpp, report_page.hpp).
 struct Report {
   std::vector<Dataset> open;  ///< the datasets, as given
   std::vector<DatasetFacts> datasets;
@@ -111,10 +112,5 @@ std::vector<std::size_t> worstFirst(const Report& report);
 
 /// For a terminal: at most 100 columns, ends with a newline.
 std::string reportText(const Report& report);
-/// One JSON object on one line (docs/commands.md). Numbers that do not exist are null.
-std::string reportJson(const Report& report);
-/// One HTML page with its plots inside: no script, nothing from the network. Pictures are of
-/// Report::pictures.
-std::string reportPage(const Report& report);
 
 }  // namespace palpate

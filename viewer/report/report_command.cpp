@@ -9,6 +9,8 @@
 #include "common/base/whole_file.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/report/comparison.hpp"
+#include "viewer/report/report_json.hpp"
+#include "viewer/report/report_page.hpp"
 
 namespace palpate {
 namespace {
@@ -49,7 +51,7 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
   const Comparison comparison =
       compareDatasets(std::move(open), methodOf(options.report.methods), pictured_nodes);
   if (!options.html.empty()) replaceFile(options.html, comparisonPage(comparison), "page");
-  output << (options.json ? comparisonJson(comparison) : comparisonText(comparison));
+  output << (options.json ? jsonText(toJson(comparison)) : comparisonText(comparison));
   return ExitCode::done;
 }
 
@@ -69,7 +71,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted, std::move(open));
   if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");
-  output << (options.json ? reportJson(report) : reportText(report));
+  output << (options.json ? jsonText(toJson(report)) : reportText(report));
   return ExitCode::done;
 }
 

@@ -1,13 +1,13 @@
-#include <nlohmann/json.hpp>
+#include "viewer/report/report_json.hpp"
 
 #include "common/base/assertion.hpp"
 #include "common/space/failure.hpp"
+#include "viewer/report/comparison.hpp"
 #include "viewer/report/report.hpp"
 
 namespace palpate {
 namespace {
 
-/// Prints numbers that are not finite as null.
 using Json = nlohmann::ordered_json;
 
 Json toJson(const Spread& spread) {
@@ -128,9 +128,30 @@ Json areaJson(const AreaMeasures& area) {
             {"nearest_site", toJson(area.probes.nearest_site)}}}};
 }
 
+Json sideJson(const ComparedSide& side) {
+  return {{"stiffness", side.stiffness},
+          {"mean_force", side.mean_force},
+          {"largest_force", side.largest_force},
+          {"mean_error_bound", side.mean_bound}};
+}
+
+Json placeJson(const ComparedPlace& place) {
+  return {{"name", place.name},
+          {"apart", place.apart},
+          {"displacements", place.displacements},
+          {"first", sideJson(place.sides[0])},
+          {"second", sideJson(place.sides[1])},
+          {"difference",
+           {{"mean", place.difference.mean},
+            {"median", place.difference.median},
+            {"percentile_95", place.difference.percentile_95},
+            {"maximum", place.difference.maximum},
+            {"relative", place.relative}}}};
+}
+
 }  // namespace
 
-std::string reportJson(const Report& report) {
+Json toJson(const Report& report) {
   PALPATE_ASSERT(report.open.size() == report.datasets.size(), "there are facts of every dataset");
   Json json;
   json["scene"] = report.open.front().scene().name;
@@ -155,6 +176,24 @@ std::string reportJson(const Report& report) {
   for (const auto& [cause, count] : report.failures)
     json["failures"][std::string(name(cause))] = {
         {"points", count.points}, {"attempts", count.attempts}, {"probes", count.probes}};
+  return json;
+}
+
+Json toJson(const Comparison& comparison) {
+  Json json;
+  for (const DatasetFacts& facts : comparison.datasets)
+    json["compared"].push_back(facts.file.string());
+  json["method"] = comparison.method;
+  json["differences"] = comparison.differences;
+  for (const auto& [name, first, second] : comparison.properties)
+    json["properties"][name] = {first, second};
+  json["common_nodes"] = comparison.common;
+  for (const ComparedPlace& place : comparison.places) json["nodes"].push_back(placeJson(place));
+  json["limits"] = comparison.limits;
+  return json;
+}
+
+std::string jsonText(const Json& json) {
   // Names of files need not be UTF-8, which JSON demands.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }

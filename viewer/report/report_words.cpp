@@ -80,13 +80,6 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
   return text;
 }
 
-std::string describePictured(const Report& report) {
-  return report.pictures.size() == report.nodes.size()
-             ? ""
-             : fmt::format(" Those with the largest errors: {}.",
-                           counted(report.pictures.size(), "active node"));
-}
-
 std::string describeTarget(const Report& report) {
   return fmt::format("max({:.3g} % of |force|, {:.3g} N){}", 100 * report.target.force_error,
                      report.target.force_floor,

@@ -18,9 +18,6 @@ std::string hintForProbes(const Report& report);
 /// What the probes of a finger's area say of it, or how to get some.
 std::string describeProbes(const AreaMeasures& area, const Report& report);
 
-/// Of which active nodes there are pictures, as a sentence after others; empty when of all.
-std::string describePictured(const Report& report);
-
 /// "max(3 % of |force|, 0.01 N), as the scene asks".
 std::string describeTarget(const Report& report);
 

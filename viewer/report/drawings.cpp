@@ -1,0 +1,253 @@
+#include "viewer/report/drawings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "common/base/index.hpp"
+#include "common/base/program.hpp"
+#include "common/mesh/surface_point.hpp"
+#include "viewer/plot/widest_view.hpp"
+#include "viewer/report/report_words.hpp"
+
+namespace palpate {
+namespace {
+
+using Drawn = nlohmann::ordered_json;
+
+/// Discs on the organ beyond which they would cover the colours of its triangles.
+constexpr std::size_t most_discs = 150;
+
+double rounded(double value, int figures) {
+  return std::isfinite(value) ? std::strtod(fmt::format("{:.{}g}", value, figures).c_str(), nullptr)
+                              : value;
+}
+
+template <class Values>
+Drawn numbers(const Values& values, int figures) {
+  Drawn array = Drawn::array();
+  for (const double value : values) array.push_back(rounded(value, figures));
+  return array;
+}
+
+Drawn forcesOf(const AxisForces& along) {
+  return Drawn::array({numbers(along.displacements, 6), numbers(along.forces, 6)});
+}
+
+Drawn drawn(const ForceWay& way) {
+  Drawn sampled = Drawn::array();
+  for (const AxisForces& forces : way.sampled) sampled.push_back(forcesOf(forces));
+  return {{"name", way.name},
+          {"direction", numbers(way.direction, 4)},
+          {"solved", forcesOf(way.solved)},
+          {"held_out", forcesOf(way.held_out)},
+          {"sampled", sampled}};
+}
+
+template <class Ways>
+Drawn drawnWays(const Ways& ways) {
+  Drawn array = Drawn::array();
+  for (const ForceWay& way : ways) array.push_back(drawn(way));
+  return array;
+}
+
+/// The surface of a body, its nodes numbered anew.
+class Surface {
+ public:
+  explicit Surface(const Dataset& dataset)
+      : dataset_(dataset), numbers_(dataset.mesh().nodes.size(), -1) {
+    std::int32_t count = 0;
+    for (const std::int32_t node : dataset.surfaceNodes()) numbers_[at(node)] = count++;
+  }
+
+  Drawn body() const {
+    const Mesh& mesh = dataset_.mesh();
+    Drawn nodes = Drawn::array(), triangles = Drawn::array(), fixed = Drawn::array();
+    for (const std::int32_t node : dataset_.surfaceNodes())
+      for (const double coordinate : mesh.nodes[at(node)]) nodes.push_back(rounded(coordinate, 5));
+    for (const Triangle& triangle : mesh.surface)
+      for (const std::int32_t corner : triangle) triangles.push_back(numbers_[at(corner)]);
+    for (const std::int32_t node : dataset_.fixedNodes())
+      if (numbers_[at(node)] >= 0) fixed.push_back(numbers_[at(node)]);
+    return {{"front", numbers(widestView(mesh.nodes), 6)},
+            {"nodes", nodes},
+            {"triangles", triangles},
+            {"fixed", fixed}};
+  }
+
+  /// Of a node of the mesh; -1: it is inside.
+  std::int32_t number(std::int32_t node) const { return numbers_[at(node)]; }
+
+  /// A place on the surface, and the triangles that it lies in, on an edge or at a corner of: what
+  /// is there is seen from the sides from which one of them is.
+  Drawn mark(const Eigen::Vector3d& place) const {
+    const Mesh& mesh = dataset_.mesh();
+    const SurfacePoint on_surface = nearestOnSurface(mesh, place);
+    const Triangle& nearest = mesh.surface[at(on_surface.triangle)];
+    Drawn triangles = Drawn::array();
+    for (std::size_t t = 0; t < mesh.surface.size(); ++t) {
+      const auto lacks = [&](int corner) {
+        return on_surface.barycentric[corner] > 0 &&
+               std::ranges::find(mesh.surface[t], nearest[at(corner)]) == mesh.surface[t].end();
+      };
+      if (!lacks(0) && !lacks(1) && !lacks(2)) triangles.push_back(t);
+    }
+    return {{"place", numbers(place, 5)}, {"triangles", triangles}};
+  }
+
+ private:
+  const Dataset& dataset_;
+  std::vector<std::int32_t> numbers_;
+};
+
+/// What was computed, and by what: terms with their texts, and the whole scene.
+Drawn provenanceOf(const std::vector<Dataset>& datasets, const std::vector<DatasetFacts>& facts) {
+  Drawn all = Drawn::array();
+  for (std::size_t d = 0; d < datasets.size(); ++d) {
+    const Dataset& dataset = datasets[d];
+    const ProbeCounts& probes = facts[d].probes;
+    Drawn rows = Drawn::array();
+    const auto add = [&](const char* term, const std::string& text) {
+      rows.push_back(Drawn::array({term, text}));
+    };
+    add("dataset", facts[d].file.filename().string());
+    add("content hash", dataset.contentId().hex());
+    add("build", dataset.buildId().hex());
+    add("kernel family", dataset.kernelFamily());
+    add("workspace", fmt::format("{}, force limit {:.3g} N", describeBall(dataset),
+                                 dataset.scene().workspace.max_force));
+    add("mesh", describeMesh(dataset.mesh()));
+    add("probes", fmt::format("{}, {} within max_force, {} beyond it, {} not solved", probes.all,
+                              probes.within_force, probes.beyond_force, probes.unsolved()));
+    all.push_back({{"facts", rows}, {"scene", dataset.sceneToml()}});
+  }
+  return all;
+}
+
+Drawn drawn(const AreaMeasures& area, const Report& report, const Surface& surface) {
+  Drawn probes = Drawn::array();
+  for (const AreaProbes::Comparison& probe : area.probes.comparisons)
+    probes.push_back({{"at", surface.mark(probe.place)},
+                      {"displacement", rounded(probe.displacement.norm(), 6)},
+                      {"force", rounded(probe.force.norm(), 6)},
+                      {"error", rounded(probe.error, 6)},
+                      {"newtons", rounded(probe.newtons, 6)},
+                      {"newtons_of_nearest", rounded(probe.newtons_of_nearest, 6)}});
+  return {{"words", describeProbes(area, report)},
+          {"median", numbers(area.on_triangles, 4)},
+          {"largest", numbers(area.worst_on_triangles, 4)},
+          {"probes", probes},
+          {"ways", drawnWays(area.ways)}};
+}
+
+Drawn drawn(const SliceMap& slice) {
+  const auto flat = [](const Eigen::Vector2d& p) {
+    return Drawn::array({rounded(p.x(), 6), rounded(p.y(), 6)});
+  };
+  // Where the corners around are solved: "0" or "1" for each sample.
+  std::string covered;
+  for (const char one : slice.covered) covered += one != 0 ? '1' : '0';
+  Drawn marks = Drawn::array(), jumps = Drawn::array(), errors = Drawn::array();
+  for (const SliceMap::LatticeMark& mark : slice.marks)
+    marks.push_back({{"at", flat(mark.at)}, {"tag", name(mark.tag)}});
+  for (const auto& [a, b] : slice.jumps) jumps.push_back(Drawn::array({flat(a), flat(b)}));
+  for (const SliceMap::ErrorMark& mark : slice.errors)
+    errors.push_back({{"at", flat(mark.at)}, {"error", rounded(mark.error, 6)}});
+  return {{"across", slice.across},
+          {"up", slice.up},
+          {"radius", slice.radius},
+          {"side", SliceMap::side},
+          {"bound", numbers(slice.bound, 3)},
+          {"covered", covered},
+          {"marks", marks},
+          {"jumps", jumps},
+          {"errors", errors}};
+}
+
+Drawn drawn(const NodePictures& pictures) {
+  Drawn slices = Drawn::array();
+  for (const SliceMap& slice : pictures.slices) slices.push_back(drawn(slice));
+  return {{"node", pictures.node},
+          {"slices", slices},
+          {"axes", drawnWays(pictures.axes)},
+          {"ways", drawnWays(pictures.ways)}};
+}
+
+/// Where the active nodes are, with the error bounds of their spaces.
+Drawn drawnNodes(const Report& report, const Surface& surface) {
+  const Dataset& dataset = report.open.front();
+  Drawn nodes = Drawn::array();
+  for (std::size_t n = 0; n < report.nodes.size(); ++n) {
+    const NodeMeasures& node = report.nodes[n];
+    const std::int32_t number = dataset.spaces()[n].patch.node;
+    nodes.push_back(
+        {{"node", surface.number(number)},
+         {"at", report.nodes.size() <= most_discs ? surface.mark(dataset.mesh().nodes[at(number)])
+                                                  : Drawn(nullptr)},
+         {"mean_bound", node.bound.mean},
+         {"largest_bound", node.bound.maximum},
+         {"compared", node.compared ? Drawn(*node.compared) : Drawn(nullptr)}});
+  }
+  return nodes;
+}
+
+}  // namespace
+
+Drawn drawingsOf(const Report& report) {
+  const Dataset& first = report.open.front();
+  const Surface surface(first);
+  Drawn areas = Drawn::array(), lattices = Drawn::array(), pictures = Drawn::array();
+  for (const AreaMeasures& area : report.areas) areas.push_back(drawn(area, report, surface));
+  for (const LatticeMeasures& lattice : report.lattices)
+    lattices.push_back({{"node_configurations", lattice.node_configurations},
+                        {"node_errors", lattice.node_errors}});
+  for (const NodePictures& node : report.pictures) pictures.push_back(drawn(node));
+  return {{"version", version()},
+          {"mesh", first.scene().mesh.filename().string()},
+          {"max_force", first.scene().workspace.max_force},
+          {"areas_alone", report.areas_alone},
+          {"words",
+           {{"held_out", describeHeldOut(report)},
+            {"hint", hintForProbes(report)},
+            {"target", describeTarget(report)},
+            {"gaps", describeGaps(report)}}},
+          {"body", surface.body()},
+          {"areas", areas},
+          {"lattices", lattices},
+          {"nodes", report.areas_alone ? Drawn::array() : drawnNodes(report, surface)},
+          {"pictures", pictures},
+          {"provenance", provenanceOf(report.open, report.datasets)}};
+}
+
+Drawn drawingsOf(const Comparison& comparison) {
+  const Surface surface(comparison.open[0]);
+  Drawn names = Drawn::array(), files = Drawn::array(), everywhere = Drawn::array(),
+        places = Drawn::array();
+  for (std::size_t s = 0; s < 2; ++s) {
+    names.push_back(comparison.open[s].scene().name);
+    files.push_back(comparison.datasets[s].file.stem().string());
+  }
+  for (const PlaceDifference& one : comparison.everywhere)
+    everywhere.push_back({{"name", one.name},
+                          {"at", surface.mark(one.place)},
+                          {"relative", rounded(one.relative, 6)}});
+  for (const ComparedPlace& place : comparison.places) {
+    Drawn axes = Drawn::array(), distances = Drawn::array();
+    for (const auto& both : place.axes) axes.push_back(drawnWays(both));
+    for (const ForceAtDistance& one : place.distances)
+      distances.push_back(
+          numbers(std::array{one.distance, one.first, one.second, one.difference}, 6));
+    places.push_back({{"axes", axes}, {"distances", distances}});
+  }
+  return {{"version", version()},
+          {"names", names},
+          {"files", files},
+          {"body", surface.body()},
+          {"everywhere", everywhere},
+          {"places", places},
+          {"provenance", provenanceOf(comparison.open, comparison.datasets)}};
+}
+
+}  // namespace palpate
