@@ -29,14 +29,14 @@ constexpr std::size_t workspace = (128u << 20) + (64u << 10);
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }
 
-std::string valueOf(const char* variable) {
+std::string environmentValue(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr ? "" : value;
 }
 
 bool userChose() {
-  const std::string chosen = valueOf(core_type);
-  return !chosen.empty() && chosen != valueOf(pinned_variable);
+  const std::string chosen = environmentValue(core_type);
+  return !chosen.empty() && chosen != environmentValue(pinned_variable);
 }
 
 bool choosesWhenLoaded() {
@@ -82,8 +82,8 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 
 void chooseBlasKernels(char** argv) {
   const std::string wanted = kernelsOfThisCpu();
-  const bool pins = choosesWhenLoaded() && valueOf(core_type).empty();
-  if (!pins && valueOf(threads_variable) == "1") return;
+  const bool pins = choosesWhenLoaded() && environmentValue(core_type).empty();
+  if (!pins && environmentValue(threads_variable) == "1") return;
   const bool set = setenv(threads_variable, "1", 1) == 0 &&
                    (!pins || (setenv(core_type, wanted.c_str(), 1) == 0 &&
                               setenv(pinned_variable, wanted.c_str(), 1) == 0));
@@ -105,7 +105,7 @@ std::string whyOtherBlasKernels() {
   if (userChose())
     return fmt::format(
         "{}={} chose them, this CPU runs {}: unset it, unless an older dataset is to be reproduced",
-        core_type, valueOf(core_type), wanted);
+        core_type, environmentValue(core_type), wanted);
   return fmt::format("this OpenBLAS runs {} and not {}, which this CPU has: update it",
                      blasKernels(), wanted);
 }

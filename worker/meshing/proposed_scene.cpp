@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "common/base/error.hpp"
 #include "common/base/text.hpp"
@@ -276,8 +277,9 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
       scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
-      // Another finger may be taken; what else is wrong stays wrong, and the first says it.
-      if (error.exitCode() != ExitCode::usage) throw;
+      // Another finger may be taken. What is told of two is not of their size.
+      const bool told = refusal && std::string_view(error.what()) == refusal->what();
+      if (told || error.exitCode() != ExitCode::usage) throw;
       if (!refusal) refusal = error;
       continue;
     }
