@@ -1,7 +1,6 @@
 #include "viewer/fields/rbf_field.hpp"
 
 #include <Eigen/LU>
-#include <cmath>
 
 #include "common/base/error.hpp"
 
@@ -41,15 +40,26 @@ Eigen::MatrixXd kernelMatrix(RbfKernel kernel, const Rows& position) {
   return matrix;
 }
 
-RbfWeights accurateWeights(const SpaceTable& space, RbfKernel kernel) {
-  RbfWeights solution = solveRbfWeights(space, kernel);
+/// In units of the spacing.
+std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
+  const RbfWeights solution = solveRbfWeights(space, kernel);
   if (!solution.accurate())
     throw failure(
         "active node {}: {} has no accurate solution for its {} solved points "
         "(residual {:.2g} of the largest force, condition {:.2g}); choose another method",
         space.patch.name, nameOf(kernel), solution.weights.rows(), solution.residual,
         solution.condition);
-  return solution;
+  PALPATE_ASSERT(solution.position.rows() == solution.weights.rows() && solution.weights.rows() > 0,
+                 "there is a weight for every solved point, of which there is one at least");
+  const std::size_t count = at(solution.weights.rows());
+  // The last block is filled up with weights of zero.
+  std::vector<RbfBlock> blocks((count - 1) / rbf_lanes + 1);
+  for (std::size_t n = 0; n < count; ++n)
+    for (int axis = 0; axis < 3; ++axis) {
+      blocks[n / rbf_lanes].position[axis][n % rbf_lanes] = solution.position(n, axis);
+      blocks[n / rbf_lanes].weight[axis][n % rbf_lanes] = solution.weights(n, axis);
+    }
+  return blocks;
 }
 
 }  // namespace
@@ -79,32 +89,22 @@ RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel) {
 }
 
 RbfField::RbfField(const SpaceTable& space, RbfKernel kernel)
-    : CellField(nameOf(kernel), CellData(space)), kernel_(kernel) {
-  const RbfWeights solution = accurateWeights(space, kernel);
-  places_.setZero(4, solution.position.rows());
-  places_.topRows<3>() = solution.position.transpose();
-  weights_.setZero(4, solution.weights.rows());
-  weights_.topRows<3>() = solution.weights.transpose();
-}
+    : CellField(nameOf(kernel), CellData(space)),
+      kernel_(kernel),
+      blocks_(solvedBlocks(space, kernel)) {}
 
 void RbfField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
                            ForceSample& sample) const noexcept {
   const double spacing = tree().spacing();
-  Eigen::Vector4d place = Eigen::Vector4d::Zero();
-  place.head<3>() =
+  const Eigen::Vector3d place =
       (tree().displacement(tree().corners(leaf)[0]) + tree().edge(leaf) * local) / spacing;
-  const bool is_linear = kernel_ == RbfKernel::linear;
-  // The gradient but for the power of r, and the value in the last column.
-  Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();
-  for (Eigen::Index n = 0; n < places_.cols(); ++n) {
-    Eigen::Vector4d terms = place - places_.col(n);
-    // So that 1 / r is finite at a solved point, where it is multiplied by zero.
-    terms[3] = terms.squaredNorm() + 1e-200;
-    const double r = std::sqrt(terms[3]);
-    sums += (weights_.col(n) * (is_linear ? 1 / r : r)) * terms.transpose();
+  const double p[3] = {place.x(), place.y(), place.z()};
+  const RbfSums sums =
+      kernel_ == RbfKernel::linear ? linearRbfSums(blocks_, p) : cubicRbfSums(blocks_, p);
+  for (int i = 0; i < 3; ++i) {
+    sample.force[i] = sums.value[i];
+    for (int j = 0; j < 3; ++j) sample.stiffness(i, j) = sums.gradient[i][j] / spacing;
   }
-  sample.force = sums.topRightCorner<3, 1>();
-  sample.stiffness = sums.topLeftCorner<3, 3>() * (is_linear ? 1 : 3) / spacing;
 }
 
 }  // namespace palpate

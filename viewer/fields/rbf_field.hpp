@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/fields/cell_field.hpp"
+#include "viewer/fields/rbf_sums.hpp"
 
 namespace palpate {
 
@@ -47,9 +48,7 @@ class RbfField : public CellField {
                    ForceSample& sample) const noexcept override;
 
   RbfKernel kernel_;
-  /// A column per solved point, in spacings and N. Row 3 is zero: it makes columns as long as
-  /// registers.
-  Eigen::Matrix4Xd places_, weights_;
+  std::vector<RbfBlock> blocks_;
 };
 
 }  // namespace palpate
