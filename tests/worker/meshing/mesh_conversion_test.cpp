@@ -16,6 +16,7 @@ namespace {
 
 using test::expectBadInput;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -315,20 +316,15 @@ TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
   }
 }
 
-TEST_F(MeshConversion, LeavesNoFileOfGmshBehindWhenPythonIsKilled) {
+TEST_F(MeshConversion, ReadsTheOldestGmshFormatWithTheGroupOfEachElement) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  std::ofstream(directory / "old.msh") << "$NOD\n0\n$ENDNOD\n";
-  std::ofstream(directory / "gmsh") << "#!/bin/sh\nkill -9 $PPID\n";
-  std::filesystem::permissions(directory / "gmsh", std::filesystem::perms::owner_all);
-  std::filesystem::create_directory(directory / "tmp");
-  const std::string path = std::getenv("PATH");
-  setenv("PATH", (directory.path().string() + ":" + path).c_str(), 1);
-  setenv("TMPDIR", (directory / "tmp").c_str(), 1);
-  test::expectError(ExitCode::failed, [&] { convertMesh(directory / "old.msh", directory.path()); },
-                    {"signal 9"});
-  unsetenv("TMPDIR");
-  setenv("PATH", path.c_str(), 1);
-  EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
+  // Of one entity, which later versions know by its groups alone.
+  create("old.msh") << "$NOD\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$ENDNOD\n"
+                       "$ELM\n2\n1 4 3 7 4 1 2 3 4\n2 4 8 7 4 2 3 4 5\n$ENDELM\n";
+  const Mesh mesh = convert("old.msh");
+  EXPECT_EQ(mesh.tetrahedra.size(), 2u);
+  EXPECT_THAT(mesh.element_groups.at("volume 3"), ElementsAre(0));
+  EXPECT_THAT(mesh.element_groups.at("volume 8"), ElementsAre(1));
 }
 
 TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
@@ -340,7 +336,8 @@ TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
                        "Physical Volume(\"left part\") = {1};\n"
                        "Physical Surface(\"base\") = {1};\nMesh.MeshSizeMax = 0.7;\n";
   for (const char* how : {"-order 1 -save_all -format msh41", "-order 2 -format msh41 -bin",
-                          "-order 2 -save_all -format msh41 -bin", "-order 2 -format msh22 -bin",
+                          "-order 2 -save_all -format msh41 -bin", "-order 2 -format msh40",
+                          "-order 1 -format msh40 -save_parametric", "-order 2 -format msh22 -bin",
                           "-order 1 -format msh22 -bin"}) {
     SCOPED_TRACE(how);
     const test::CommandResult meshed = test::runCommand(

@@ -1,7 +1,5 @@
-"""Gmsh's .msh of version 2.2 and 4.1, of which meshio loses groups where it is binary."""
-import os
+"""Gmsh's .msh of version 1, 2, 4.0 and 4.1, of which meshio loses groups where it is binary."""
 import re
-import subprocess
 
 import numpy as np
 
@@ -15,23 +13,27 @@ GMSH_NODES = {**NODES_OF, "quad9": 9, "hexahedron27": 27, "wedge18": 18, "pyrami
 
 
 class GmshFile(ByteLines):
-    """Numbers of a .msh file of version 2.2 or 4.1, binary or text, section by section."""
+    """Numbers of a .msh file, binary or text, section by section. version: 1, 2, 4 (which is 4.0) or 4.1."""
 
     def __init__(self, path, data):
         super().__init__(path, data)
-        self.version = "1"
+        self.version, self.binary = "1", False
+        self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
         if (first := self.line()) == "$NOD":
+            self.at = 0
             return
         if first != "$MeshFormat":
             wrong(path, 1, "this is not a Gmsh .msh file: its first line is not $MeshFormat")
         words = self.line().split()
         if len(words) < 3:
             wrong(path, 2, "there is no version, type and size of numbers here: the file is truncated; save it again")
-        self.version, self.binary = words[0], words[1] == "1"
+        known = {"2": "2", "2.0": "2", "2.1": "2", "2.2": "2", "4": "4", "4.0": "4", "4.1": "4.1"}
+        if words[0] not in known:
+            wrong(path, 2, f"Gmsh's format version {words[0]} is not read; save the mesh as version 4.1 or 2.2")
+        self.version, self.binary = known[words[0]], words[1] == "1"
         self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
             wrong(path, 3, "it was written on a machine of another byte order")
-        self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
 
     def bytes(self, count):
         if self.at + count > len(self.data):
@@ -42,10 +44,10 @@ class GmshFile(ByteLines):
     def sections(self):
         while self.at < len(self.data):
             line = self.line()
-            if line.startswith("$") and not line.startswith("$End"):
+            if line.startswith("$") and line[:4].upper() != "$END":
                 name = line[1:]
                 begin = self.at
-                end = self.data.find(b"$End" + name.encode(), begin)
+                end = self.data.find((b"$END" if self.version == "1" else b"$End") + name.encode(), begin)
                 if end < 0:
                     wrong(self.path, None, f"the file is truncated: it ends inside ${name}")
                 # A text section is numbers between words; a binary one is read where it lies.
@@ -83,7 +85,7 @@ class GmshMesh:
     """What the sections of a file say."""
 
     def __init__(self, file):
-        self.file, self.old = file, file.version == "2.2"
+        self.file, self.old = file, file.version in ("1", "2")
         self.names = {}  # (dimension, number) of a physical group -> name
         self.groups_of = {}  # (dimension, number) of an entity -> numbers of physical groups
         self.number_of, self.points = {}, []  # number_of: tag of a node -> point
@@ -93,7 +95,8 @@ class GmshMesh:
         self.line_of_vectors = None
         sections = {"PhysicalNames": self.physical_names, "Entities": self.entities,
                     "PartitionedEntities": self.partitioned_entities, "Nodes": self.nodes,
-                    "ParametricNodes": self.parametric_nodes, "Elements": self.elements, "ElementData": self.element_data}
+                    "ParametricNodes": self.parametric_nodes, "Elements": self.elements, "ElementData": self.element_data,
+                    "NOD": self.nodes, "ELM": self.first_elements}
         for section, begin, end in file.sections():
             if section in sections:
                 self.read(section, sections[section], begin, end)
@@ -117,7 +120,7 @@ class GmshMesh:
         for dimension, count in enumerate(file.take("s", 4)):
             for _ in range(count):
                 entity = dimension, int(file.take("i")[0])
-                file.take("d", 6 if dimension else 3)
+                file.take("d", 6 if dimension or file.version == "4" else 3)
                 self.groups_of[entity] = file.take("i", int(file.take("s")[0]))
                 if dimension:
                     file.take("i", int(file.take("s")[0]))
@@ -135,6 +138,9 @@ class GmshMesh:
                 self.node(file.take("i")[0])
                 self.points.append(file.take("d", 3))
             return
+        if file.version == "4":
+            self.nodes_of_4()
+            return
         for _ in range(file.take("s", 4)[0]):
             dimension, _, parametric = file.take("i", 3)
             count = int(file.take("s")[0])
@@ -142,6 +148,15 @@ class GmshMesh:
                 self.node(tag, count - n)
             width = 3 + (int(dimension) if parametric else 0)
             self.points += list(file.take("d", width * count).reshape(count, width)[:, :3])
+
+    def nodes_of_4(self):
+        file = self.file
+        for _ in range(file.take("s", 2)[0]):
+            _, dimension, parametric = file.take("i", 3)
+            for _ in range(file.take("s")[0]):
+                self.node(file.take("i")[0])
+                self.points.append(file.take("d", 3))
+                file.take("d", int(dimension) if parametric else 0)
 
     def parametric_nodes(self, *_):
         """Of version 2.2: with the entity that a node lies on, and its parameters there."""
@@ -169,13 +184,21 @@ class GmshMesh:
         if self.old:
             self.old_elements()
             return
-        file = self.file
-        for _ in range(file.take("s", 4)[0]):
-            dimension, entity, number = (int(n) for n in file.take("i", 3))
+        file, is_4 = self.file, self.file.version == "4"
+        for _ in range(file.take("s", 2 if is_4 else 4)[0]):
+            *entity, number = (int(n) for n in file.take("i", 3))
+            dimension, tag = reversed(entity) if is_4 else entity
             kind, count = self.kind_of(number), int(file.take("s")[0])
-            groups = [(dimension, abs(int(group))) for group in self.groups_of.get((dimension, entity), [])]
-            for row in file.take("s", count * (1 + GMSH_NODES[kind])).reshape(count, -1):
+            groups = [(dimension, abs(int(group))) for group in self.groups_of.get((dimension, tag), [])]
+            for row in file.take("i" if is_4 else "s", count * (1 + GMSH_NODES[kind])).reshape(count, -1):
                 self.add(kind, row[0], groups, row[1:])
+
+    def first_elements(self, *_):
+        """Of version 1: tag, type, physical and elementary entity, how many nodes, nodes."""
+        for _ in range(self.old_count()):
+            tag, number, group, _, _ = self.file.take("i", 5)
+            kind = self.kind_of(int(number))
+            self.add_old(kind, np.array([tag, group, *self.file.take("i", GMSH_NODES[kind])]), 1)
 
     def old_elements(self):
         file, count = self.file, self.old_count()
@@ -268,27 +291,5 @@ class GmshMesh:
                 array[cell_of[tag]] = values[tag]
 
 
-def saved_anew(path, version):
-    """By Gmsh itself, which reads all of its versions: the bytes of version 4.1, through a pipe."""
-    try:
-        # Without what its user has set in Gmsh.
-        ran = subprocess.run(["gmsh", str(path.absolute()), "-save", "-format", "msh41", "-o", "/dev/stdout",
-                              "-v", "1"], capture_output=True, check=False,
-                             env={**os.environ, "GMSH_HOME": os.devnull})
-    except FileNotFoundError:
-        wrong(path, None, f"Gmsh's format version {version} is read with Gmsh itself, which is not installed here "
-                          "(Debian: gmsh); install it, or save the mesh as version 4.1 or 2.2")
-    if ran.returncode != 0:
-        said = ran.stderr.decode("utf-8", "replace").strip().splitlines()
-        wrong(path, None, f"Gmsh cannot read it: {said[0] if said else 'it does not say why'}")
-    return ran.stdout
-
-
 def read_gmsh(path):
-    """Version 2.2 or 4.1; others are saved anew first."""
-    file = GmshFile(path, bytes_of(path))
-    if file.version in ("2.2", "4.1"):
-        return GmshMesh(file).body()
-    body = GmshMesh(GmshFile(path, saved_anew(path, file.version))).body()
-    body.notes.append(f"it is of Gmsh's format version {file.version}, and was read with Gmsh itself")
-    return body
+    return GmshMesh(GmshFile(path, bytes_of(path))).body()
