@@ -76,25 +76,23 @@ void refuseLoosePieces(const Problem& problem) {
   const std::string where = fmt::format("the one of {} nodes around node {} at {}", piece.size(),
                                         piece.front(), placeText(mesh.nodes[at(piece.front())]));
   if (nodes.empty())
-    throw SceneError(
+    throw badInputAt(
         mesh_line,
-        badInput("the mesh consists of {} pieces that share no face, and {} has no fixed node: "
-                 "nothing holds it (join it: palpate mesh --weld makes coincident nodes one; or "
-                 "remove or fix it)",
-                 pieces.size(), where));
+        "the mesh consists of {} pieces that share no face, and {} has no fixed node: "
+        "nothing holds it (join it: palpate mesh --weld makes coincident nodes one; or "
+        "remove or fix it)",
+        pieces.size(), where);
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
-    throw SceneError(
+    throw badInputAt(
         mesh_line,
-        badInput(
-            "the mesh consists of {} pieces that share no face, and {} hangs on the others by "
-            "{} on one line (node {} at {}): it can turn there; join it by faces, or remove it",
-            pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge));
-  throw SceneError(
-      problem.scene.fixed.lines.table,
-      badInput("[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
-               "fix at least three nodes that are not on a line",
-               counted(nodes.size(), "node"), nodes.front(), hinge));
+        "the mesh consists of {} pieces that share no face, and {} hangs on the others by "
+        "{} on one line (node {} at {}): it can turn there; join it by faces, or remove it",
+        pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge);
+  throw badInputAt(problem.scene.fixed.lines.table,
+                   "[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
+                   "fix at least three nodes that are not on a line",
+                   counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
 /// Nodes of the mesh, sorted, each once: what came over the wire may be anything.
@@ -139,13 +137,12 @@ void refuseContrast(const std::vector<Region>& regions) {
     return region.isRest() ? std::string("[material]") : "[[region]] \"" + region.name() + '"';
   };
   if (young(stiff) > largest_contrast * shear(soft))
-    throw SceneError(
+    throw badInputAt(
         stiff.lines.table,
-        badInput("{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear "
-                 "modulus of {}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as "
-                 "good as rigid, or fix what is rigid",
-                 named(stiff), young(stiff), largest_contrast, named(soft), shear(soft),
-                 1e5 * shear(soft)));
+        "{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear "
+        "modulus of {}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as "
+        "good as rigid, or fix what is rigid",
+        named(stiff), young(stiff), largest_contrast, named(soft), shear(soft), 1e5 * shear(soft));
 }
 
 void checkRegions(const Problem& problem) {

@@ -281,12 +281,12 @@ std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
       for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
         if (isIn(place, middleOf(mesh, e))) elements.push_back(static_cast<std::int32_t>(e));
       if (elements.size() == before)
-        throw SceneError(
+        throw badInputAt(
             region.lines.of(key),
-            badInput("region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to "
-                     "{} m, and edges are {:.3g} m on average",
-                     key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
-                     measure(mesh).mean_edge));
+            "region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to "
+            "{} m, and edges are {:.3g} m on average",
+            key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
+            measure(mesh).mean_edge);
     }
   };
   addThoseIn(region.boxes, "box");
@@ -310,9 +310,9 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   const NodeSet nodes = allNodes(mesh);
   const Eigen::AlignedBox3d box = boundingBox(mesh);
   const auto nothing = [&](const char* key) {
-    return SceneError(selection.lines.of(key),
-                      badInput("fixed.{} selects no node; the mesh reaches from {} to {} m", key,
-                               placeText(box.min()), placeText(box.max())));
+    return badInputAt(selection.lines.of(key),
+                      "fixed.{} selects no node; the mesh reaches from {} to {} m", key,
+                      placeText(box.min()), placeText(box.max()));
   };
   NodeSet fixed;
   for (const HalfSpace& half : selection.half_spaces)
@@ -327,9 +327,9 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   }
   for (const std::int32_t node : selection.nodes) {
     if (node >= mesh.vertices())
-      throw SceneError(selection.lines.of("nodes"),
-                       badInput("fixed.nodes: there is no node {}; the mesh has nodes 0 to {}",
-                                node, mesh.vertices() - 1));
+      throw badInputAt(selection.lines.of("nodes"),
+                       "fixed.nodes: there is no node {}; the mesh has nodes 0 to {}", node,
+                       mesh.vertices() - 1);
     fixed.push_back(node);
   }
   addNodesBetween(selection.nodes, mesh, fixed);
@@ -367,10 +367,10 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
     if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // of its area
   for (const ActiveSelection& one : expanded)
     if (!names.insert(one.name).second)
-      throw SceneError(
+      throw badInputAt(
           one.lines.of("name"),
-          badInput("two active nodes are called \"{}\", one of them by a surface; rename the other",
-                   one.name));
+          "two active nodes are called \"{}\", one of them by a surface; rename the other",
+          one.name);
   return expanded;
 }
 
@@ -401,24 +401,22 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
   for (std::size_t r = has_rest ? 1 : 0; r < regions.size(); ++r)
     for (const std::int32_t element : tetrahedraOf(regions[r], mesh)) {
       if (region_of[element] != nowhere)
-        throw SceneError(
+        throw badInputAt(
             regions[r].lines.of("group"),
-            badInput("region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
-                     placeOf(mesh, element), regions[region_of[element]].name(),
-                     regions[r].name()));
+            "region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
+            placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
       region_of[element] = static_cast<std::uint16_t>(r);
     }
   // [material] takes what no group names; without one every tetrahedron must be named.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
-    throw SceneError(regions.front().lines.table,
-                     badInput("[material]: the regions are the whole body and leave no tetrahedron "
-                              "for it; remove it"));
+    throw badInputAt(regions.front().lines.table,
+                     "[material]: the regions are the whole body and leave no tetrahedron "
+                     "for it; remove it");
   if (rest != region_of.end() && !has_rest)
-    throw SceneError(
-        regions.front().lines.table,
-        badInput("[[region]]: {} is in none; write a [material] for what no region names",
-                 placeOf(mesh, rest - region_of.begin())));
+    throw badInputAt(regions.front().lines.table,
+                     "[[region]]: {} is in none; write a [material] for what no region names",
+                     placeOf(mesh, rest - region_of.begin()));
   std::ranges::replace(region_of, nowhere, std::uint16_t{0});
   return region_of;
 }
@@ -443,9 +441,8 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const Material& material = regions[region_of[e]].material;
     if (const auto* field = fields[region_of[e]]) {
       if ((*field)[e].isZero(0))
-        throw SceneError(line(region_of[e]),
-                         badInput("material.fiber: \"{}\" is zero, or missing, in {}",
-                                  material.fiber_field, placeOf(mesh, e)));
+        throw badInputAt(line(region_of[e]), "material.fiber: \"{}\" is zero, or missing, in {}",
+                         material.fiber_field, placeOf(mesh, e));
       fibers[e][0] = (*field)[e].stableNormalized();
     }
     std::ranges::copy(material.fibers, fibers[e].begin());

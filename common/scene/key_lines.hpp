@@ -34,6 +34,12 @@ class SceneError : public Error {
   int line_;
 };
 
+/// badInput() about this line.
+template <class... Args>
+SceneError badInputAt(int line, fmt::format_string<Args...> format, Args&&... args) {
+  return {line, badInput(format, std::forward<Args>(args)...)};
+}
+
 /// What `work` returns. An Error that it throws becomes one about `line`, unless it has a line.
 template <class Work>
 auto atLine(int line, const Work& work) {
