@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-using Drawn = nlohmann::ordered_json;
+using DrawingJson = nlohmann::ordered_json;
 
 /// Discs on the organ beyond which they would cover the colours of its triangles.
 constexpr std::size_t most_discs = 150;
@@ -26,18 +26,18 @@ double rounded(double value, int figures) {
 }
 
 template <class Values>
-Drawn numbers(const Values& values, int figures) {
-  Drawn array = Drawn::array();
+DrawingJson numbers(const Values& values, int figures) {
+  DrawingJson array = DrawingJson::array();
   for (const double value : values) array.push_back(rounded(value, figures));
   return array;
 }
 
-Drawn forcesOf(const AxisForces& along) {
-  return Drawn::array({numbers(along.displacements, 6), numbers(along.forces, 6)});
+DrawingJson forcesOf(const AxisForces& along) {
+  return DrawingJson::array({numbers(along.displacements, 6), numbers(along.forces, 6)});
 }
 
-Drawn drawn(const ForceWay& way) {
-  Drawn sampled = Drawn::array();
+DrawingJson drawn(const ForceWay& way) {
+  DrawingJson sampled = DrawingJson::array();
   for (const AxisForces& forces : way.sampled) sampled.push_back(forcesOf(forces));
   return {{"name", way.name},
           {"direction", numbers(way.direction, 4)},
@@ -47,8 +47,8 @@ Drawn drawn(const ForceWay& way) {
 }
 
 template <class Ways>
-Drawn drawnWays(const Ways& ways) {
-  Drawn array = Drawn::array();
+DrawingJson drawnWays(const Ways& ways) {
+  DrawingJson array = DrawingJson::array();
   for (const ForceWay& way : ways) array.push_back(drawn(way));
   return array;
 }
@@ -62,9 +62,10 @@ class Surface {
     for (const std::int32_t node : dataset.surfaceNodes()) numbers_[at(node)] = count++;
   }
 
-  Drawn body() const {
+  DrawingJson body() const {
     const Mesh& mesh = dataset_.mesh();
-    Drawn nodes = Drawn::array(), triangles = Drawn::array(), fixed = Drawn::array();
+    DrawingJson nodes = DrawingJson::array(), triangles = DrawingJson::array(),
+                fixed = DrawingJson::array();
     for (const std::int32_t node : dataset_.surfaceNodes())
       for (const double coordinate : mesh.nodes[at(node)]) nodes.push_back(rounded(coordinate, 5));
     for (const Triangle& triangle : mesh.surface)
@@ -82,11 +83,11 @@ class Surface {
 
   /// A place on the surface, and the triangles that it lies in, on an edge or at a corner of: what
   /// is there is seen from the sides from which one of them is.
-  Drawn mark(const Eigen::Vector3d& place) const {
+  DrawingJson mark(const Eigen::Vector3d& place) const {
     const Mesh& mesh = dataset_.mesh();
     const SurfacePoint on_surface = nearestOnSurface(mesh, place);
     const Triangle& nearest = mesh.surface[at(on_surface.triangle)];
-    Drawn triangles = Drawn::array();
+    DrawingJson triangles = DrawingJson::array();
     for (std::size_t t = 0; t < mesh.surface.size(); ++t) {
       const auto lacks = [&](int corner) {
         return on_surface.barycentric[corner] > 0 &&
@@ -103,14 +104,15 @@ class Surface {
 };
 
 /// What was computed, and by what: terms with their texts, and the whole scene.
-Drawn provenanceOf(const std::vector<Dataset>& datasets, const std::vector<DatasetFacts>& facts) {
-  Drawn all = Drawn::array();
+DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
+                         const std::vector<DatasetFacts>& facts) {
+  DrawingJson all = DrawingJson::array();
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Dataset& dataset = datasets[d];
     const ProbeCounts& probes = facts[d].probes;
-    Drawn rows = Drawn::array();
+    DrawingJson rows = DrawingJson::array();
     const auto add = [&](const char* term, const std::string& text) {
-      rows.push_back(Drawn::array({term, text}));
+      rows.push_back(DrawingJson::array({term, text}));
     };
     add("dataset", facts[d].file.filename().string());
     add("content hash", dataset.contentId().hex());
@@ -126,8 +128,8 @@ Drawn provenanceOf(const std::vector<Dataset>& datasets, const std::vector<Datas
   return all;
 }
 
-Drawn drawn(const AreaMeasures& area, const Report& report, const Surface& surface) {
-  Drawn probes = Drawn::array();
+DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface& surface) {
+  DrawingJson probes = DrawingJson::array();
   for (const AreaProbes::Comparison& probe : area.probes.comparisons)
     probes.push_back({{"at", surface.mark(probe.place)},
                       {"displacement", rounded(probe.displacement.norm(), 6)},
@@ -142,17 +144,18 @@ Drawn drawn(const AreaMeasures& area, const Report& report, const Surface& surfa
           {"ways", drawnWays(area.ways)}};
 }
 
-Drawn drawn(const SliceMap& slice) {
+DrawingJson drawn(const SliceMap& slice) {
   const auto flat = [](const Eigen::Vector2d& p) {
-    return Drawn::array({rounded(p.x(), 6), rounded(p.y(), 6)});
+    return DrawingJson::array({rounded(p.x(), 6), rounded(p.y(), 6)});
   };
   // Where the corners around are solved: "0" or "1" for each sample.
   std::string covered;
   for (const char one : slice.covered) covered += one != 0 ? '1' : '0';
-  Drawn marks = Drawn::array(), jumps = Drawn::array(), errors = Drawn::array();
+  DrawingJson marks = DrawingJson::array(), jumps = DrawingJson::array(),
+              errors = DrawingJson::array();
   for (const SliceMap::LatticeMark& mark : slice.marks)
     marks.push_back({{"at", flat(mark.at)}, {"tag", name(mark.tag)}});
-  for (const auto& [a, b] : slice.jumps) jumps.push_back(Drawn::array({flat(a), flat(b)}));
+  for (const auto& [a, b] : slice.jumps) jumps.push_back(DrawingJson::array({flat(a), flat(b)}));
   for (const SliceMap::ErrorMark& mark : slice.errors)
     errors.push_back({{"at", flat(mark.at)}, {"error", rounded(mark.error, 6)}});
   return {{"across", slice.across},
@@ -166,8 +169,8 @@ Drawn drawn(const SliceMap& slice) {
           {"errors", errors}};
 }
 
-Drawn drawn(const NodePictures& pictures) {
-  Drawn slices = Drawn::array();
+DrawingJson drawn(const NodePictures& pictures) {
+  DrawingJson slices = DrawingJson::array();
   for (const SliceMap& slice : pictures.slices) slices.push_back(drawn(slice));
   return {{"node", pictures.node},
           {"slices", slices},
@@ -176,29 +179,30 @@ Drawn drawn(const NodePictures& pictures) {
 }
 
 /// Where the active nodes are, with the error bounds of their spaces.
-Drawn drawnNodes(const Report& report, const Surface& surface) {
+DrawingJson drawnNodes(const Report& report, const Surface& surface) {
   const Dataset& dataset = report.open.front();
-  Drawn nodes = Drawn::array();
+  DrawingJson nodes = DrawingJson::array();
   for (std::size_t n = 0; n < report.nodes.size(); ++n) {
     const NodeMeasures& node = report.nodes[n];
     const std::int32_t number = dataset.spaces()[n].patch.node;
     nodes.push_back(
         {{"node", surface.number(number)},
          {"at", report.nodes.size() <= most_discs ? surface.mark(dataset.mesh().nodes[at(number)])
-                                                  : Drawn(nullptr)},
+                                                  : DrawingJson(nullptr)},
          {"mean_bound", node.bound.mean},
          {"largest_bound", node.bound.maximum},
-         {"compared", node.compared ? Drawn(*node.compared) : Drawn(nullptr)}});
+         {"compared", node.compared ? DrawingJson(*node.compared) : DrawingJson(nullptr)}});
   }
   return nodes;
 }
 
 }  // namespace
 
-Drawn drawingsOf(const Report& report) {
+DrawingJson drawingsOf(const Report& report) {
   const Dataset& first = report.open.front();
   const Surface surface(first);
-  Drawn areas = Drawn::array(), lattices = Drawn::array(), pictures = Drawn::array();
+  DrawingJson areas = DrawingJson::array(), lattices = DrawingJson::array(),
+              pictures = DrawingJson::array();
   for (const AreaMeasures& area : report.areas) areas.push_back(drawn(area, report, surface));
   for (const LatticeMeasures& lattice : report.lattices)
     lattices.push_back({{"node_configurations", lattice.node_configurations},
@@ -216,15 +220,15 @@ Drawn drawingsOf(const Report& report) {
           {"body", surface.body()},
           {"areas", areas},
           {"lattices", lattices},
-          {"nodes", report.areas_alone ? Drawn::array() : drawnNodes(report, surface)},
+          {"nodes", report.areas_alone ? DrawingJson::array() : drawnNodes(report, surface)},
           {"pictures", pictures},
           {"provenance", provenanceOf(report.open, report.datasets)}};
 }
 
-Drawn drawingsOf(const Comparison& comparison) {
+DrawingJson drawingsOf(const Comparison& comparison) {
   const Surface surface(comparison.open[0]);
-  Drawn names = Drawn::array(), files = Drawn::array(), everywhere = Drawn::array(),
-        places = Drawn::array();
+  DrawingJson names = DrawingJson::array(), files = DrawingJson::array(),
+              everywhere = DrawingJson::array(), places = DrawingJson::array();
   for (std::size_t s = 0; s < 2; ++s) {
     names.push_back(comparison.open[s].scene().name);
     files.push_back(comparison.datasets[s].file.stem().string());
@@ -234,7 +238,7 @@ Drawn drawingsOf(const Comparison& comparison) {
                           {"at", surface.mark(one.place)},
                           {"relative", rounded(one.relative, 6)}});
   for (const ComparedPlace& place : comparison.places) {
-    Drawn axes = Drawn::array(), distances = Drawn::array();
+    DrawingJson axes = DrawingJson::array(), distances = DrawingJson::array();
     for (const auto& both : place.axes) axes.push_back(drawnWays(both));
     for (const ForceAtDistance& one : place.distances)
       distances.push_back(

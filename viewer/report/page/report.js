@@ -56,7 +56,7 @@ function bytes(value) {
 const millimetres = (metres) => 1e3 * metres;
 const rangeOf = (values) => values.reduce(([low, high], value) =>
   [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
-const length = (v) => Math.hypot(...v);
+const norm = (v) => Math.hypot(...v);
 
 // ---- Ticks of axes.
 
@@ -385,7 +385,7 @@ const minus = (a, b) => a.map((c, n) => c - b[n]);
 /// Three looks at the body: rows of axes to the right, up, and towards the eye.
 function bodyViews(eye) {
   const axes = (towards, hint) => {
-    const across = cross(hint, towards), right = across.map((c) => c / length(across));
+    const across = cross(hint, towards), right = across.map((c) => c / norm(across));
     return [right, cross(towards, right), towards];
   };
   const behind = eye.map((c) => -c), hint = Math.abs(eye[2]) < 0.9 ? [0, 0, 1] : [0, 1, 0];
@@ -405,7 +405,7 @@ function lookAt(axes) {
   const facing = [], depth = [];
   for (let t = 0; t < triangles.length / 3; ++t) {
     const [p, q, r] = cornersOf(t), normal = cross(minus(q, p), minus(r, p));
-    facing.push(normal[2] / length(normal));
+    facing.push(normal[2] / norm(normal));
     depth.push(p[2] + q[2] + r[2]);
   }
   return {
