@@ -20,6 +20,8 @@
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
 
+#undef _res  // a macro of <resolv.h>, and a name of Eigen's, which others of this batch include
+
 namespace palpate {
 namespace {
 
