@@ -28,7 +28,7 @@ class FuzzedScheduler {
  public:
   FuzzedScheduler()
       : directory_(folder_ / "state"),
-        store_(directory_, problem(), problemBytes(), 1 << 20),
+        store_(directory_, problem(), 1 << 20),
         coordinator_(problem(), problemBytes(), store_, now_) {}
 
   void follow(Choices& choices) {

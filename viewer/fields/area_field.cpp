@@ -294,8 +294,8 @@ void AreaField::prepare(const std::vector<std::size_t>& stations,
 }
 
 bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
-  const auto lacking =
-      std::ranges::find_if(sites, [&](std::size_t site) { return !made_[site].has_value(); });
+  const auto lacking = std::find_if(sites.begin(), sites.end(),
+                                    [&](std::size_t site) { return !made_[site].has_value(); });
   if (lacking == sites.end()) return false;
   if (fits_.empty()) fits_.emplace_back(spaces_.front()->lattice.unit());
   made_[*lacking].emplace(*spaces_[*lacking], fits_.front());

@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
-
-#include "common/base/number_in.hpp"
-
 namespace palpate {
 namespace {
 
@@ -20,16 +16,6 @@ TEST(NumberText, OneOfAKindHasNoPlural) {
 TEST(NumberText, ZerosHaveNoSign) {
   EXPECT_EQ(vectorText({0.00249, -0.0, -0.000171}, 3, " "), "0.00249 0 -0.000171");
   EXPECT_EQ(vectorText({-0.0, 1234.5678, 1e-9}, 4), "0, 1235, 1e-09");
-}
-
-TEST(NumberIn, ReadsATextThatIsANumberAndNothingElse) {
-  EXPECT_EQ(numberIn<int>("-17"), -17);
-  EXPECT_EQ(numberIn<double>("2.5"), 2.5);
-  EXPECT_EQ(numberIn<std::uint16_t>("65535"), 65535);
-  for (const char* none : {"", " 1", "1 ", "+1", "1.5", "0x1", "one"})
-    EXPECT_FALSE(numberIn<int>(none)) << none;
-  EXPECT_FALSE(numberIn<std::uint16_t>("65536"));
-  EXPECT_FALSE(numberIn<std::uint16_t>("-1"));
 }
 
 }  // namespace
