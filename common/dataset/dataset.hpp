@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "common/dataset/stored_body.hpp"
 #include "common/problem/problem.hpp"
 #include "common/space/space_table.hpp"
 
@@ -27,14 +28,6 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);
-
-/// What a dataset holds of the body.
-struct StoredMesh {
-  Mesh mesh;                          ///< without groups; quadratic with P2 displacement
-  std::vector<std::int32_t> fixed;    ///< sorted
-  std::vector<std::int32_t> surface;  ///< surfaceNodes(mesh)
-  std::vector<std::int32_t> stored;   ///< storedNodes of the scene
-};
 
 /// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
 /// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5
@@ -91,7 +84,7 @@ class Dataset {
   std::unique_ptr<Input> input_;
   std::string scene_toml_;
   Scene scene_;
-  StoredMesh body_;
+  StoredBody body_;
   std::vector<SpaceTable> spaces_, probe_places_;
   ContentId content_id_, build_id_;
   bool partial_ = false;

@@ -1,8 +1,12 @@
 #pragma once
 
-#include "common/dataset/dataset.hpp"
+#include <functional>
+
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/dataset/hdf5_writer.hpp"
+#include "common/dataset/stored_body.hpp"
+#include "common/problem/problem.hpp"
+#include "common/space/space_table.hpp"
 
 /// What a dataset consists of, part by part: names, numbers and groups, each with its writer and
 /// its reader. docs/dataset.md is the page about it. One thread at a time, as HDF5.
@@ -43,7 +47,7 @@ ContentId verifiedContent(const std::filesystem::path& file);
 /// Writes the group /mesh.
 void writeMesh(hdf5::Writer& out, const Problem& problem);
 /// Reads it; Error that names the array when it is damaged, or is not that of a body with `scene`.
-StoredMesh readMesh(const hdf5::Reader& in, const Scene& scene);
+StoredBody readMesh(const hdf5::Reader& in, const Scene& scene);
 
 // ---- the configuration spaces, without the nodal fields (stored_spaces.cpp) -------------------
 
@@ -63,7 +67,7 @@ std::vector<SpaceTable> readSpaces(const hdf5::Reader& in, const Scene& scene, c
 /// `fields` gives those of a solved point, all nodes; Error when they are not what its record
 /// names.
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
-                 const FieldsSource& fields);
+                 const std::function<NodalFields(std::size_t space, std::int32_t point)>& fields);
 
 /// Reads them back, each row compared with its hash.
 class FieldsReader {

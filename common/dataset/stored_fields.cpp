@@ -72,7 +72,7 @@ std::vector<float> displacementsOf(const NodalFields& fields,
 }  // namespace
 
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
-                 const FieldsSource& fields) {
+                 const std::function<NodalFields(std::size_t, std::int32_t)>& fields) {
   const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
   const hsize_t n_pressures = storedPressures(problem);
   const bool quantized = isQuantized(problem.scene);

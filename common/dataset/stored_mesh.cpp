@@ -72,8 +72,8 @@ void writeMesh(hdf5::Writer& out, const Problem& problem) {
   out.writeList(stored_path, storedNodes(problem.scene, mesh), "1");
 }
 
-StoredMesh readMesh(const Reader& in, const Scene& scene) {
-  StoredMesh read;
+StoredBody readMesh(const Reader& in, const Scene& scene) {
+  StoredBody read;
   Mesh& mesh = read.mesh;
   mesh.nodes = in.readList<Eigen::Vector3d>(points_path);
   for (const Eigen::Vector3d& node : mesh.nodes)

@@ -50,7 +50,7 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   EXPECT_EQ(words.front(), "started");
   EXPECT_EQ(words.back(), "sealed");
   EXPECT_EQ(std::ranges::count(words, "worker_joined"), 2);
-  const auto stages = eventsOf("out.h5.state --event stage --space tip");
+  const auto stages = eventsOf("out.h5.state --event stage");
   ASSERT_THAT(stages, Not(testing::IsEmpty()));
   EXPECT_EQ(stages.back().at("stage"), "complete");
   EXPECT_THAT(eventsOf("out.h5.state --last 2"), SizeIs(2));

@@ -168,7 +168,7 @@ TEST_F(ReportPageTest, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   sample.spaces.front().attempts.clear();
   sample.seal(directory / "one.h5");
   test::Browser browser;
-  open(browser, "one.h5 --methods potential,hermite");
+  open(browser, "one.h5 --methods potential,tricubic");
   EXPECT_EQ(browser.valueOf("report.references.kind"), "none");
 }
 

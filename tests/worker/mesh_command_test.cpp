@@ -208,7 +208,7 @@ TEST_F(MeshCommand, NamesTheUnitThatAMeshFits) {
 
 TEST_F(MeshCommand, WithoutAFolderToWorkInSaysWhatSetsOne) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
-  const CommandResult refused = worker("mesh organ.stl -o organ.msh", "env TMPDIR=/nowhere");
+  const CommandResult refused = worker("mesh organ.stl -o organ.msh", "env TMPDIR=gone");
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.output, HasSubstr("set TMPDIR to one that is there"));
 }

@@ -83,7 +83,8 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
     if (of_holder) release();
     return refuse(
         incoming.peer,
-        "your key is not allowed to use this device: palpate key allow KEY operator, where it is lent");
+        "your key is not allowed to use this device: palpate key allow KEY operator, where it is "
+        "lent");
   }
   if (of_holder) last_heard_ = Clock::now();
   switch (message.body_case()) {

@@ -123,7 +123,7 @@ TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
   }
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0004.vtu"));
   options.steps = 1;
-  expectBadInput([&] { run(); }, {"press.pvd is there already"});
+  expectBadInput([&] { run(); }, {"press is there already"});
   options.replace = true;
   EXPECT_EQ(run(), ExitCode::done);
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0002.vtu")) << "of the longer one";

@@ -54,7 +54,7 @@ TEST_F(ShareCommandTest, NamesAreNoMarkup) {
   if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   CarriedOrgan organ;
   organ.name = "</script><b>";
-  EXPECT_THAT(organPage(organ), AllOf(HasSubstr("&lt;/script>"), HasSubstr("\\u003c/script>"),
+  EXPECT_THAT(organPage(organ), AllOf(HasSubstr("&lt;/script&gt;"), HasSubstr("\\u003c/script>"),
                                       Not(HasSubstr("</script><b>"))));
 }
 

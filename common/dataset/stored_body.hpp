@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/mesh.hpp"
+
+namespace palpate {
+
+/// What a dataset holds of the body.
+struct StoredBody {
+  Mesh mesh;                          ///< without groups; quadratic with P2 displacement
+  std::vector<std::int32_t> fixed;    ///< sorted
+  std::vector<std::int32_t> surface;  ///< surfaceNodes(mesh)
+  std::vector<std::int32_t> stored;   ///< storedNodes of the scene
+};
+
+}  // namespace palpate
