@@ -4,6 +4,7 @@ Axes are in the units that their labels say. Nothing is drawn of data that are n
 is None is refused (record.Incomplete), unless the figure says that holes are part of what it shows."""
 import csv
 import io
+import math
 
 from interruption import write_whole
 from record import Incomplete, needed
@@ -27,6 +28,28 @@ def as_csv(name, columns, rows, holes=False):
     writer.writerow(columns)
     writer.writerows([shown(value) for value in row] for row in rows)
     return text.getvalue()
+
+
+def faults(folder):
+    """What no table or figure of a whole run may hold: a row without a number in it, or a number that is none."""
+    found = []
+    for path in sorted(folder.glob("*.csv")):
+        rows = list(csv.reader(io.StringIO(path.read_text(encoding="utf-8"))))[1:]
+        of_text = not any(map(has_number, rows))
+        for row in rows:
+            if "nan" in row or not (of_text or has_number(row)):
+                found.append(f"{path.name}: {', '.join(row)}")
+    return found
+
+
+def has_number(row):
+    def is_number(cell):
+        try:
+            return math.isfinite(float(cell))
+        except ValueError:
+            return False
+
+    return any(map(is_number, row))
 
 
 def shown(value):

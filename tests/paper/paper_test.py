@@ -253,6 +253,12 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual((self.folder / "figures" / "table.md").read_text(),
                          "| method | error (N) |\n| --- | --- |\n| ours | 0.25 |\n| other | not measured |\n")
 
+    def testARowWithoutANumberAndANumberThatIsNoneAreFaultsOfATable(self):
+        rows = [["ours", "here", 0.25], ["other", "there", None], ["third", "there", float("nan")]]
+        figure.save_table(self.record(), "table", ["method", "where", "error (N)"], rows)
+        figure.save_table(self.record(), "words", ["method", "source"], [["ours", "a page"]])
+        self.assertEqual(figure.faults(self.folder / "figures"), ["table.csv: other, there, ", "table.csv: third, there, nan"])
+
     def testWhatASurveyLacksIsNamedAndItsFigureNotDrawn(self):
         with self.assertRaisesRegex(Incomplete, "not all of the paper's surveys"):
             surveys.how_far(self.withoutTime())

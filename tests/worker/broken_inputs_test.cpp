@@ -414,10 +414,5 @@ TEST(BrokenInputs, MeshesOfOtherFormatsAreAnsweredWithFileLineAndWhatIsWrong) {
   }
 }
 
-TEST(BrokenInputs, AreManyThatAreHeldToTheirAnswers) {
-  EXPECT_GE(brokenScenes().size(), 40u);
-  EXPECT_GE(brokenMeshes().size(), 30u);
-}
-
 }  // namespace
 }  // namespace palpate

@@ -126,12 +126,17 @@ TEST(LinearSolverDeathTest, WithoutMemoryIsAnErrorAndNoAnswer) {
   EXPECT_EXIT(factorizeInLittle(), testing::ExitedWithCode(1), "out of memory");
 }
 
-TEST(LinearSolver, ReportsNotANumberAsAFailure) {
-  const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Factorization factorization = solver->factorize({nan, 1, -3, 1, 4});
-  Eigen::MatrixXd x = Eigen::Vector3d(1, 1, 1);
-  EXPECT_TRUE(!factorization.ok || !solver->solve(x) || !x.allFinite());
+TEST(LinearSolver, GivesNoFiniteSolutionOfAMatrixWithNotANumber) {
+  for (const Precision precision : {Precision::single_precision, Precision::double_precision}) {
+    const auto solver = LinearSolver::of(tridiagonal(), precision, false);
+    for (std::size_t entry = 0; entry < indefinite.size(); ++entry) {
+      std::vector<double> values = indefinite;
+      values[entry] = std::numeric_limits<double>::quiet_NaN();
+      Eigen::MatrixXd x = Eigen::Vector3d(1, 1, 1);
+      const bool solved = solver->factorize(values).ok && solver->solve(x);
+      EXPECT_FALSE(solved && x.allFinite()) << "entry " << entry;
+    }
+  }
 }
 
 }  // namespace
