@@ -45,7 +45,6 @@ const std::vector<BrokenScene>& brokenScenes() {
       {"cube.msh", "none.msh", {"scene.toml:1: mesh = ", "none.msh", "there is no such file"}},
       {"cube.msh", "cube.vtu", {"scene.toml:1: mesh", "palpate mesh ", "cube.vtu -o ", "cube.msh"}},
       {"cube.msh", "cube.stl", {"scene.toml:1: mesh", "palpate mesh ", "cube.stl -o ", "cube.msh"}},
-      {"cube.msh", "cube.vtk", {"scene.toml:1: mesh", "palpate mesh ", "cube.vtk -o ", "cube.msh"}},
       {"cube.msh", "binary.msh", {"binary.msh:2", "binary", "palpate mesh ", "-o NEW.msh"}},
       {"cube.msh", "meshes/", {"scene.toml:1: mesh", "is a folder"}},
       {"mesh = \"cube.msh\"", "", {"scene.toml:1", "\"mesh\" is missing"}},
@@ -390,8 +389,7 @@ TEST(BrokenInputs, ScenesAreAnsweredWithFileLineKeyAndRemedy) {
   const test::TemporaryDirectory directory;
   test::writeGmsh22(test::cubeMesh(0.1, 3), directory / "cube.msh");
   std::ofstream(directory / "binary.msh") << "$MeshFormat\n2.2 1 8\n";
-  for (const char* other : {"cube.vtu", "cube.stl", "cube.vtk"})
-    std::ofstream(directory / other) << "solid";
+  for (const char* other : {"cube.vtu", "cube.stl"}) std::ofstream(directory / other) << "solid";
   std::ofstream(directory / "scene.toml") << sound_scene;
   EXPECT_NO_THROW(loadProblem(directory / "scene.toml"));
   for (const BrokenScene& broken : brokenScenes()) {

@@ -82,18 +82,9 @@ TEST_F(Problem, UnitesAllSelectors) {
   EXPECT_EQ(resolved().fixed, expected);
 }
 
-TEST_F(Problem, RefusesAFixedSetThatIsEmptyOrEverything) {
+TEST_F(Problem, FixesTheLowestPlaneByTheSmallestFraction) {
   scene.fixed.half_spaces[0].fraction = 1e-9;
-  EXPECT_NO_THROW(resolved());
-  scene.fixed.half_spaces = {};
-  refuses({"[fixed] selects no node"});
-  scene.fixed.half_spaces = {{2, true, std::nullopt, 5.0}};
-  refuses({"[fixed] selects all 125 nodes"});
-}
-
-TEST_F(Problem, RefusesASelectorThatSelectsNothing) {
-  scene.fixed.spheres = {{{1, 1, 1}, 0.01}};
-  refuses({"fixed.sphere selects no node", "(0.2, 0.2, 0.2)"});
+  EXPECT_EQ(resolved().fixed, mesh.node_groups.at("zmin"));
 }
 
 TEST_F(Problem, MakesEveryMovableNodeOfASurfaceActive) {
@@ -150,39 +141,15 @@ TEST_F(Problem, RefusesSurfacesThatHoldNothingToTouch) {
   refuses({"two active nodes", fmt::format("\"skin-{}\"", top)});
 }
 
-TEST_F(Problem, RefusesAnUnknownGroupListingThoseThereAre) {
+TEST_F(Problem, RefusesAGroupOfAMeshWithoutAny) {
   scene.fixed.groups = {"basis"};
-  refuses({"\"basis\"", "xmax, xmin, ymax, ymin, zmax or zmin"});
   mesh.node_groups.clear();
   refuses({"\"basis\"", "no physical groups"});
-}
-
-TEST_F(Problem, RefusesNodesThatAreNotThere) {
-  scene.fixed.nodes = {125};
-  refuses({"fixed.nodes", "125", "0 to 124"});
-  scene.fixed.nodes = {};
-  scene.active[0] = {"top", std::nullopt, 125, 0};
-  refuses({"active \"top\"", "125", "0 to 124"});
 }
 
 TEST_F(Problem, RefusesAnActiveNodeInsideTheBody) {
   scene.active[0] = {"deep", std::nullopt, center, 0};
   refuses({"active \"deep\"", "inside the body", "nearest surface node"});
-}
-
-TEST_F(Problem, RefusesAFixedActiveNode) {
-  scene.active[0].near = Eigen::Vector3d(0.1, 0.1, -0.01);
-  refuses({"active \"top\"", "fixed nodes"});
-}
-
-TEST_F(Problem, RefusesAnActiveNodeFarFromTheBody) {
-  scene.active[0].near = Eigen::Vector3d(58, 134, 2.5);
-  refuses({"active \"top\"", "near", "length_unit"});
-}
-
-TEST_F(Problem, RefusesAPatchThatLeavesNothingToSolveFor) {
-  scene.active[0].radius = 1;
-  refuses({"active \"top\"", "whole body", "radius"});
 }
 
 /// All around the fixed nodes below it.
@@ -211,8 +178,6 @@ TEST_F(Problem, RefusesABodyThatCanTurn) {
   scene.fixed = {};
   scene.fixed.nodes = {0, 1, 4};
   refuses({"on one line", "turn"});
-  scene.fixed.nodes = {0};
-  refuses({"on one line", "turn"});
   scene.fixed.nodes = {0, 1, 5};
   EXPECT_NO_THROW(resolved());
 }
@@ -220,12 +185,6 @@ TEST_F(Problem, RefusesABodyThatCanTurn) {
 TEST_F(Problem, RefusesMillimetresTakenForMetresSayingSo) {
   for (Eigen::Vector3d& node : mesh.nodes) node *= 1000;
   refuses({"200 m wide", "millimetres taken for metres", "length_unit = \"mm\""});
-}
-
-TEST_F(Problem, RefusesMetresTakenForMillimetresSayingSo) {
-  for (Eigen::Vector3d& node : mesh.nodes) node /= 1000;
-  scene.metres_per_unit = 0.001;
-  refuses({"0.0002 m wide only", "metres taken for millimetres", "length_unit = \"m\""});
 }
 
 TEST_F(Problem, RefusesAPieceThatNothingHolds) {
@@ -544,15 +503,10 @@ TEST_F(QuadraticProblem, AssignsEveryTetrahedronItsRegion) {
 
 TEST_F(QuadraticProblem, RefusesRegionsThatAreNotAPartitionOfTheBody) {
   addUpperRegion();
-  scene.regions[1].group = "uper";
-  refuses({"region.group", "\"uper\"", "the mesh has upper"});
-  scene.regions[1].group = "upper";
   scene.regions.push_back({"all", scene.regions[0].material});
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     mesh.element_groups["all"].push_back(static_cast<std::int32_t>(e));
   refuses({"is in \"upper\" and in \"all\"", "tetrahedron 192", "centre at"});
-  scene.regions.erase(scene.regions.begin() + 1);
-  refuses({"[material]", "whole body"});
   scene.regions = {{"upper", scene.regions[0].material}};
   refuses({"[[region]]", "tetrahedron 0", "centre at", "is in none", "[material]"});
   mesh.element_groups = {{"upper", {}}};
@@ -566,7 +520,6 @@ TEST_F(QuadraticProblem, TakesFibersFromTheMeshAndNormalisesThem) {
   addUpperRegion();
   scene.regions[1].material.fiber_field = "";
   scene.regions[1].material.fibers = {{0, 1, 0}};
-  refuses({"material.fiber", "\"grain\"", "no vectors of elements"});
   std::vector<Eigen::Vector3d>& grain = mesh.element_vectors["grain"];
   grain.assign(mesh.tetrahedra.size(), {0, 3, 4});
   for (const std::int32_t element : mesh.element_groups.at("upper")) grain[element] = {0, 0, 0};
@@ -643,25 +596,11 @@ TEST_F(WeightedPatch, ConvergesWithQuadraticShapeFunctionsAndTheirNegativeWeight
   EXPECT_NEAR(momentOn(16) / exact, 1, 0.004);
 }
 
-TEST_F(Problem, IsLoadedFromFilesWithErrorsThatNameTheScene) {
+TEST_F(Problem, IsLoadedFromFiles) {
   const test::TemporaryDirectory directory;
   test::writeGmsh41(mesh, directory / "cube.msh");
   std::ofstream(directory / "cube.toml") << resolvedToml(scene);
   EXPECT_EQ(problemId(loadProblem(directory / "cube.toml")), problemId(resolved()));
-  scene.fixed.groups = {"nobody"};
-  std::ofstream(directory / "cube.toml") << resolvedToml(scene);
-  expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                 {"cube.toml:", ": fixed.group", "nobody"});
-  for (const char* missing : {"nowhere.msh", "cube.stl"}) {
-    scene.mesh = missing;
-    std::ofstream(directory / "cube.toml") << resolvedToml(scene);
-    expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                   {"cube.toml:2: mesh", directory / missing, "there is no such file"});
-  }
-  std::ofstream(directory / "cube.stl") << "solid";
-  expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                 {"cube.toml:2: mesh", "palpate mesh " + (directory / "cube.stl").string() + " -o ",
-                  "cube.msh"});
 }
 
 TEST_F(Problem, ResolvesTheRealLiver) {
