@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/support/expect_error.hpp"
-#include "tests/support/sample_dataset.hpp"
+#include "tests/support/uneven_spaces.hpp"
 
 namespace palpate {
 namespace {
@@ -16,21 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double radius = 0.06, spacing = 0.02;
 
-/// Solved everywhere; the cells split one after the other, the new corners solved too.
-SpaceTable spaceWithSplits(std::vector<LatticeCell> splits) {
-  Lattice lattice(radius, spacing, 1024);
-  for (const LatticeCell& cell : splits) {
-    const std::int32_t half = 512 >> cell.level;
-    for (int n = 0; n < 27; ++n) {
-      const LatticePoint point = {cell.lowest[0] + half * (n % 3),
-                                  cell.lowest[1] + half * (n / 3 % 3),
-                                  cell.lowest[2] + half * (n / 9)};
-      if (!lattice.indexOf(point)) lattice.add(point);
-    }
-  }
-  SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
-  space.splits = std::move(splits);
-  return space;
+SpaceTable spaceWithSplits(const std::vector<LatticeCell>& splits) {
+  return test::splitSpace(Lattice(radius, spacing, 1024), splits, test::StiffeningEnergy());
 }
 
 const std::vector<LatticeCell> two_levels = {{{0, 0, 0}, 0}, {{512, 512, 512}, 1}};

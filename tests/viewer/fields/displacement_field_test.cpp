@@ -8,7 +8,7 @@
 #include <random>
 
 #include "tests/support/expect_error.hpp"
-#include "tests/viewer/fields/uneven_spaces.hpp"
+#include "tests/support/uneven_spaces.hpp"
 
 namespace palpate {
 namespace {
@@ -78,7 +78,7 @@ double errorAt(const DisplacementField& field, const Motion& motion, const Vecto
 }
 
 TEST(DisplacementField, ReturnsTheStoredShapesAtLatticePoints) {
-  const SpaceTable space = holedSpace(0.005);
+  const SpaceTable space = holedSpace();
   const DisplacementField field = fieldOf(space, curvedMotion());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (isSolved(space.points[n].tag)) {
@@ -110,7 +110,7 @@ TEST(DisplacementField, KeepsAsManyModesAsStoredShapesNeedForItsAccuracy) {
 }
 
 TEST(DisplacementField, ReproducesLinearMotionsOverTheWholeBallHolesIncluded) {
-  const SpaceTable space = holedSpace(0.005);
+  const SpaceTable space = holedSpace();
   const DisplacementField field = fieldOf(space, linearMotion());
   for (const Vector3d& p : pointsInBall(radius)) EXPECT_LE(errorAt(field, linearMotion(), p), 1e-8);
 }
@@ -126,10 +126,7 @@ TEST(DisplacementField, ConvergesWithTheSquareOfTheSpacing) {
 }
 
 TEST(DisplacementField, IsContinuousAcrossLeavesHolesLevelsAndTheSphere) {
-  SpaceTable branches = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
-  for (std::int32_t n = 0; n < branches.lattice.size(); ++n)
-    if (branches.lattice.point(n)[2] > 1) branches.points[n].equilibrium.force.x() += 3;
-  for (const SpaceTable& space : {holedSpace(0.005), refinedSpace(0.005), branches}) {
+  for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005), test::branchedSpace()}) {
     const DisplacementField field = fieldOf(space, curvedMotion());
     for (Vector3d p : pointsInBall(radius, 500))
       for (int axis = 0; axis < 3; ++axis) {

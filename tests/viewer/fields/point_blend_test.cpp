@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/viewer/fields/uneven_spaces.hpp"
+#include "tests/support/uneven_spaces.hpp"
 #include "viewer/fields/pressure_field.hpp"
 
 namespace palpate {
@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 using test::holedSpace;
 using test::pointsInBall;
 using test::refinedSpace;
-using test::solvedSpace;
-using test::StiffeningEnergy;
 
 /// One and the place itself: linear functions are what both say of them.
 TEST(PointBlend, ContinuesLinearFunctionsToEverySlotFromSolvedPointsAlone) {
@@ -42,9 +40,7 @@ TEST(PointBlend, ContinuesLinearFunctionsToEverySlotFromSolvedPointsAlone) {
 }
 
 TEST(PointBlend, DoesNotContinueAcrossAJump) {
-  SpaceTable space = solvedSpace(Lattice(test::radius, 0.005), StiffeningEnergy());
-  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
-    if (space.lattice.point(n)[2] > 1) space.points[at(n)].equilibrium.force.x() += 3;
+  const SpaceTable space = test::branchedSpace();
   const std::vector<LatticeEdge> jumps = inconsistentEdges(space);
   ASSERT_FALSE(jumps.empty());
   const PointBlend blend(space);
@@ -67,7 +63,7 @@ TEST(PointBlend, DoesNotContinueAcrossAJump) {
 }
 
 TEST(PointBlend, IsTheConfigurationAloneInEverySolvedPoint) {
-  const SpaceTable space = holedSpace(0.005);
+  const SpaceTable space = holedSpace();
   const PointBlend blend(space);
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     if (!isSolved(space.points[at(n)].tag)) continue;
@@ -81,7 +77,7 @@ TEST(PointBlend, IsTheConfigurationAloneInEverySolvedPoint) {
 /// Of numbers that points have, it makes what the field of pressures, which is seen, makes of them:
 /// in holes, on finer leaves, at the rim and beyond it.
 TEST(PointBlend, InterpolatesAsWhatIsSeen) {
-  for (const SpaceTable& space : {holedSpace(0.005), refinedSpace(0.005)}) {
+  for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005)}) {
     std::vector<float> values;
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
       values.push_back(isSolved(space.points[at(n)].tag) ? static_cast<float>(std::sin(7.0 * n))

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/support/random_loops.hpp"
-#include "tests/support/sample_dataset.hpp"
+#include "tests/support/uneven_spaces.hpp"
 
 namespace palpate {
 namespace {
@@ -17,26 +17,9 @@ using Eigen::Vector3d;
 constexpr double radius = 0.06, spacing = 0.02;
 
 /// Cells of three sizes, two failed points, the rim as it is.
-SpaceTable refinedSpace() {
-  const std::vector<LatticeCell> splits = {{{0, 0, 0}, 0}, {{1024, 0, 0}, 0}, {{512, 512, 512}, 1}};
-  Lattice lattice(radius, spacing, 1024);
-  for (const LatticeCell& cell : splits) {
-    const std::int32_t half = 512 >> cell.level;
-    for (int n = 0; n < 27; ++n) {
-      const LatticePoint point = {cell.lowest[0] + half * (n % 3),
-                                  cell.lowest[1] + half * (n / 3 % 3),
-                                  cell.lowest[2] + half * (n / 9)};
-      if (!lattice.indexOf(point)) lattice.add(point);
-    }
-  }
-  SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
-  space.splits = splits;
-  for (const LatticePoint& hole : {LatticePoint{-1024, 0, 0}, LatticePoint{1024, 512, 512}}) {
-    PointRecord& point = space.points[*lattice.indexOf(hole)];
-    point = {};
-    point.tag = Tag::failed;
-  }
-  return space;
+SpaceTable uneven(const test::AnalyticEnergy& energy = test::StiffeningEnergy()) {
+  return test::without(test::splitSpace(Lattice(radius, spacing, 1024), test::three_sizes, energy),
+                       {{-1024, 0, 0}, {1024, 512, 512}});
 }
 
 Vector3d inBall(std::mt19937& random) {
@@ -48,7 +31,7 @@ Vector3d inBall(std::mt19937& random) {
 }
 
 TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
-  const PotentialField field(refinedSpace());
+  const PotentialField field(uneven());
   std::mt19937 random(4);
   for (int n = 0; n < 6000; ++n) {
     Vector3d low = inBall(random), high;
@@ -65,7 +48,7 @@ TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
 }
 
 TEST(PotentialField, IsContinuousOverTheSphere) {
-  const PotentialField field(refinedSpace());
+  const PotentialField field(uneven());
   std::mt19937 random(6);
   for (int n = 0; n < 1000; ++n) {
     const Vector3d direction = inBall(random).normalized();
@@ -77,7 +60,7 @@ TEST(PotentialField, IsContinuousOverTheSphere) {
 }
 
 TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
-  const PotentialField field(refinedSpace());
+  const PotentialField field(uneven());
   const test::StiffeningEnergy energy;
   std::mt19937 random(8);
   int held = 0;
@@ -91,41 +74,13 @@ TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
   EXPECT_GE(held, 990);
 }
 
-/// Two branches that meet at x = 10 mm, between lattice planes: the forces differ by `force_jump`
-/// along y, the energies by what grows from there with y, and by `lost` over all.
-class JumpingEnergy : public test::AnalyticEnergy {
- public:
-  JumpingEnergy(double force_jump, double lost) : force_jump_(force_jump), lost_(lost) {}
-  double energy(const Vector3d& p) const override {
-    return smooth_.energy(p) - (jumped(p) ? force_jump_ * p.y() + lost_ : 0);
-  }
-  Vector3d gradient(const Vector3d& p) const override {
-    return smooth_.gradient(p) - (jumped(p) ? Vector3d(0, force_jump_, 0) : Vector3d::Zero());
-  }
-  Eigen::Matrix3d hessian(const Vector3d& p) const override { return smooth_.hessian(p); }
+const test::JumpingEnergy jumping(0.01, 5, 0.02);
 
- private:
-  static bool jumped(const Vector3d& p) { return p.x() > 0.01; }
-  test::StiffeningEnergy smooth_;
-  double force_jump_, lost_;
-};
-
-SpaceTable jumpingSpace() {
-  return test::solvedSpace(Lattice(radius, spacing), JumpingEnergy(5, 0.02));
-}
-
-/// The lattice of refinedSpace, with the jump through cells of two sizes.
-SpaceTable refinedJumpingSpace() {
-  SpaceTable space = refinedSpace();
-  const SpaceTable jumping = test::solvedSpace(space.lattice, JumpingEnergy(5, 0.02));
-  for (std::size_t n = 0; n < space.points.size(); ++n)
-    if (isSolved(space.points[n].tag)) space.points[n] = jumping.points[n];
-  return space;
-}
+SpaceTable jumpingSpace() { return test::solvedSpace(Lattice(radius, spacing), jumping); }
 
 TEST(PotentialField, ReturnsTheEnergyOfLoopsThroughAJump) {
   std::mt19937 random(12);
-  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
     const PotentialField field(space);
     double exchanged = 0, net = 0;
     int through = 0;
@@ -143,7 +98,7 @@ TEST(PotentialField, ReturnsTheEnergyOfLoopsThroughAJump) {
 TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
   std::mt19937 random(14);
   constexpr double step = 1e-6;
-  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
     const PotentialField field(space);
     for (int n = 0; n < 1000; ++n) {
       const Vector3d p = inBall(random), d = step * inBall(random).normalized();
@@ -160,7 +115,7 @@ TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
 
 TEST(PotentialField, IsContinuousAcrossCellsThatAJumpCrosses) {
   std::mt19937 random(16);
-  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
     const PotentialField field(space);
     for (int n = 0; n < 3000; ++n) {
       Vector3d low = inBall(random), high;
@@ -185,13 +140,12 @@ TEST(PotentialField, KeepsToTheStoredForcesBesideAJumpAndSaysThatItIsUnsure) {
         (field.evaluate(space.lattice.displacement(n)).force - space.points[n].equilibrium.force)
             .norm(),
         1e-8);
-  const JumpingEnergy exact(5, 0.02);
   std::mt19937 random(18);
   int held = 0;
   for (int n = 0; n < 1000; ++n) {
     const Vector3d p = inBall(random);
     const ForceSample sample = field.evaluate(p);
-    held += (sample.force + exact.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
+    held += (sample.force + jumping.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
     if (p.x() > 0.001 && p.x() < 0.019) {
       EXPECT_LT(sample.coverage, 1e-12);
       EXPECT_GE(sample.error_bound, 5);
@@ -208,7 +162,7 @@ TEST(PotentialField, DoesNotOvershootTheForcesAndHalfOfTheLossOfEnergyOverAnEdge
   std::mt19937 random(20);
   for (const double lost : {0.0, 0.02, 0.1}) {
     const SpaceTable space =
-        test::solvedSpace(Lattice(radius, spacing), JumpingEnergy(force_jump, lost));
+        test::solvedSpace(Lattice(radius, spacing), test::JumpingEnergy(0.01, force_jump, lost));
     const PotentialField field(space);
     double largest_force = 0, largest = 0;
     for (const PointRecord& point : space.points)

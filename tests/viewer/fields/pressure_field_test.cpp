@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/support/expect_error.hpp"
-#include "tests/viewer/fields/uneven_spaces.hpp"
+#include "tests/support/uneven_spaces.hpp"
 #include "viewer/fields/displacement_field.hpp"
 
 namespace palpate {
@@ -45,15 +45,8 @@ Pressures pressuresAt(const PressureField& field, const Vector3d& p) {
   return out;
 }
 
-SpaceTable branchedSpace() {
-  SpaceTable space = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
-  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
-    if (space.lattice.point(n)[2] > 1) space.points[at(n)].equilibrium.force.x() += 3;
-  return space;
-}
-
 TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
-  const SpaceTable space = holedSpace(0.005);
+  const SpaceTable space = holedSpace();
   const PressureField field(space, rowsOf(space));
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     if (!isSolved(space.points[at(n)].tag)) continue;
@@ -65,7 +58,7 @@ TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
 
 /// The shape's way, of the same numbers: holes, levels, branches, the rim and beyond it.
 TEST(PressureField, InterpolatesAsTheShapeThatIsSeen) {
-  for (const SpaceTable& space : {holedSpace(0.005), refinedSpace(0.005), branchedSpace()}) {
+  for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005), test::branchedSpace()}) {
     const std::vector<float> rows = rowsOf(space);
     // Large enough as metres that no mode is left out.
     std::vector<float> displacements;
