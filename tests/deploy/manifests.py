@@ -1,5 +1,5 @@
-"""Manifests of Kubernetes as kustomize would make them, and what is wrong with them: with each by the schema of its kind, and
-with all of them together, which no schema sees."""
+"""Manifests of Kubernetes as kustomize would make them, and what is wrong with them: with each by the schema of its kind, with
+their ports, times and cores together, and with what a pod may do."""
 import json
 import os
 import re
@@ -87,62 +87,6 @@ def schema_faults(objects):
 
 # ---- With each other ----
 
-def fits(selector, labels):
-    return bool(selector) and selector.items() <= labels.items()
-
-
-def selected(selector, objects):
-    return [w for w in workloads(objects) if fits(selector, w["spec"]["template"]["metadata"]["labels"])]
-
-
-def selector_faults(objects):
-    for workload in workloads(objects):
-        if selected(workload["spec"]["selector"]["matchLabels"], objects) != [workload]:
-            yield f"{named(workload)}: its selector does not select its pods alone"
-        policies = [p for p in of_kind(objects, "NetworkPolicy")
-                    if workload in selected(p["spec"]["podSelector"]["matchLabels"], objects)]
-        if len(policies) != 1 or sorted(policies[0]["spec"]["policyTypes"]) != ["Egress", "Ingress"]:
-            yield f"{named(workload)}: it is not one NetworkPolicy that says who reaches it and whom it reaches"
-        service = workload["spec"].get("serviceName")
-        if service and service not in [s["metadata"]["name"] for s in of_kind(objects, "Service")]:
-            yield f"{named(workload)}: there is no Service {service}"
-    for service in of_kind(objects, "Service"):
-        if len(selected(service["spec"]["selector"], objects)) != 1:
-            yield f"{named(service)}: it does not select the pods of one workload"
-    for policy in of_kind(objects, "NetworkPolicy"):
-        peers = [peer for rule in policy["spec"].get("ingress", []) for peer in rule["from"]]
-        peers += [peer for rule in policy["spec"].get("egress", []) for peer in rule["to"]]
-        for peer in peers:
-            if set(peer) == {"podSelector"} and len(selected(peer["podSelector"]["matchLabels"], objects)) != 1:
-                yield f"{named(policy)}: no pods are {peer['podSelector']['matchLabels']}"
-
-
-def volume_faults(objects, secrets):
-    configs = {c["metadata"]["name"] for c in of_kind(objects, "ConfigMap")}
-    for workload in workloads(objects):
-        volumes = {volume["name"] for volume in pod_of(workload).get("volumes", [])}
-        volumes |= {claim["metadata"]["name"] for claim in workload["spec"].get("volumeClaimTemplates", [])}
-        mounted = set()
-        for container in containers_of(workload):
-            mounts = container.get("volumeMounts", [])
-            mounted |= {mount["name"] for mount in mounts}
-            text = " ".join(words_of(container) + [entry["value"] for entry in container.get("env", [])])
-            for path in re.findall(r"(?<![\w/.:])/(?:etc|run|var|tmp)[\w/.-]*", text):
-                if not any(path.startswith(mount["mountPath"] + "/") for mount in mounts):
-                    yield f"{named(workload)}, {container['name']}: {path} is in nothing that is mounted"
-        for name in sorted(mounted ^ volumes):
-            yield f"{named(workload)}: volume {name} is {'not mounted' if name in volumes else 'not there'}"
-        for volume in pod_of(workload).get("volumes", []):
-            config, secret = volume.get("configMap", {}).get("name"), volume.get("secret", {}).get("secretName")
-            if config and config not in configs:
-                yield f"{named(workload)}: there is no ConfigMap {config}"
-            if secret and secret not in secrets:
-                yield f"{named(workload)}: nobody is told to make a Secret {secret}"
-    for config in of_kind(objects, "ConfigMap"):
-        if sum(map(len, config["data"].values())) > 2 ** 20:
-            yield f"{named(config)}: more than 1 MiB"
-
-
 def ports_in(objects):
     """Every place that names the port of the scheduler, and what it says."""
     scheduler, worker = component(objects, "scheduler"), component(objects, "worker")
@@ -213,8 +157,7 @@ def privilege_faults(objects):
                 yield f"{named(workload)}, {container['name']}: it may gain privileges, or write where it should not"
 
 
-def faults(objects, secrets, sources):
+def faults(objects, sources):
     wrong = list(schema_faults(objects))
     # What is not even of its kind need not be looked at further.
-    return wrong or [*selector_faults(objects), *volume_faults(objects, secrets), *agreement_faults(objects, sources),
-                     *privilege_faults(objects)]
+    return wrong or [*agreement_faults(objects, sources), *privilege_faults(objects)]
