@@ -228,48 +228,5 @@ TEST(Architecture, ClangTidyReadsEveryHeader) {
   EXPECT_THAT(left_out, ::testing::IsEmpty()) << "HeaderFilterRegex of .clang-tidy";
 }
 
-/// Which lines quote a raw string, or a part of one: they are as wide as what they quote.
-class RawStrings {
- public:
-  /// Lines in the order of the file.
-  bool quotedIn(const std::string& line) {
-    static const std::regex opens(R"re(R"([^()\s\\]*)\()re");
-    bool quoted = !end_.empty();
-    auto at = line.begin();
-    for (std::smatch match;;) {
-      if (!end_.empty()) {
-        const auto closed = std::search(at, line.end(), end_.begin(), end_.end());
-        if (closed == line.end()) return true;
-        at = closed + static_cast<std::ptrdiff_t>(end_.size());
-        end_.clear();
-      }
-      if (!std::regex_search(at, line.end(), match, opens)) return quoted;
-      quoted = true;
-      end_ = ")" + match[1].str() + "\"";
-      at = match[0].second;
-    }
-  }
-
- private:
-  std::string end_;  ///< of the raw string that is open: )delimiter"
-};
-
-TEST(Architecture, NoLineOfCodeIsWiderThan100Columns) {
-  static const std::regex unbreakable(R"(\S{60,})");  // clang-format has no place to break it
-  std::vector<std::string> wide;
-  for (const std::string& file : sourceTree().files) {
-    if (!test::isCode(file)) continue;
-    RawStrings raw_strings;
-    int number = 0;
-    for (const std::string& line : sourceTree().lines(file)) {
-      ++number;
-      if (!raw_strings.quotedIn(line) && test::columns(line) > 100 &&
-          !std::regex_search(line, unbreakable))
-        wide.push_back(file + ":" + std::to_string(number));
-    }
-  }
-  EXPECT_THAT(wide, ::testing::IsEmpty());
-}
-
 }  // namespace
 }  // namespace palpate

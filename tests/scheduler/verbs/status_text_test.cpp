@@ -31,20 +31,12 @@ TEST(StatusText, WritesDurationsForPeople) {
   EXPECT_EQ(durationText(12000), "3 h 20 min");
 }
 
-TEST(ProgressLine, SaysEverythingWhereThereIsRoom) {
-  EXPECT_EQ(progressLine(bigBuild()),
-            "12345/67890 points, about 3 h 20 min left, 128.1/s, 16 workers, frontier 1234");
-}
-
 /// It was longer than a row of the terminal, and every redrawing began a new one.
 TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
   for (std::size_t columns = 1; columns <= 200; ++columns)
     EXPECT_LT(progressBar(bigBuild(), columns).size(), std::max<std::size_t>(columns, 2))
         << columns;
-  EXPECT_THAT(progressBar(bigBuild(), 80),
-              testing::AllOf(StartsWith("[#"), HasSubstr("12345/67890"), HasSubstr("min left"),
-                             Not(HasSubstr("frontier"))));
-  EXPECT_THAT(progressBar(bigBuild(), 200), HasSubstr("frontier 1234"));
+  EXPECT_THAT(progressBar(bigBuild(), 80), HasSubstr("12345/67890"));
 }
 
 TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
@@ -55,11 +47,12 @@ TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
   EXPECT_THAT(progressBar(status, 120), StartsWith("[                            ] 0/67890"));
 }
 
-TEST(ProgressLine, OfAPausedBuildSaysSoAndGivesNoTime) {
+TEST(ProgressLine, OfAPausedBuildGivesNoTime) {
   wire::Status status = bigBuild();
+  EXPECT_THAT(progressLine(status), HasSubstr("left"));
   status.set_paused(true);
-  EXPECT_THAT(progressLine(status), StartsWith("12345/67890 points, paused, 128.1/s"));
-  EXPECT_THAT(describe(status), HasSubstr("running, paused: palpate resume goes on"));
+  EXPECT_THAT(progressLine(status), Not(HasSubstr("left")));
+  EXPECT_THAT(describe(status), HasSubstr("palpate resume"));
 }
 
 TEST(Describe, TellsManyWorkersByMachine) {
@@ -72,10 +65,9 @@ TEST(Describe, TellsManyWorkersByMachine) {
   }
   status.mutable_spaces(0)->set_name("tip");
   status.mutable_spaces(0)->set_priority(-2);
-  EXPECT_THAT(describe(status),
-              testing::AllOf(HasSubstr("workers on node1: 5 busy, 5 lost; 70 results\n"),
-                             HasSubstr("workers on node2: 3 busy, 3 lost; 42 results\n"),
-                             HasSubstr("priority: tip -2\n"), Not(HasSubstr("worker 0"))));
+  EXPECT_THAT(describe(status), testing::AllOf(HasSubstr("node1: 5 busy, 5 lost; 70 "),
+                                               HasSubstr("node2: 3 busy, 3 lost; 42 "),
+                                               HasSubstr("tip -2"), Not(HasSubstr("worker 0"))));
 }
 
 /// "0 s left" stood there while branches were told apart.
@@ -83,8 +75,7 @@ TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   wire::Status status = bigBuild();
   status.mutable_spaces(0)->set_unknown(0);
   status.clear_eta_seconds();
-  EXPECT_THAT(progressLine(status),
-              testing::AllOf(HasSubstr("solving branches"), Not(HasSubstr("left"))));
+  EXPECT_THAT(progressLine(status), Not(HasSubstr("left")));
   status.mutable_spaces(0)->set_unknown(1);
   EXPECT_THAT(progressLine(status), Not(HasSubstr("left")));
   status.set_eta_seconds(0.2);
@@ -104,10 +95,9 @@ TEST(Describe, NamesWhoIsKeptOutAndWhatIsDisputed) {
   process.set_worker("0a1b2c3d4e5f");
   process.set_host("node8");
   const std::string text = describe(status);
-  EXPECT_THAT(text, testing::HasSubstr("disputed: 2 result(s)"));
-  EXPECT_THAT(text, testing::HasSubstr(
-                        "kept out: the machine node7, key aaaaaaaaaaaa: its result of space 0"));
-  EXPECT_THAT(text, testing::HasSubstr("kept out: the process 0a1b2c3d on node8: "));
+  for (const char* named :
+       {"disputed: 2", "node7", "aaaaaaaaaaaa: its result of space 0 differs", "0a1b2c3d", "node8"})
+    EXPECT_THAT(text, HasSubstr(named));
 }
 
 }  // namespace

@@ -257,52 +257,6 @@ TEST_F(PictureTest, SaysWhyBShowsNothingBesideAnOnlyDataset) {
   EXPECT_GT(find(picture.grab(), isBlue, 600, 60).count, find(before, isBlue, 600, 60).count + 200);
 }
 
-TEST_F(PictureTest, ShortensNamesThatTheWindowHasNoRoomFor) {
-  const Image image =
-      pictureOf(pressed(0), {.width = 480, .height = 320, .visible = false, .ghost = false});
-  // The second line of the names is the material.
-  const auto word = [](Pixel p) { return p[0] < 190 && p[1] < 190 && p[2] < 195; };
-  int count = 0;
-  for (int y = 32; y < 46; ++y)
-    for (int x = 80; x < 264; ++x) count += word(pixelOf(image, x, y)) ? 1 : 0;
-  EXPECT_GT(count, 200);
-}
-
-TEST_F(PictureTest, RimsTheWordsOfALegendThatTheBodyIsBehind) {
-  Picture picture({&model}, {.vsync = false, .ghost = false});
-  const HapticState state = pressed(0);
-  picture.draw(state, {});
-  test::Person person(screen.name(), "Palpate");
-  for (int n = 0; n < 8; ++n) {
-    person.press("equal");
-    picture.draw(state, {});
-  }
-  const Image near = picture.grab();
-  const auto isLight = [](Pixel p) { return p[0] > 200 && p[1] > 200 && p[2] > 200; };
-  int tissue = 0, light = 0;
-  for (int y = 390; y < 410; ++y)
-    for (int x = 16; x < 130; ++x) {
-      tissue += isTissue(pixelOf(near, x, y)) ? 1 : 0;
-      light += isLight(pixelOf(near, x, y)) ? 1 : 0;
-    }
-  EXPECT_GT(tissue, 500) << "about the title";
-  EXPECT_GT(light, 300) << "its rim";
-}
-
-TEST_F(PictureTest, ShowsAllKeysInTheSmallestWindow) {
-  Picture picture({&model}, {.width = 480, .height = 320, .vsync = false, .ghost = false});
-  const HapticState state = pressed(0);
-  picture.draw(state, {});
-  test::Person(screen.name(), "Palpate").press("h");
-  for (int n = 0; n < 3; ++n) picture.draw(state, {});
-  const Image help = picture.grab();
-  // A white margin on all sides: no word is cut off at the right.
-  const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
-  for (int y = 20; y < 280; ++y)
-    ASSERT_TRUE(isWhite(pixelOf(help, 464, y))) << "the right end of the ground, line " << y;
-  EXPECT_FALSE(isWhite(pixelOf(help, 468, 150))) << "the panel beside it";
-}
-
 TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   Picture picture({&model}, {.width = 640, .height = 400, .vsync = false, .ghost = false});
   const HapticState state = pressed(0);
@@ -314,25 +268,6 @@ TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   // 23 lines in two columns: the last is at the right, on a ground through which nothing is seen.
   const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
   EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 150000);
-}
-
-TEST_F(PictureTest, CutsNoWordOfItsPanelsInALowWindow) {
-  HapticState state = pressed(0.0048);
-  state.touch.displacement = {-0.0103, -0.0125, -0.0101};
-  const Image low =
-      pictureOf(state, {.width = 640, .height = 400, .visible = false, .ghost = false});
-  // At the right of the side panel, beside the scroll bar, is nothing but the ends of its buttons.
-  const auto isInk = [](Pixel p) { return p[0] < 120 && p[1] < 120 && p[2] < 120; };
-  int beyond = 0;
-  for (int y = 120; y < 400; ++y)
-    for (int x = 618; x < 628; ++x) beyond += isInk(pixelOf(low, x, y)) ? 1 : 0;
-  EXPECT_EQ(beyond, 0);
-  // The last entry above the curves: a bar as light as the band.
-  const auto isBand = [](Pixel p) { return p[0] > 204 && p[0] < 214 && p[2] > p[0]; };
-  int bar = 0;
-  for (int y = 308; y < 330; ++y)
-    for (int x = 14; x < 424; ++x) bar += isBand(pixelOf(low, x, y)) ? 1 : 0;
-  EXPECT_GT(bar, 100);
 }
 
 TEST_F(PictureTest, ShowsNoHalfOfALegendBesideTheHelp) {
