@@ -31,6 +31,8 @@ ELSEWHERE = {
     r"side\.(toml|h5)|--at 0\.0315 ": "is of the kidney, which README's five minutes make: tutorial_test.py",
     r"palpate share": "needs the modules for browsers: tests/viewer/share",
 }
+if not os.environ.get("PALPATE_LONG_TESTS"):
+    ELSEWHERE[r"palpate build organ/scene\.toml"] = "takes a minute: docs/meshes.md, with PALPATE_LONG_TESTS (deploy/test --all)"
 # Programs that go on until they are stopped.
 ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
 # A name in a page, and what stands for it here.
@@ -179,10 +181,10 @@ class Reader:
         return said
 
     def watch(self, command):
-        """Goes on for two seconds, and ends when it is told to."""
+        """Goes on for a second, and ends when it is told to."""
         process = self.start(command)
         try:
-            time.sleep(2)
+            time.sleep(1)
             process.send_signal(signal.SIGINT)
             said = process.communicate(timeout=60)[0]
         finally:

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "tests/support/finger_body.hpp"
 #include "tests/system/shared_page.hpp"
 
@@ -28,10 +26,6 @@ struct ShareTroubleTest : test::SharedPage {
   }
   static int heightOf(test::Browser& browser, const std::string& id) {
     return browser.valueOf("document.getElementById('" + id + "').offsetHeight");
-  }
-  std::string text() const {
-    std::ifstream in(page(), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
   }
   void put(const std::string& text) const { std::ofstream(page(), std::ios::binary) << text; }
   /// Another organ in the place of this one: `change` is Python of its bytes `o`.
@@ -102,10 +96,10 @@ TEST_F(ShareTroubleTest, InABrowserThatLacksWhatItCalls) {
 
 TEST_F(ShareTroubleTest, InABrowserThatDoesNotKnowItsSyntax) {
   if (!makePage()) return;
-  std::string page = text();
+  std::string code = bytesOf(page());
   const std::string known = "const byId = ";
-  ASSERT_NE(page.find(known), std::string::npos);
-  put(page.replace(page.find(known), 0, "const newer = known |?> unknown;\n"));
+  ASSERT_NE(code.find(known), std::string::npos);
+  put(code.replace(code.find(known), 0, "const newer = known |?> unknown;\n"));
   test::Browser browser;
   EXPECT_THAT(sentenceOf(browser), HasSubstr("too old"));
 }
@@ -122,7 +116,7 @@ TEST_F(ShareTroubleTest, WithoutJavaScript) {
 
 TEST_F(ShareTroubleTest, OfAFileThatIsNotWhole) {
   if (!makePage()) return;
-  const std::string whole = text();
+  const std::string whole = bytesOf(page());
   test::Browser browser;
   const auto expect = [&](const char* word) {
     EXPECT_THAT(sentenceOf(browser), HasSubstr(word));

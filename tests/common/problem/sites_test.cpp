@@ -29,28 +29,31 @@ double distanceTo(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector
 
 /// A cube of 20 cm whose side xmin is held.
 struct SitesOnACube : ::testing::Test {
-  std::vector<Eigen::Vector3d> cover(double radius) const {
+  static std::vector<Eigen::Vector3d> cover(const Mesh& mesh, double radius) {
     return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius, site_distance);
   }
-  Mesh mesh = test::cubeMesh(0.2, 6);
+  /// Those of a finger of this radius, made once: it takes seconds.
+  static const std::vector<Eigen::Vector3d>& covered() {
+    static const std::vector<Eigen::Vector3d> sites = cover(mesh, radius);
+    return sites;
+  }
+  static constexpr double radius = 0.03;
+  inline static const Mesh mesh = test::cubeMesh(0.2, 6);
 };
 
 TEST_F(SitesOnACube, CoverEveryPlaceWhereAFingerCanStand) {
-  constexpr double radius = 0.03;
-  const auto sites = cover(radius);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(0, 0.2);
   for (int n = 0; n < 100; ++n) {
     Eigen::Vector3d x(number(random), number(random), number(random));
     x[n % 3] = n % 2 == 0 ? 0.2 : 0;
     if (fingerWeights(mesh, mesh.node_groups.at("xmin"), x, radius).free_share < 0.6) continue;
-    EXPECT_LT(distanceTo(sites, x), (site_distance + 0.06) * radius) << x.transpose();
+    EXPECT_LT(distanceTo(covered(), x), (site_distance + 0.06) * radius) << x.transpose();
   }
 }
 
 TEST_F(SitesOnACube, AreNoNearerToEachOtherThanTheyReach) {
-  constexpr double radius = 0.03;
-  auto sites = cover(radius);
+  auto sites = covered();
   while (!sites.empty()) {
     const Eigen::Vector3d site = sites.back();
     sites.pop_back();
@@ -59,9 +62,8 @@ TEST_F(SitesOnACube, AreNoNearerToEachOtherThanTheyReach) {
 }
 
 TEST_F(SitesOnACube, AreCloserAtTheEdgesThanOnTheSides) {
-  constexpr double radius = 0.03;
   std::size_t side = 0, edge = 0;
-  for (const Eigen::Vector3d& site : cover(radius)) {
+  for (const Eigen::Vector3d& site : covered()) {
     if (site.z() < 0.199) continue;
     const auto inside = [](double x) { return x > 0.05 && x < 0.15; };
     side += inside(site.x()) && inside(site.y());
@@ -72,7 +74,7 @@ TEST_F(SitesOnACube, AreCloserAtTheEdgesThanOnTheSides) {
 }
 
 TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {
-  for (const Eigen::Vector3d& site : cover(0.03)) {
+  for (const Eigen::Vector3d& site : covered()) {
     EXPECT_LT((positionOf(mesh, nearestOnSurface(mesh, site)) - site).norm(), 1e-14);
     EXPECT_GE(fingerWeights(mesh, mesh.node_groups.at("xmin"), site, 0.03).free_share,
               least_free_share);
@@ -80,9 +82,8 @@ TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {
 }
 
 TEST_F(SitesOnACube, AreAsManyOnAFineMesh) {
-  const double coarse = static_cast<double>(cover(0.03).size());
-  mesh = test::cubeMesh(0.2, 18);
-  const double fine = static_cast<double>(cover(0.03).size());
+  const double coarse = static_cast<double>(covered().size());
+  const double fine = static_cast<double>(cover(test::cubeMesh(0.2, 18), radius).size());
   EXPECT_NEAR(fine, coarse, 0.1 * coarse);
 }
 
@@ -91,7 +92,7 @@ TEST_F(SitesOnACube, AreAskedForInVainWhereEverythingIsFixed) {
 }
 
 TEST_F(SitesOnACube, AreRefusedWhenTheFingerIsFarTooSmall) {
-  test::expectBadInput([&] { cover(0.0011); }, {"0.0011 m", "5000 sites", "radius larger"});
+  test::expectBadInput([&] { cover(mesh, 0.0011); }, {"0.0011 m", "5000 sites", "radius larger"});
 }
 
 /// Scenes whose tool is a finger.
