@@ -32,7 +32,7 @@ class Build {
   /// Marks a damaged record: the next Build in this directory computes it again.
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
   /// Keeps these workers out: the next Build in this directory computes again what they gave.
-  void keepOut(const LiarsFound& found) { store_.keepOut(found.liars()); }
+  void keepOut(const std::vector<KeptOut>& liars) { store_.keepOut(liars); }
   /// Writes the dataset of a complete build; returns its rows, which are there as long as this is.
   SpaceRowsList seal(const std::filesystem::path& file);
 

@@ -94,11 +94,12 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
 }
 
 void Coordinator::receive(const Incoming& incoming, Time now) {
+  if (next() == Next::anew) return;
   noteOwnGap(now);
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   // Workers say it again to the next one.
-  if (!begins_anew_.empty()) return void(answer(incoming, now));
+  if (turns_since_retry_) return void(answer(incoming, now));
   if (message.has_hello()) return hello(incoming, now);
   // It asks again.
   if (asksForMuch(message) && (incoming.reads_slowly || ++large_answers_[peer] > large_in_a_turn)) {
@@ -190,7 +191,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
   if (ResultGroup::Member* waiting = group_.find(*key)) {
     const wire::Result& first = waiting->result.header;
     if (!duplicate(worker, first, message, now)) {
-      if (first.given_by().worker() == worker.id) throw contradiction(worker, message);
+      if (first.given_by().worker() == worker.id) return contradict(worker, message);
       waiting->is_checked = waiting->is_disputed = true;
     }
     waiting->senders.insert(worker.peer);
@@ -269,7 +270,7 @@ bool Coordinator::groupIsDue(Time now, bool all_read) {
 
 void Coordinator::commitGroup(Time now) {
   // Plans that hold what was dropped must not come to an end.
-  if (group_.size() == 0 || !begins_anew_.empty()) return;
+  if (group_.size() == 0 || turns_since_retry_) return;
   // Before they are durable, or one that is killed in between would never be checked.
   for (const auto& [key, member] : group_.members())
     if (member.is_checked) noteCheck(keyOf(member.result.header), member.is_disputed);
@@ -314,13 +315,17 @@ void Coordinator::finishIfComplete(Time now) {
   writeServers(now);
 }
 
-void Coordinator::advance(Time now, bool all_read) {
+Next Coordinator::next() const {
+  if (!liars_.empty() || turns_since_retry_ >= 2) return Next::anew;
+  if (complete_) return Next::complete;
+  if (stopping_) return Next::stop;
+  return stuck() ? Next::stuck : Next::go_on;
+}
+
+Next Coordinator::advance(Time now, bool all_read) {
+  if (turns_since_retry_) ++*turns_since_retry_;
+  if (turns_since_retry_ || !liars_.empty()) return next();
   noteOwnGap(now);
-  if (!begins_anew_.empty()) {
-    // Whoever asked for it hears of it first.
-    if (std::exchange(answered_, true)) throw FailuresRetried(begins_anew_);
-    return;
-  }
   if (all_read && now >= look_round_at_) lookRound(now);
   if (groupIsDue(now, all_read)) commitGroup(now);
   handOutJobs(now);
@@ -330,6 +335,7 @@ void Coordinator::advance(Time now, bool all_read) {
   work_pace_.note(now, recorded_);
   lookAhead(now);
   chronicle_.flush();
+  return next();
 }
 
 Coordinator::Time Coordinator::nextDeadline() const {

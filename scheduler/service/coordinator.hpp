@@ -70,10 +70,15 @@ struct CoordinatorSettings {
   EventLog* events = nullptr;
 };
 
-/// Recorded failures were dropped, because somebody wants them tried again.
-class FailuresRetried : public Error {
- public:
-  explicit FailuresRetried(const std::string& message) : Error(ExitCode::failed, message) {}
+/// How it goes on after a turn of a coordinator.
+enum class Next : std::uint8_t {
+  go_on,
+  stop,      ///< somebody asked for it
+  complete,  ///< every space is complete and recorded
+  stuck,     ///< Coordinator::stuck()
+  /// Recorded results are to be computed again: somebody wants failures tried again, or they are
+  /// those of Coordinator::liars(). Another Build goes on in the directory (Build::keepOut).
+  anew,
 };
 
 /// What every message means: takes messages and the time, keeps plans, leases, registry and the
@@ -87,9 +92,8 @@ class FailuresRetried : public Error {
 /// not wait for that, only the end of the build does.
 ///
 /// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
-/// cannot be read any more, LiarsFound where some were wrong, FailuresRetried where an operator
-/// asked for it; the object must not be used afterwards, and nothing was acknowledged that is not
-/// on disk.
+/// cannot be read any more. After one, and after Next::anew, the object must not be used, and
+/// nothing was acknowledged that is not on disk.
 class Coordinator {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -104,8 +108,10 @@ class Coordinator {
   void refuse(const Incoming& incoming, Time now);
   /// Whatever time brings: commits a group that is due, takes back what silent workers hold, hands
   /// out jobs. Call after every batch of messages and at nextDeadline. `all_read`: no message waits
-  /// that would show that a silent worker is not silent.
-  void advance(Time now, bool all_read = true);
+  /// that would show that a silent worker is not silent. Returns next().
+  Next advance(Time now, bool all_read = true);
+  /// What the messages so far, and the last turn, lead to.
+  Next next() const;
   /// Everything to be sent, in order.
   std::vector<Outgoing> takeOutbox() {
     large_answers_.clear();
@@ -136,6 +142,8 @@ class Coordinator {
     return !complete_ && group_.size() == 0 && leases_.stuck() &&
            (leases_.waitingChecks().empty() || checks_hopeless_);
   }
+  /// Whoever was found to give wrong results: Build::keepOut() comes before another Build.
+  const std::vector<KeptOut>& liars() const { return liars_; }
   std::size_t asideCount() const { return leases_.aside().size(); }
   /// Whether another worker is asked for what is recorded, or is to be.
   bool isChecked(const ResultKey& key) const {
@@ -194,9 +202,9 @@ class Coordinator {
                const wire::Result& second, Time now);
   void differs(const Worker& worker, const wire::Result& first, const wire::Result& second,
                Time now);
-  LiarsFound contradiction(const Worker& worker, const wire::Result& result);
+  void contradict(const Worker& worker, const wire::Result& result);
   void conclude(const ResultKey& key, const SpotChecks::Verdict& verdict);
-  LiarsFound liarsFound(const SpotChecks::Verdict& verdict, const std::string& reason);
+  void findLiars(const SpotChecks::Verdict& verdict, const std::string& reason);
   bool isOneMachine() const { return heard_.machines.size() < 2; }
   bool othersMayCome() const;
   std::map<TransitionKey, Apart> wantedOfChecks() const;
@@ -287,9 +295,9 @@ class Coordinator {
   std::int64_t recorded_then_ = 0;
   std::size_t found_ = 0;
   std::map<std::string, std::int32_t> priorities_;  ///< by row of a status
-  /// Why this object is not used any more once its last answers are sent; empty: it is.
-  std::string begins_anew_;
-  bool answered_ = false;
+  std::vector<KeptOut> liars_;
+  /// Since recorded failures were dropped. In the second one the answer has left.
+  std::optional<int> turns_since_retry_;
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first

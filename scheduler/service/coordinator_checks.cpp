@@ -101,7 +101,7 @@ void Coordinator::compare(Worker& worker, const TransitionKey& key, const wire::
     }
     if (complete_) return;
     if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(name, opinion)))
-      throw contradiction(worker, second);
+      return contradict(worker, second);
     if (was_open) return;
     noteCheck(name, true);
     openChecks();
@@ -126,13 +126,12 @@ void Coordinator::differs(const Worker& worker, const wire::Result& first,
 }
 
 /// Who gives two results of one transition needs no others to be found wrong.
-LiarsFound Coordinator::contradiction(const Worker& worker, const wire::Result& result) {
+void Coordinator::contradict(const Worker& worker, const wire::Result& result) {
   const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
   // Other workers of its machine, and of its key, may have nothing to do with it.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
-  const SpotChecks::Verdict verdict = {.right = {neighbour}, .wrong = {worker.provenance}};
-  return liarsFound(verdict, reason);
+  findLiars({.right = {neighbour}, .wrong = {worker.provenance}}, reason);
 }
 
 void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verdict) {
@@ -144,22 +143,19 @@ void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verd
   }
   // The check stays in the tables: what is computed again is checked again, and should the liars
   // not be kept out, because this is killed, somebody finds them once more.
-  const std::string reason = fmt::format("its result of {} differs from what {} others found",
-                                         textOf(key), verdict.right.size());
-  throw liarsFound(verdict, reason);
+  findLiars(verdict, fmt::format("its result of {} differs from what {} others found", textOf(key),
+                                 verdict.right.size()));
 }
 
-LiarsFound Coordinator::liarsFound(const SpotChecks::Verdict& verdict, const std::string& reason) {
-  std::vector<KeptOut> liars =
-      keptOutBy(verdict, store_->keptOut(), reason, settings_.spot_checks.trusted_key);
-  counters_["wrong_results"] += std::ssize(liars);
+void Coordinator::findLiars(const SpotChecks::Verdict& verdict, const std::string& reason) {
+  liars_ = keptOutBy(verdict, store_->keptOut(), reason, settings_.spot_checks.trusted_key);
+  counters_["wrong_results"] += std::ssize(liars_);
   store_->tables().writeCounters(counters_);
-  for (const KeptOut& liar : liars) {
+  for (const KeptOut& liar : liars_) {
     chronicle_.keptOut(liar);
     spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
                   name(liar.kind), liar.reason);
   }
-  return LiarsFound(std::move(liars));
 }
 
 /// Machines that were here are reckoned with until nothing but checks was left for checks_wait.

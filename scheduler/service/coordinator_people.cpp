@@ -70,14 +70,14 @@ std::int32_t Coordinator::retry() {
 /// The plans are made anew without them, and ask for them again.
 std::int32_t Coordinator::retryFailed(const std::string& cause) {
   const auto which = causeNamed(cause);
-  if (!which || !begins_anew_.empty()) return 0;
+  if (!which || turns_since_retry_) return 0;
   const std::vector<ResultKey> failed = failedWith(plans_, *which);
   if (failed.empty()) return 0;
   store_->drop(failed);
   chronicle_.retried(std::ssize(failed), cause);
-  begins_anew_ =
-      fmt::format("{} attempts that failed with {} are tried again, as an operator asked",
-                  failed.size(), cause);
+  spdlog::warn("{} attempts that failed with {} are tried again, as an operator asked",
+               failed.size(), cause);
+  turns_since_retry_ = 0;
   return static_cast<std::int32_t>(failed.size());
 }
 

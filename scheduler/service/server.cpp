@@ -48,13 +48,13 @@ Server::Server(zmq::context_t& context, const Problem& problem, const std::strin
   endpoint_ = bindRouter(socket_, endpoint);
 }
 
-void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
+Next Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   using Clock = std::chrono::steady_clock;
   const auto until_deadline =
       std::chrono::ceil<std::chrono::milliseconds>(coordinator.nextDeadline() - Clock::now());
   PALPATE_ASSERT(longest.count() >= 0, "poll() takes less than 0 for ever");
   waitForMessages(socket_, std::clamp(until_deadline, std::chrono::milliseconds(0), longest));
-  exchange(coordinator, *this, Clock::now());
+  return exchange(coordinator, *this, Clock::now());
 }
 
 std::optional<Incoming> Server::receive() {

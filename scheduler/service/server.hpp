@@ -20,8 +20,8 @@ class Server : private Transport {
   const std::string& endpoint() const { return endpoint_; }
 
   /// Waits at most `longest` for messages or the coordinator's next deadline, then exchanges
-  /// messages with it. Returns early on a signal.
-  void turn(Coordinator& coordinator, std::chrono::milliseconds longest);
+  /// messages with it. Returns early on a signal, and what follows.
+  Next turn(Coordinator& coordinator, std::chrono::milliseconds longest);
 
  private:
   std::optional<Incoming> receive() override;

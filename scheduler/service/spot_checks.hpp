@@ -126,18 +126,6 @@ class SpotChecks {
   double odd_from_;              ///< an eighth of the share of them is odder
 };
 
-/// Results were wrong, and those who gave them are to be kept out (JobStore::keepOut); the next
-/// Build in the directory computes again what they gave.
-class LiarsFound : public Error {
- public:
-  explicit LiarsFound(std::vector<KeptOut> liars)
-      : Error(ExitCode::failed, liars.front().reason), liars_(std::move(liars)) {}
-  const std::vector<KeptOut>& liars() const { return liars_; }
-
- private:
-  std::vector<KeptOut> liars_;
-};
-
 /// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
 /// right, unless two of it are kept out already, else the machine. The key goes, unless it is the
 /// trusted one, where two other machines of it are kept out already and nobody with that key was

@@ -33,7 +33,7 @@ std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
 
 }  // namespace
 
-void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now) {
+Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now) {
   bool all_read = false;
   for (int n = 0; n < messages_per_turn && !all_read; ++n) {
     if (const auto incoming = transport.receive())
@@ -41,14 +41,16 @@ void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
                                 : coordinator.refuse(*incoming, now);
     else
       all_read = true;
+    if (coordinator.next() == Next::anew) return Next::anew;
   }
   coordinator.noteClosed(transport.takeClosed(), now);
   // After all messages that are there, so that their results share a group.
-  coordinator.advance(now, all_read);
+  if (coordinator.advance(now, all_read) == Next::anew) return Next::anew;
   // A peer that is gone, or does not read, gives its leases back, which may make new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())
     for (const Outgoing& outgoing : bundled(std::move(outbox)))
       if (transport.send(outgoing) != Sent::yes) coordinator.peerUnreachable(outgoing.peer, now);
+  return coordinator.next();
 }
 
 }  // namespace palpate

@@ -21,7 +21,8 @@ class Transport {
 };
 
 /// One turn of a scheduler: feeds what came in to the coordinator (of a flood a part, so that
-/// deadlines and answers do not wait for it), lets it act, and sends what it says.
-void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now);
+/// deadlines and answers do not wait for it), lets it act, and sends what it says. Returns what
+/// follows; Next::anew as soon as that is known, and nothing is sent then.
+Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now);
 
 }  // namespace palpate

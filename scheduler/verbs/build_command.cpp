@@ -166,7 +166,8 @@ void addOptions(CLI::App& app, BuildOrder& order) {
 }
 
 /// Brings the build that a server works for to its end and calls `seal`, then lets the workers
-/// leave. Unless it is stopped, or stuck: then it returns the exit code.
+/// leave. Unless it is stopped, or stuck: then it returns the exit code. Or another is to begin
+/// anew (Next): then it returns at once.
 using Compute = std::function<ExitCode(Server&, Build&, const std::function<void()>& seal)>;
 
 /// Tells what the exit code of a build that came to no end means.
@@ -294,23 +295,23 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
     // Who was told so, and had to begin anew before it had.
     if (stopping) build.coordinator().stop(Clock::now());
     try {
+      const Coordinator& coordinator = build.coordinator();
       const auto [rows, when_stopped] = sealedBy(compute, build, where, out, state);
-      if (rows.empty()) {
-        events.add(stoppedEvent(build.coordinator()));
-        return tellWhy(build.coordinator(), state, when_stopped);
+      if (coordinator.next() != Next::anew) {
+        if (rows.empty()) {
+          events.add(stoppedEvent(coordinator));
+          return tellWhy(coordinator, state, when_stopped);
+        }
+        const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
+        events.add(Event("sealed").with("file", out.string()).with("seconds", seconds));
+        return finish(rows, build.problem().scene, out,
+                      fmt::format("sealed after {:.1f} s", seconds));
       }
-      const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
-      events.add(Event("sealed").with("file", out.string()).with("seconds", seconds));
-      return finish(rows, build.problem().scene, out,
-                    fmt::format("sealed after {:.1f} s", seconds));
+      build.keepOut(coordinator.liars());
     } catch (const DamagedRecord& damage) {
       spdlog::warn("{}: it is dropped, and computed again", damage.what());
       events.add(Event("damaged").with("text", damage.what()));
       build.drop(damage);
-    } catch (const LiarsFound& found) {
-      build.keepOut(found);
-    } catch (const FailuresRetried& retried) {
-      spdlog::warn("{}", retried.what());
     } catch (const std::exception& error) {
       events.add(Event("stopped").with("reason", error.what()));
       throw;
@@ -320,17 +321,17 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
 }
 
 /// Answers messages and shows progress until the build is complete, stuck or stopped, by a message
-/// or a signal. `each_turn` is called a few times a second at least.
+/// or a signal, or another is to begin anew. `each_turn` is called a few times a second at least.
 void serveUntilDone(Server& server, Coordinator& coordinator,
                     const std::function<void()>& each_turn = {}) {
   ShownProgress progress;
-  while (!coordinator.complete() && !coordinator.stopping() && !coordinator.stuck()) {
-    server.turn(coordinator, longest_turn);
+  while (coordinator.next() == Next::go_on) {
+    if (server.turn(coordinator, longest_turn) == Next::anew) break;
     if (each_turn) each_turn();
     progress.show(coordinator);
     if (interrupted()) coordinator.stop(Clock::now());
   }
-  if (coordinator.stuck()) coordinator.dismiss();
+  if (coordinator.next() == Next::stuck) coordinator.dismiss();
   progress.end();
 }
 
@@ -383,9 +384,10 @@ ExitCode compute(Server& server, Build& build, const std::function<void()>& seal
     }
   };
   serveUntilDone(server, coordinator, replaceEnded);
-  if (coordinator.complete()) seal();
+  if (coordinator.next() == Next::complete) seal();
   for (const auto deadline = Clock::now() + drain_limit;
-       pool.running() > 0 && Clock::now() < deadline; pool.reap())
+       coordinator.next() != Next::anew && pool.running() > 0 && Clock::now() < deadline;
+       pool.reap())
     server.turn(coordinator, longest_turn);
   pool.terminate(milliseconds(2000));
   return ExitCode::interrupted;
@@ -414,6 +416,8 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
 /// What a service manager is told that reading of results, or sealing, may take: no turn is made
 /// meanwhile.
 constexpr std::chrono::hours longest_pause{1};
+/// Before a Build that begins anew.
+constexpr const char* going_over = "going over what is recorded";
 
 struct ServeOptions {
   BuildOrder order;
@@ -434,10 +438,14 @@ ExitCode serve(Server& server, Build& build, const std::function<void()>& seal,
     pages.offer(coordinator);
     manager.alive(now, [&] { return progressLine(coordinator.status(now)); });
   });
-  manager.mayTake(longest_pause, coordinator.complete() ? "sealing the dataset" : "stopping");
-  if (coordinator.complete()) seal();
-  for (const auto deadline = Clock::now() + drain_limit;
-       !coordinator.deserted(Clock::now()) && Clock::now() < deadline;) {
+  const Next next = coordinator.next();
+  manager.mayTake(longest_pause, next == Next::complete ? "sealing the dataset"
+                                 : next == Next::anew   ? going_over
+                                                        : "stopping");
+  if (next == Next::complete) seal();
+  for (const auto deadline = Clock::now() + drain_limit; coordinator.next() != Next::anew &&
+                                                         !coordinator.deserted(Clock::now()) &&
+                                                         Clock::now() < deadline;) {
     server.turn(coordinator, longest_turn);
     pages.offer(coordinator);
   }
@@ -476,8 +484,8 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
                    try {
                      return serve(server, build, seal, manager, pages);
                    } catch (...) {
-                     // Something was damaged, or false: all of it is read again.
-                     manager.mayTake(longest_pause, "going over what is recorded");
+                     // Something was damaged: all of it is read again.
+                     manager.mayTake(longest_pause, going_over);
                      throw;
                    }
                  });

@@ -83,9 +83,10 @@ class BuildWorld {
     collect();
   }
   /// `all_read`: nothing more has come.
-  void settle(bool all_read = true) {
-    coordinator().advance(now, all_read);
+  Next settle(bool all_read = true) {
+    const Next next = coordinator().advance(now, all_read);
     collect();
+    return next;
   }
 
   void join(const std::string& peer, std::uint32_t credit, std::uint32_t pid = 1) {

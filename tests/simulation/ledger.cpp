@@ -55,13 +55,13 @@ void Ledger::noteAcknowledged(const std::string& peer, const ResultKey& key) {
     honestly_answered.insert(key);
 }
 
-void Ledger::noteVerdict(const LiarsFound& found, const std::filesystem::path& state) {
+void Ledger::noteVerdict(const std::vector<KeptOut>& liars, const std::filesystem::path& state) {
   ++verdicts;
-  for (const KeptOut& liar : found.liars())
+  for (const KeptOut& liar : liars)
     if (!lies.isLiar(liar.who.host()) || liar.kind == KeptOut::Kind::key)
-      throw Broken(std::string("an honest worker is kept out: ") + found.what());
+      throw Broken("an honest worker is kept out: " + liar.reason);
   for (const wire::Result& result : recordedIn(state))
-    if (isCovered(found.liars(), result.given_by())) of_liars.insert(keyOf(result));
+    if (isCovered(liars, result.given_by())) of_liars.insert(keyOf(result));
 }
 
 void Ledger::noteSealed(const std::filesystem::path& state, const std::vector<SpacePlan>& plans) {

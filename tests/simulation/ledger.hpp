@@ -56,7 +56,7 @@ struct Ledger {
   void noteDelivery(const std::string& peer, const wire::Result& result);
   void noteAcknowledged(const std::string& peer, const ResultKey& key);
   /// Broken when somebody honest is among them.
-  void noteVerdict(const LiarsFound& found, const std::filesystem::path& state);
+  void noteVerdict(const std::vector<KeptOut>& liars, const std::filesystem::path& state);
   /// Of what is recorded, what is wrong and rests in the plans of a dataset that is about to be
   /// sealed. Broken when there was another result that contradicts it.
   void noteSealed(const std::filesystem::path& state, const std::vector<SpacePlan>& plans);

@@ -94,23 +94,21 @@ void SchedulerProcess::wake(Seconds now) {
         throw Broken("a damaged record stays, however often it is dropped");
       build_->drop(damage);
       openAnew(now);
-    } catch (const LiarsFound& found) {
-      keepOut(found, now);
     }
   });
 }
 
 /// As `serve` and `build` do it: what they gave is computed again.
-void SchedulerProcess::keepOut(const LiarsFound& found, Seconds now) {
-  ledger_.noteVerdict(found, stateDirectory());
+void SchedulerProcess::keepOut(const std::vector<KeptOut>& liars, Seconds now) {
+  ledger_.noteVerdict(liars, stateDirectory());
   if (const auto changes = std::exchange(kill_at_verdict_, std::nullopt)) {
     ++felt_[Accident::kill_at_verdict];
     if (*changes == 0) return disk_.die();
     disk_.killAfter(*changes);
   }
-  build_->keepOut(found);
+  build_->keepOut(liars);
   if (disk_.dead()) return;
-  ledger_.noteKeptOut(found.liars());
+  ledger_.noteKeptOut(liars);
   openAnew(now);
 }
 
@@ -123,11 +121,12 @@ void SchedulerProcess::openAnew(Seconds now) {
 
 void SchedulerProcess::turn(Seconds now) {
   Coordinator& coordinator = build_->coordinator();
-  exchange(coordinator, *this, clock_.at(now));
+  const Next next = exchange(coordinator, *this, clock_.at(now));
+  if (next == Next::anew) return keepOut(coordinator.liars(), now);
   if (disk_.dead()) return;
   if (state_ == State::running) {
-    if (coordinator.complete()) return seal(now);
-    if (coordinator.stopping() || coordinator.stuck()) {
+    if (next == Next::complete) return seal(now);
+    if (next != Next::go_on) {
       coordinator.dismiss();
       leaves_at_ = now + drain_limit;
       state_ = State::leaving;

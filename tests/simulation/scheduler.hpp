@@ -54,7 +54,7 @@ class SchedulerProcess : private Transport {
   void guarded(const std::function<void()>& step);
   void open(Seconds now);
   void turn(Seconds now);
-  void keepOut(const LiarsFound& found, Seconds now);
+  void keepOut(const std::vector<KeptOut>& liars, Seconds now);
   void openAnew(Seconds now);
   void seal(Seconds now);
   void leave();

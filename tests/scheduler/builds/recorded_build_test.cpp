@@ -128,7 +128,7 @@ TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
   liar.kind = KeptOut::Kind::machine;
   liar.who.set_host("here");
   liar.reason = "a test";
-  world.build().keepOut(LiarsFound({liar}));
+  world.build().keepOut({liar});
   test::expectError(ExitCode::failed, [&] { RecordedBuild(state).seal(out); },
                     {"nothing is recorded there yet"});
 }
