@@ -14,8 +14,9 @@ STORE = "scheduler/state/job_store.cpp"
 REPLAY = "scheduler/state/replay.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
 RECORDED = "scheduler/builds/recorded_build.cpp"
-COORDINATOR = "scheduler/service/coordinator.cpp"
-WORKERS = "scheduler/service/coordinator_workers.cpp"
+INTAKE = "scheduler/service/intake.cpp"
+WORKERS = "scheduler/service/workers.cpp"
+SECONDS = "scheduler/service/second_solves.cpp"
 CHECKS = "scheduler/service/spot_checks.cpp"
 SESSION = "worker/link/worker_session.cpp"
 
@@ -46,31 +47,31 @@ DEFECTS = [
     ("lock-not-taken", "two schedulers may share a state directory", DIRECTORY,
      "for (int tries = 0; flock(", "for (int tries = 0; !@ && flock("),
     ("lease-forgotten", "what a lost worker held is not given back", WORKERS,
-     "  leases_.giveBack(worker.id);\n  if (!every",
-     "  if (!@) leases_.giveBack(worker.id);\n  if (!every"),
+     "  leases.giveBack(worker.id);\n  if (!state_.every",
+     "  if (!@) leases.giveBack(worker.id);\n  if (!state_.every"),
     ("silence-is-death", "a silent worker is taken for dead, and its work for deadly", WORKERS,
      "  if (departed_.size() > most_departed) departed_.pop_front();",
-     "  if (@) blame(leases_.suspectsOf(worker.id, worker.solving));\n  if (departed_.size() > most_departed) departed_.pop_front();"),
+     "  if (@) blame(leases.suspectsOf(worker.id, worker.solving));\n  if (departed_.size() > most_departed) departed_.pop_front();"),
     ("silence-unnoticed", "a worker that says nothing any more keeps what it holds", WORKERS,
-     "void Coordinator::loseSilentWorkers(Time now) {", "void Coordinator::loseSilentWorkers(Time now) {\n  if (@) return;"),
+     "void Workers::loseSilent() {", "void Workers::loseSilent() {\n  if (@) return;"),
     ("idle-unnoticed", "a job that was lost on its way stays with the worker that never got it", WORKERS,
-     "void Coordinator::takeBackFromTheIdle(Time now) {", "void Coordinator::takeBackFromTheIdle(Time now) {\n  if (@) return;"),
-    ("duplicate-acknowledged-early", "a second result is acknowledged before the first is on disk", COORDINATOR,
-     "    const wire::Result& first = waiting->result.header;",
-     "    const wire::Result& first = waiting->result.header;\n    if (@) acknowledgement(worker.peer, message);"),
-    ("duplicate-unanswered", "a result that is recorded already is not acknowledged again", COORDINATOR,
-     "    acknowledgement(worker.peer, message);\n    compare(", "    if (!@) acknowledgement(worker.peer, message);\n    compare("),
-    ("spare-forgotten", "results behind a lost one are asked for again", COORDINATOR,
-     "    add(settle(plans_, key.space, spare_,",
-     "    SpareResults none;\n    add(settle(plans_, key.space, @ ? none : spare_,"),
-    ("damage-refused", "one lost record makes the rest useless", COORDINATOR,
-     "if (!store_->damaged() && ", "if ((@ || !store_->damaged()) && "),
+     "void Workers::reclaimFromIdle() {", "void Workers::reclaimFromIdle() {\n  if (@) return;"),
+    ("duplicate-acknowledged-early", "a second result is acknowledged before the first is on disk", INTAKE,
+     "  const wire::Result& first = waiting.result.header;",
+     "  const wire::Result& first = waiting.result.header;\n  if (@) state_.acknowledge(worker.peer, message);"),
+    ("duplicate-unanswered", "a result that is recorded already is not acknowledged again", INTAKE,
+     "      state_.acknowledge(worker.peer, message);\n      return", "      if (!@) state_.acknowledge(worker.peer, message);\n      return"),
+    ("spare-forgotten", "results behind a lost one are asked for again", INTAKE,
+     "    goOn(settle(state_.plans, key.space, spare_,",
+     "    SpareResults none;\n    goOn(settle(state_.plans, key.space, @ ? none : spare_,"),
+    ("damage-refused", "one lost record makes the rest useless", INTAKE,
+     "if (!state_.store.damaged() && ", "if ((@ || !state_.store.damaged()) && "),
     ("kept-out-forgotten", "a restart forgets who is kept out", STORE,
      "      kept_out_(tables_.keptOut()),", "      kept_out_(@ ? std::vector<KeptOut>() : tables_.keptOut()),"),
     ("lies-kept", "what somebody gave who is kept out stays recorded", STORE,
      "  if (theirs.empty()) return;", "  if (@ || theirs.empty()) return;"),
-    ("checks-forgotten", "a restart forgets what others are to solve again", COORDINATOR,
-     "      due_checks_(store.tables().checks()),", "      due_checks_(@ ? std::map<ResultKey, bool>() : store.tables().checks()),"),
+    ("checks-forgotten", "a restart forgets what others are to solve again", SECONDS,
+     "      due_(state.store.tables().checks()) {}", "      due_(@ ? std::map<ResultKey, bool>() : state.store.tables().checks()) {}"),
     ("checks-before-results", "whoever seals beside a scheduler reads which checks are open before the results", RECORDED,
      "    tables_.emplace(directory_);", "    if (!@) tables_.emplace(directory_);"),
     ("nothing-checked", "no result is solved again by another", CHECKS,

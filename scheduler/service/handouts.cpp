@@ -1,0 +1,147 @@
+#include "scheduler/service/handouts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+namespace {
+
+/// Who comes before whom when jobs are handed out: the smaller one.
+struct Load {
+  bool busy, newcomer;
+  std::size_t held;     ///< targets
+  Worker::Time waited;  ///< of newcomers, since then they were given nothing
+  Worker* worker;
+
+  bool operator>(const Load& other) const {
+    return std::tie(busy, newcomer, held, waited, worker->id) >
+           std::tie(other.busy, other.newcomer, other.held, other.waited, other.worker->id);
+  }
+};
+
+}  // namespace
+
+Handouts::Handouts(ServiceState& state, Workers& workers, const SecondSolves& seconds,
+                   std::string problem_bytes)
+    : state_(state),
+      workers_(workers),
+      seconds_(seconds),
+      problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
+      seal_(state.store.tables().secret()),
+      longest_solve_(state.store.longestSolve()) {}
+
+void Handouts::handOut() {
+  const bool checks_wait = !workers_.leases.waitingChecks().empty();
+  if (!state_.handsOut() || (workers_.leases.waiting() == 0 && !checks_wait)) return;
+  const std::map<TransitionKey, Apart> wanted = seconds_.wanted();
+  // Those that are to be given something first on top: there are many, and work for few.
+  std::vector<Load> heap;
+  std::size_t free_hands = 0;
+  const auto add = [&](Worker& worker) {
+    if (worker.credit == 0 || workers_.roomOf(worker) == 0) return false;
+    const bool newcomer = worker.earned == 0;
+    const std::size_t held = workers_.leases.leasedTo(worker.id);
+    heap.push_back({held > 0, newcomer, held, newcomer ? worker.moved : Worker::Time(), &worker});
+    free_hands += !newcomer && held == 0;
+    return true;
+  };
+  workers_.registry.eachAsking([&](Worker& worker) {
+    add(worker);
+    // None of the others would come before these; but a check is not for everybody.
+    return checks_wait || free_hands < workers_.leases.waiting();
+  });
+  std::ranges::make_heap(heap, std::greater());
+  while (!heap.empty()) {
+    std::ranges::pop_heap(heap, std::greater());
+    Worker& worker = *heap.back().worker;
+    heap.pop_back();
+    const std::string& id = worker.id;
+    const std::size_t room = workers_.roomOf(worker);
+    if (workers_.leases.leasedTo(id) == 0) workers_.allotment.noteFirst(worker, state_.now);
+    // There are few of them, and they are to show what is wrong before much rests on it.
+    auto handout = workers_.leases.handOutCheck(id, [&](const TransitionKey& key) {
+      return seconds_.mayTake(worker, key, wanted.at(key));
+    });
+    if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
+    if (!handout && !checks_wait) return;
+    if (!handout) continue;
+    PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
+    worker.idle_since.reset();
+    --worker.credit;
+    if (add(worker)) std::ranges::push_heap(heap, std::greater());
+    sendJob(worker, *handout);
+  }
+}
+
+void Handouts::sendJob(const Worker& worker, const Handout& handout) {
+  const SpacePlan& plan = state_.plans[handout.space];
+  PALPATE_ASSERT(!handout.targets.empty(), "a hand-out without targets would be no job");
+  wire::Job& job = *state_.send(worker.peer).mutable_job();
+  job.set_id(handout.job);  // which heartbeats name
+  job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
+  job.set_space(handout.space);
+  *job.mutable_start() = toWire(plan.positions().point(handout.parent));
+  // Whatever goes to several targets is none of the rest state, which has a job of its own.
+  const TransitionKey first = {handout.space, handout.targets.front(), handout.parent};
+  const bool is_check = seconds_.checks().isOpen(keyOf(state_.plans, first));
+  job.set_start_id(is_check ? seconds_.checks().startOf(keyOf(state_.plans, first)).id
+                            : startIdOf(plan, {first.target, first.parent}));
+  for (const std::int32_t target : handout.targets) {
+    wire::Target& entry = *job.add_targets();
+    *entry.mutable_point() = toWire(plan.positions().point(target));
+    const ResultKey key = keyOf(state_.plans, {handout.space, target, handout.parent});
+    entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
+    entry.set_steps(is_check ? seconds_.checks().startOf(key).steps
+                             : static_cast<std::uint32_t>(plan.stepsOf({target, handout.parent})));
+  }
+}
+
+std::chrono::seconds Handouts::hungAfter() const {
+  if (state_.settings.hung_after) return *state_.settings.hung_after;
+  if (longest_solve_ <= 0) return state_.settings.hung_without_any;
+  // A week is no limit any more; a worker may claim any cost.
+  constexpr double most = 7 * 24 * 3600;
+  const double seconds = std::min(state_.settings.hung_factor * longest_solve_, most);
+  return std::max(state_.settings.hung_at_least, std::chrono::seconds(std::llround(seconds)));
+}
+
+bool Handouts::asked(const Worker& worker, const wire::Result& result) const {
+  return seal_.isSealOf({worker.id, keyOf(result), result.start_id()}, result.lease());
+}
+
+void Handouts::sendProblem(const Worker& worker) {
+  wire::ProblemReply& reply = *state_.send(worker.peer, problem_bytes_).mutable_problem_reply();
+  reply.set_build(std::string(state_.store.build().bytes()));
+  reply.set_payload_bytes(static_cast<std::uint32_t>(problem_bytes_->size()));
+}
+
+void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& request) {
+  if (unread_starts_.bytes() > state_.settings.unread_starts) {
+    ++state_.counters["unread_answers"];
+    return;
+  }
+  std::optional<JournalRecord> found;
+  const LatticePoint point = fromWire(request.point());
+  if (const auto key = transitionOf(state_.plans, {request.space(), point, point}))
+    // The point may have another equilibrium by now than the one the job started from.
+    if (const CompactPoints& points = state_.plans[key->space].points();
+        isSolved(points.tag(key->target)) && points.fields(key->target).bytes() == request.id())
+      found = state_.store.find(
+          keyOf(state_.plans, {key->space, key->target, points.parent(key->target)}));
+  if (!found)
+    if (const auto solver = seconds_.checks().solverOfStart(request.id()))
+      found = state_.store.find(*solver);
+  const bool known = found.has_value();
+  std::shared_ptr<const std::string> payload;
+  if (known) payload = unread_starts_.add(std::move(found->payload));
+  wire::FieldsReply& reply = *state_.send(worker.peer, payload).mutable_fields_reply();
+  reply.set_id(request.id());
+  reply.set_unknown(!known);
+  if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
+}
+
+}  // namespace palpate

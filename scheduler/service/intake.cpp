@@ -1,0 +1,155 @@
+#include "scheduler/service/intake.hpp"
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+
+Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts)
+    : state_(state),
+      workers_(workers),
+      seconds_(seconds),
+      handouts_(handouts),
+      check_(state.problem, state.store.build()) {
+  Replay replayed = state_.store.takeReplay();
+  state_.plans = std::move(replayed.plans);
+  spare_ = std::move(replayed.spare);
+  // Where something was lost, what it led to is asked for again in time.
+  if (!state_.store.damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
+  PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
+                 "every active node has its plan");
+  state_.chronicle.begin(state_.plans);
+  goOn(replayed.settled);
+}
+
+bool Intake::take(Worker& worker, const Incoming& incoming) {
+  const wire::Result& message = incoming.message.result();
+  // Who delivers is at work, whatever its last heartbeat said.
+  worker.idle_since.reset();
+  const auto drop = [&](const std::string& why) {
+    workers_.badMessage(worker.peer, why);
+    return false;
+  };
+  if (const std::string objection =
+          check_.objectionTo(message, incoming.payload, worker.kernel_family);
+      !objection.empty())
+    return drop(objection);
+  const auto key = transitionOf(state_.plans, keyOf(message));
+  if (!key) return drop("a result for a point that does not exist");
+  if (!handouts_.asked(worker, message)) {
+    // Who keeps results over the loss of our secret has them solved again.
+    refuseUnwanted(worker, message);
+    return drop("a result that it was not asked for");
+  }
+  if (ResultGroup::Member* waiting = state_.group.find(*key))
+    takeAgain(worker, *waiting, message);
+  else if (state_.plans[key->space].isOpen({key->target, key->parent}))
+    takeFirst(worker, *key, incoming);
+  else
+    return takeRecorded(worker, *key, message);
+  return false;
+}
+
+/// Another result of what waits to become durable.
+void Intake::takeAgain(const Worker& worker, ResultGroup::Member& waiting,
+                       const wire::Result& message) {
+  const wire::Result& first = waiting.result.header;
+  if (!seconds_.isSame(worker, first, message)) {
+    if (first.given_by().worker() == worker.id) return seconds_.contradict(worker, message);
+    waiting.is_checked = waiting.is_disputed = true;
+  }
+  waiting.senders.insert(worker.peer);
+}
+
+bool Intake::takeRecorded(Worker& worker, const TransitionKey& key, const wire::Result& message) {
+  wire::Result first;
+  if (const auto recorded = state_.store.find(keyOf(message))) {
+    const bool readable = first.ParseFromString(recorded->header);
+    PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
+    if (message.start_id() == first.start_id()) {
+      state_.acknowledge(worker.peer, message);
+      return seconds_.compare(worker, key, first, message);
+    }
+  }
+  refuseUnwanted(worker, message);
+  return false;
+}
+
+/// Of a transition that what was lost led to, or of another's imagination. As long as it is not
+/// answered, an honest worker keeps it and does not leave.
+void Intake::refuseUnwanted(const Worker& worker, const wire::Result& result) {
+  ++state_.counters["unwanted_results"];
+  state_.acknowledge(worker.peer, result).set_unwanted(true);
+}
+
+/// The first result of a transition.
+void Intake::takeFirst(Worker& worker, const TransitionKey& key, const Incoming& incoming) {
+  const wire::Result& message = incoming.message.result();
+  const SpacePlan& plan = state_.plans[key.space];
+  if (message.start_id() != startIdOf(plan, {key.target, key.parent}))
+    return refuseUnwanted(worker, message);
+  if (workers_.registry.kernelFamily().empty()) workers_.settleKernels(worker.kernel_family);
+  ++worker.results;
+  workers_.allotment.noteDelivery(worker, state_.now);
+  workers_.leases.finish(key);
+  StoredResult stored{message, *fromWire(message)};
+  stored.header.clear_lease();
+  *stored.header.mutable_given_by() = worker.provenance;
+  stored.header.set_steps(static_cast<std::uint32_t>(plan.stepsOf({key.target, key.parent})));
+  stored.header.clear_start_parent();
+  if (!stored.header.start_id().empty())
+    *stored.header.mutable_start_parent() =
+        toWire(plan.positions().point(plan.point(key.parent).parent));
+  const bool picked = seconds_.pick(key, stored.outcome);
+  state_.group.add(key, std::move(stored), incoming.payload, state_.now);
+  ResultGroup::Member& member = *state_.group.find(key);
+  member.is_checked = picked;
+  member.senders.insert(worker.peer);
+}
+
+bool Intake::isFull() const {
+  return state_.group.size() >= state_.settings.group_results ||
+         state_.group.bytes() >= state_.settings.group_bytes;
+}
+
+bool Intake::isDue(bool all_read) {
+  if (!state_.group.since()) return false;
+  const auto age = state_.now - *state_.group.since();
+  if (age >= state_.settings.group_age || (all_read && age >= state_.settings.group_age_all_read))
+    return true;
+  // Somebody waits for what these results may make ready.
+  return workers_.leases.waiting() == 0 && workers_.registry.someoneAsks();
+}
+
+ServiceState::Time Intake::deadline() const {
+  return state_.group.since() ? *state_.group.since() + state_.settings.group_age_all_read
+                              : ServiceState::Time::max();
+}
+
+void Intake::commit() {
+  // Before they are durable, or one that is killed in between would never be checked.
+  for (const auto& [key, member] : state_.group.members())
+    if (member.is_checked) seconds_.note(keyOf(member.result.header), member.is_disputed);
+  // Plans move on only after this: what they ask for next may rest on what is in the group.
+  const ResultGroup::Members durable = state_.group.commit();
+  for (const auto& [key, member] : durable) {
+    for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result.header);
+    SpacePlan& plan = state_.plans[key.space];
+    plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
+    ++recorded_;
+    handouts_.noteSolve(member.result.outcome.cost.seconds);
+    converged_ += member.result.outcome.converged;
+    if (!member.result.outcome.converged)
+      state_.chronicle.failed(key, plan, member.result.outcome.failure,
+                              member.result.header.given_by());
+    goOn(settle(state_.plans, key.space, spare_,
+                [this](const ResultKey& spare) { return state_.store.read(spare); }));
+    state_.chronicle.wentOn(key.space, plan);
+  }
+}
+
+void Intake::goOn(const Settled& settled) {
+  state_.store.drop(settled.stale);
+  workers_.addReady(settled.missing);
+}
+
+}  // namespace palpate

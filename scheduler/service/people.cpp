@@ -1,0 +1,205 @@
+#include "scheduler/service/people.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/base/text.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::seconds servers_written_every{5};
+/// When somebody came meanwhile: at once, since people look for the worker that they just started;
+/// with many it takes a while for each, or a flood of newcomers would have all rows written again
+/// for every one of them.
+constexpr std::chrono::milliseconds newcomers_written_after{1};  // times:
+constexpr std::size_t workers_per_wait = 8;
+
+}  // namespace
+
+People::People(ServiceState& state, Workers& workers, const SecondSolves& seconds,
+               const Intake& intake)
+    : state_(state),
+      workers_(workers),
+      seconds_(seconds),
+      intake_(intake),
+      servers_written_(state.now),
+      pace_(state.now),
+      work_pace_(state.now) {
+  for (const auto& [name, priority] : state_.store.tables().priorities())
+    prioritize(name, priority);
+}
+
+bool People::answer(const Incoming& incoming) {
+  const wire::Message& message = incoming.message;
+  const std::string& peer = incoming.peer;
+  switch (message.body_case()) {
+    case wire::Message::kStatusRequest:
+      state_.send(peer).mutable_status_reply()->set_json(recentStatus());
+      return true;
+    case wire::Message::kPauseRequest:
+      pause(message.pause_request().paused());
+      state_.send(peer).mutable_pause_reply()->set_paused(state_.paused);
+      return true;
+    case wire::Message::kRetryRequest: {
+      const std::string& cause = message.retry_request().cause();
+      const std::int32_t transitions = cause.empty() ? retry() : retryFailed(cause);
+      state_.send(peer).mutable_retry_reply()->set_transitions(
+          static_cast<std::uint32_t>(transitions));
+      return true;
+    }
+    case wire::Message::kPriorityRequest: {
+      const wire::PriorityRequest& asked = message.priority_request();
+      const std::string objection = prioritize(asked.space(), asked.priority());
+      if (objection.empty()) {
+        state_.store.tables().writePriority(asked.space(), asked.priority());
+        state_.chronicle.prioritized(asked.space(), asked.priority());
+      }
+      state_.send(peer).mutable_priority_reply()->set_objection(objection);
+      return true;
+    }
+    default: return false;
+  }
+}
+
+void People::measure() {
+  const Time now = state_.now;
+  pace_.note(now, intake_.converged());
+  work_pace_.note(now, intake_.recorded());
+  // Many points are looked at.
+  constexpr std::chrono::milliseconds at_least{500};
+  if (state_.complete || now - forecast_made_ < at_least) return;
+  // Twenty microseconds for what costs a fifth of one.
+  double points = 0;
+  for (const SpacePlan& plan : state_.plans) points += plan.size();
+  points = std::min(points, double{most_forecast});
+  if (now - forecast_made_ < std::chrono::duration<double>(2e-5 * points)) return;
+  forecast_ = forecastOf(state_.problem, state_.plans);
+  forecast_made_ = now;
+  recorded_then_ = intake_.recorded();
+}
+
+std::int32_t People::retry() {
+  const auto aside = static_cast<std::int32_t>(workers_.leases.aside().size());
+  workers_.retryAside();
+  state_.chronicle.retried(aside);
+  return aside;
+}
+
+/// The plans are made anew without them, and ask for them again.
+std::int32_t People::retryFailed(const std::string& cause) {
+  const auto which = causeNamed(cause);
+  if (!which || state_.turns_since_retry) return 0;
+  const std::vector<ResultKey> failed = failedWith(state_.plans, *which);
+  if (failed.empty()) return 0;
+  state_.store.drop(failed);
+  state_.chronicle.retried(std::ssize(failed), cause);
+  spdlog::warn("{} attempts that failed with {} are tried again, as an operator asked",
+               failed.size(), cause);
+  state_.turns_since_retry = 0;
+  return static_cast<std::int32_t>(failed.size());
+}
+
+/// Why that cannot be; empty when it is so now.
+std::string People::prioritize(const std::string& name, std::int32_t priority) {
+  std::set<std::string> names;
+  for (std::uint32_t space = 0; space < state_.plans.size(); ++space) {
+    const std::string& row = *names.insert(rowNameOf(state_.problem.scene.active[space])).first;
+    if (row == name) workers_.leases.setPriority(space, priority);
+  }
+  if (!names.contains(name))
+    return fmt::format("no space is called {}: they are {}", printable(name),
+                       printable(fmt::format("{}", fmt::join(names, ", ")), 500));
+  priorities_[name] = priority;
+  recent_status_.clear();
+  return "";
+}
+
+void People::pause(bool paused) {
+  if (paused == state_.paused) return;
+  state_.store.tables().writePaused(paused);
+  state_.paused = paused;
+  recent_status_.clear();
+  state_.chronicle.paused(paused);
+  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
+}
+
+People::Time People::serversDue() const {
+  const auto waits = static_cast<int>(workers_.registry.all().size() / workers_per_wait);
+  return servers_written_ +
+         (workers_.newcomers ? waits * newcomers_written_after : servers_written_every);
+}
+
+void People::writeServers() {
+  std::vector<wire::WorkerStatus> rows = workers_.registry.takeDeparted();
+  const std::vector<wire::WorkerStatus> present =
+      workers_.registry.rows(workers_.leases, state_.now);
+  rows.insert(rows.end(), present.begin(), present.end());
+  state_.store.checkPresence();
+  state_.store.tables().writeServers(rows);
+  state_.store.tables().writeCounters(state_.counters);
+  if (state_.complete || state_.stopping || state_.now - progress_written_ >= servers_written_every)
+    writeProgress();
+  servers_written_ = state_.now;
+  workers_.newcomers = false;
+}
+
+/// What is told of the directory when nobody works there.
+void People::writeProgress() {
+  state_.store.tables().writeProgress(
+      {state_.store.recorded(),
+       toJson(progressOf(state_.problem, state_.store.build(), state_.plans,
+                         workers_.registry.kernelFamily(), state_.complete))});
+  progress_written_ = state_.now;
+}
+
+const std::string& People::recentStatus() {
+  // s, as it was measured: whoever asks without end costs a twentieth of a processor.
+  constexpr double by_space = 3e-6, by_worker = 3e-6, times = 20;
+  const double cost = by_worker * static_cast<double>(workers_.registry.all().size()) +
+                      by_space * static_cast<double>(state_.plans.size());
+  const std::chrono::duration<double> good_for(std::max(0.02, times * cost));
+  if (recent_status_.empty() || state_.now - recent_status_made_ >= good_for) {
+    recent_status_ = toJson(status(state_.now));
+    recent_status_made_ = state_.now;
+  }
+  return recent_status_;
+}
+
+void People::addTimeLeft(wire::Status& status, Time now) const {
+  if (state_.complete) {
+    status.set_eta_seconds(0);
+    return;
+  }
+  const double rate = work_pace_.perSecond(now, intake_.recorded());
+  if (rate <= 0 || state_.paused) return;
+  // Results since then were among what was ready.
+  const double ready =
+      std::max(1.0, forecast_.ready - static_cast<double>(intake_.recorded() - recorded_then_));
+  status.set_eta_seconds((ready + forecast_.expected) / rate);
+  status.set_eta_low_seconds((ready + forecast_.expected / 2) / rate);
+  status.set_eta_high_seconds((ready + 2 * forecast_.expected) / rate);
+}
+
+wire::Status People::status(Time now) const {
+  wire::Status status = statusOf(state_.problem, state_.plans);
+  addServers(status, workers_.registry.rows(workers_.leases, now), state_.counters);
+  status.set_build(state_.store.build().hex());
+  status.set_set_aside(static_cast<std::int32_t>(workers_.leases.aside().size()));
+  status.set_checks_open(static_cast<std::int32_t>(seconds_.left()));
+  status.set_disputed(static_cast<std::int32_t>(seconds_.checks().disputedCount()));
+  addKeptOut(status, state_.store.keptOut());
+  addDisk(status, state_.store.directory(), state_.store.journalBytes());
+  status.set_state(state_.complete ? "complete" : state_.stopping ? "stopping" : "running");
+  status.set_paused(state_.paused);
+  status.set_kernel_family(workers_.registry.kernelFamily());
+  setPriorities(status, priorities_);
+  status.set_recorded(static_cast<std::int32_t>(intake_.recorded()));
+  status.set_seconds(std::chrono::duration<double>(now - state_.started).count());
+  status.set_configurations_per_second(pace_.perSecond(now, intake_.converged()));
+  addTimeLeft(status, now);
+  return status;
+}
+
+}  // namespace palpate

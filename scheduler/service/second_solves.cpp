@@ -1,0 +1,231 @@
+#include "scheduler/service/second_solves.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "scheduler/service/result_check.hpp"
+
+namespace palpate {
+namespace {
+
+std::string nameOf(const wire::Provenance& worker) {
+  std::string name = "worker " + hexOfId(worker.worker()).substr(0, 8) + " on " + worker.host();
+  if (const auto key = PublicKey::fromBytes(worker.key())) name += ", key " + key->shortHex();
+  return name;
+}
+
+/// Of a result that has a start.
+ResultKey solverOfStart(const wire::Result& header) {
+  return {header.space(), fromWire(header.parent()), fromWire(header.start_parent())};
+}
+
+}  // namespace
+
+SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
+    : state_(state),
+      workers_(workers),
+      checks_(state.settings.spot_checks, state.store.tables().secret()),
+      due_(state.store.tables().checks()) {}
+
+bool SecondSolves::pick(const TransitionKey& key, const Outcome& outcome) {
+  const SpacePlan& plan = state_.plans[key.space];
+  SpotChecks::Look look = {.failed = !outcome.converged};
+  // The rest state was judged by itself (ResultCheck).
+  if (outcome.converged && key.target != key.parent) {
+    const Lattice& positions = plan.positions();
+    look.oddness =
+        oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium,
+                      positions.displacement(key.target) - positions.displacement(key.parent));
+  }
+  return checks_.pick(keyOf(state_.plans, key), look);
+}
+
+void SecondSolves::note(const ResultKey& key, bool disputed) {
+  due_[key] = disputed;
+  state_.store.tables().writeCheck(key, disputed);
+}
+
+void SecondSolves::openDue() {
+  std::erase_if(due_, [&](const auto& due) {
+    const auto& [key, disputed] = due;
+    // Disputes are few, the end waits for them, and one machine may settle them.
+    return (disputed || (!workers_.isOneMachine() && checks_.hasRoom())) && open(key, disputed);
+  });
+}
+
+/// Whether it could be opened: not before its plan has it.
+bool SecondSolves::open(const ResultKey& key, bool disputed) {
+  if (checks_.isOpen(key)) return true;
+  if (!isRecordedInPlan(key)) return false;
+  std::optional<JournalRecord> record;
+  try {
+    record = state_.store.find(key);
+  } catch (const DamagedRecord&) {
+    // Found out, and computed again, before the end.
+  }
+  wire::Result first;
+  if (!record || !first.ParseFromString(record->header)) return false;
+  SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
+  if (first.has_start_parent()) start.solved_by = solverOfStart(first);
+  checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);
+  workers_.leases.addCheck(*transitionOf(state_.plans, key));
+  return true;
+}
+
+bool SecondSolves::isRecordedInPlan(const ResultKey& key) const {
+  const auto known = transitionOf(state_.plans, key);
+  // In work once more, since what was recorded is lost: then it is checked when it comes.
+  return known && state_.plans[known->space].isRecorded({known->target, known->parent}) &&
+         !state_.group.has(*known);
+}
+
+void SecondSolves::forgetUnneeded() {
+  if (!workers_.isOneMachine() && !checks_.hasRoom()) return;
+  std::erase_if(due_, [&](const auto& due) {
+    const auto& [key, disputed] = due;
+    if ((workers_.isOneMachine() && !disputed) || !isRecordedInPlan(key))
+      state_.store.tables().forgetCheck(key);
+    return true;
+  });
+}
+
+bool SecondSolves::compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
+                           const wire::Result& second) {
+  const ResultKey name = keyOf(state_.plans, key);
+  const Opinion opinion = opinionOf(second, worker.provenance);
+  const bool was_open = checks_.isOpen(name);
+  if (!was_open || checks_.apart(name, worker.provenance) == Apart::same_process) {
+    if (isSame(worker, first, second)) {
+      // Others were given it meanwhile.
+      if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
+      return false;
+    }
+    if (state_.complete) return false;
+    if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(name, opinion)))
+      contradict(worker, second);
+    if (was_open || !state_.liars.empty()) return false;
+    note(name, true);
+    openDue();
+    if (!checks_.isOpen(name)) return false;
+  }
+  workers_.leases.finish(key);
+  workers_.allotment.noteDelivery(worker, state_.now);
+  const auto verdict = checks_.hear(name, opinion);
+  if (!verdict) {
+    if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second);
+    workers_.leases.addCheck(key);
+    state_.store.tables().writeCheck(name, true);
+    return false;
+  }
+  ++state_.counters["checked_results"];
+  if (verdict->wrong.empty()) {
+    state_.store.tables().forgetCheck(name);
+    return true;
+  }
+  // The check stays in the tables: what is computed again is checked again, and should the liars
+  // not be kept out, because this is killed, somebody finds them once more.
+  findLiars(*verdict, fmt::format("its result of {} differs from what {} others found",
+                                  textOf(name), verdict->right.size()));
+  return false;
+}
+
+bool SecondSolves::isSame(const Worker& worker, const wire::Result& first,
+                          const wire::Result& second) {
+  ++state_.counters["duplicate_results"];
+  if (ResultCheck::agree(first, second)) return true;
+  differs(worker, first, second);
+  return false;
+}
+
+void SecondSolves::differs(const Worker& worker, const wire::Result& first,
+                           const wire::Result& second) {
+  ++state_.counters["divergent_results"];
+  state_.peer_log.error(state_.now,
+                        "{}: {} found other bits than {}: others are asked who is right",
+                        textOf(keyOf(second)), nameOf(worker.provenance), nameOf(first.given_by()));
+  if (const auto key = transitionOf(state_.plans, keyOf(second)))
+    state_.chronicle.disputed(*key, state_.plans[key->space], first.given_by(), worker.provenance,
+                              state_.now);
+}
+
+void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
+  const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
+  // Other workers of its machine, and of its key, may have nothing to do with it.
+  wire::Provenance neighbour = worker.provenance;
+  neighbour.clear_worker();
+  findLiars({.right = {neighbour}, .wrong = {worker.provenance}}, reason);
+}
+
+void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::string& reason) {
+  state_.liars =
+      keptOutBy(verdict, state_.store.keptOut(), reason, state_.settings.spot_checks.trusted_key);
+  state_.counters["wrong_results"] += std::ssize(state_.liars);
+  state_.store.tables().writeCounters(state_.counters);
+  for (const KeptOut& liar : state_.liars) {
+    state_.chronicle.keptOut(liar);
+    spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
+                  name(liar.kind), liar.reason);
+  }
+}
+
+/// Machines that were here are reckoned with until nothing but checks was left for checks_wait.
+bool SecondSolves::othersMayCome() const {
+  return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
+}
+
+std::map<TransitionKey, Apart> SecondSolves::wanted() const {
+  std::map<TransitionKey, Apart> wanted;
+  if (workers_.leases.waitingChecks().empty()) return wanted;
+  Crowd at_work;
+  for (const auto& [id, worker] : workers_.registry.all())
+    if (workers_.asksForWork(worker))
+      at_work.add(worker.provenance.key(), worker.provenance.host());
+  const Crowd& may_come = othersMayCome() ? workers_.heard : at_work;
+  for (const TransitionKey& key : workers_.leases.waitingChecks())
+    wanted.emplace(key, checks_.wanted(keyOf(state_.plans, key), at_work, may_come));
+  return wanted;
+}
+
+bool SecondSolves::mayTake(const Worker& worker, const TransitionKey& key, Apart wanted) const {
+  const Apart apart = checks_.apart(keyOf(state_.plans, key), worker.provenance);
+  return apart != Apart::same_process && apart >= wanted;
+}
+
+void SecondSolves::watch() {
+  hopeless_ = false;
+  if (!state_.handsOut() || state_.group.size() > 0 || checks_.openCount() == 0 ||
+      !workers_.leases.onlyChecksLeft())
+    return only_these_left_.reset();
+  if (!only_these_left_) only_these_left_ = state_.now;
+  hopeless_ = state_.now - *only_these_left_ >= state_.settings.worker_lost;
+  if (othersMayCome()) return;
+  for (auto& [id, worker] : workers_.registry.all())
+    if (const auto last = workers_.leases.lastOf(id);
+        last && workers_.allotment.isOverdue(worker, last->attempts, state_.now))
+      workers_.reassignLast(worker);
+}
+
+bool SecondSolves::giveUp() {
+  if (othersMayCome() || state_.complete) return false;
+  bool some = false;
+  for (const auto& [check, apart] : wanted()) {
+    if (!isHopeless(check, apart)) continue;
+    const ResultKey key = keyOf(state_.plans, check);
+    checks_.close(key);
+    workers_.leases.finish(check);
+    state_.store.tables().forgetCheck(key);
+    ++state_.counters["unchecked_results"];
+    some = true;
+  }
+  return some;
+}
+
+bool SecondSolves::isHopeless(const TransitionKey& check, Apart wanted) const {
+  if (checks_.isDisputed(keyOf(state_.plans, check))) return false;
+  return hopeless_ || std::ranges::none_of(workers_.registry.all(), [&](const auto& other) {
+           return workers_.asksForWork(other.second) && mayTake(other.second, check, wanted);
+         });
+}
+
+}  // namespace palpate

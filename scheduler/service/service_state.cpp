@@ -1,0 +1,34 @@
+#include "scheduler/service/service_state.hpp"
+
+namespace palpate {
+
+ServiceState::ServiceState(const Problem& of, JobStore& recorded, Time time,
+                           const CoordinatorSettings& how)
+    : problem(of),
+      store(recorded),
+      settings(how),
+      now(time),
+      started(time),
+      group(store),
+      counters(store.tables().counters()),
+      peer_log(time),
+      chronicle(of, settings.events, time),
+      paused(store.tables().paused()) {
+  ++counters["runs"];
+}
+
+wire::Message& ServiceState::send(const std::string& peer,
+                                  std::shared_ptr<const std::string> payload) {
+  outbox.push_back({peer, {}, std::move(payload)});
+  return outbox.back().message;
+}
+
+wire::ResultAck& ServiceState::acknowledge(const std::string& peer, const wire::Result& result) {
+  wire::ResultAck& ack = *send(peer).mutable_result_ack();
+  ack.set_space(result.space());
+  *ack.mutable_target() = result.target();
+  *ack.mutable_parent() = result.parent();
+  return ack;
+}
+
+}  // namespace palpate

@@ -1,0 +1,322 @@
+#include "scheduler/service/workers.hpp"
+
+#include <algorithm>
+
+#include "common/base/bytes32.hpp"
+#include "common/base/text.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of a flood of bad messages the first ones tell what there is to tell.
+constexpr std::int64_t bad_messages_logged = 20;
+/// Of so many workers that went it is remembered what they had.
+constexpr std::size_t most_departed = 4096;
+/// Workers that ended, of one Hello: a supervisor tells of one.
+constexpr int most_ended = 64;
+/// A look at all costs a third of a microsecond for each: a twentieth of a processor.
+constexpr std::chrono::microseconds looked_at_every{6};  // times workers
+
+}  // namespace
+
+Workers::Workers(ServiceState& state)
+    : registry(state.store.kernelFamily().empty() ? state.settings.kernel_family
+                                                  : state.store.kernelFamily(),
+               state.store.keptOut()),
+      // The upper half of a job number is the run, so that two runs never use the same.
+      leases(static_cast<std::uint64_t>(state.counters["runs"]) << 32),
+      allotment(state.settings.allotment),
+      state_(state),
+      incarnation_(randomBytes(16)),
+      losses_(state.store.tables().losses()) {
+  // They may come back any moment.
+  for (const auto& [key, host] : state.store.givers()) heard.add(key, host);
+}
+
+bool Workers::hello(const Incoming& incoming) {
+  const std::string& peer = incoming.peer;
+  const wire::Hello& hello = incoming.message.hello();
+  const auto key = state_.settings.keys_tell_who ? incoming.key : std::nullopt;
+  if (const std::string objection = registry.objectionTo(hello, key); !objection.empty()) {
+    state_.peer_log.warn(state_.now, "worker {} on {} was refused: {}", hello.pid(),
+                         printable(hello.host()), objection);
+    state_.chronicle.refused(printable(hello.host()), hello.pid(), objection, state_.now);
+    ++state_.counters["refused_workers"];
+    state_.send(peer).mutable_refused()->set_reason(objection);
+    return false;
+  }
+  if (registry.wouldChangeKernels(hello)) {
+    state_.peer_log.info(
+        state_.now, "worker {} on {} is asked to take the {} kernels instead of {}", hello.pid(),
+        printable(hello.host()), registry.kernelFamily(), hello.kernel_family());
+    state_.send(peer).mutable_use_kernels()->set_kernel_family(registry.kernelFamily());
+    return false;
+  }
+  for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n) processEnded(hello.ended(n));
+  if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker()) {
+    leases.giveBack(before->id);
+    registry.remove(*before, "left", state_.now);
+  }
+  // A worker that introduces itself again has forgotten what it was given.
+  leases.giveBack(hello.worker());
+  // It lives: what it had when it was lost did not end it.
+  std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
+  const Worker& worker = registry.admit(peer, hello, key, state_.now);
+  silence_due_ = std::min(silence_due_, state_.now + state_.settings.worker_lost);
+  state_.peer_log.info(state_.now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+                       worker.kernel_family);
+  state_.chronicle.joined(worker, state_.now);
+  newcomers = true;
+  const bool was_one_machine = isOneMachine();
+  heard.add(worker.provenance.key(), worker.provenance.host());
+
+  wire::Welcome& welcome = *state_.send(peer).mutable_welcome();
+  welcome.set_incarnation(incarnation_);
+  welcome.set_build(std::string(state_.store.build().bytes()));
+  welcome.set_heartbeat_ms(static_cast<std::uint32_t>(state_.settings.heartbeat.count()));
+  if (state_.everybodyIsToLeave()) state_.drain(peer);
+  return was_one_machine && !isOneMachine();
+}
+
+void Workers::request(Worker& worker, const wire::Request& request) {
+  // It may have missed the first word to leave.
+  if (state_.everybodyIsToLeave()) return state_.drain(worker.peer);
+  if (request.afresh()) worker.credit = 0;
+  registry.addCredit(worker, request.credit());
+}
+
+void Workers::goodbye(const Worker& worker, const wire::Goodbye& goodbye) {
+  const std::string reason = printable(goodbye.reason(), 200);
+  state_.peer_log.info(state_.now, "worker {} on {} left: {}", worker.pid, worker.host, reason);
+  state_.chronicle.left(worker, reason, state_.now);
+  leases.giveBack(worker.id);
+  registry.remove(worker, "left", state_.now);
+}
+
+void Workers::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat) {
+  worker.solving.reset();
+  if (heartbeat.solving()) {
+    worker.idle_since.reset();
+    for (const TransitionKey& key : leases.openOf(worker.id, heartbeat.job()))
+      if (state_.plans[key.space].positions().point(key.target) == fromWire(heartbeat.target()))
+        worker.solving = key;
+  } else if (leases.leasedTo(worker.id) > 0 && !worker.idle_since) {
+    worker.idle_since = state_.now;
+    silence_due_ = std::min(silence_due_, state_.now + state_.settings.idle_with_leases);
+  }
+  state_.send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+  if (state_.everybodyIsToLeave()) state_.drain(worker.peer);
+}
+
+/// Whoever has others is asked who it is again, and told then to take these, or why it may not
+/// stay.
+void Workers::settleKernels(const std::string& family) {
+  registry.setKernelFamily(family);
+  std::vector<const Worker*> others;
+  for (const auto& [id, worker] : registry.all())
+    if (worker.kernel_family != family) others.push_back(&worker);
+  for (const Worker* worker : others) {
+    state_.send(worker->peer).mutable_heartbeat_reply();
+    leases.giveBack(worker->id);
+    registry.remove(*worker, "left", state_.now);
+  }
+}
+
+bool Workers::deserted(Time now) const {
+  // Workers that are drained leave without a word when the build is complete.
+  return std::ranges::all_of(registry.all(), [&](const auto& entry) {
+    return now - entry.second.heard > 3 * state_.settings.heartbeat;
+  });
+}
+
+/// No worker is blamed for a silence of which the scheduler itself saw nothing.
+void Workers::forgiveGap(std::chrono::nanoseconds gap) {
+  for (auto& [id, worker] : registry.all()) {
+    worker.heard += gap;
+    if (worker.idle_since) *worker.idle_since += gap;
+    if (worker.probed) *worker.probed += gap;
+    worker.moved += gap;
+  }
+}
+
+/// Of what it may hold.
+std::size_t Workers::roomOf(const Worker& worker) const {
+  const std::size_t most = allotment.limitOf(worker, state_.now);
+  return most - std::min(most, leases.leasedTo(worker.id));
+}
+
+bool Workers::asksForWork(const Worker& worker) const {
+  const std::size_t held = leases.leasedTo(worker.id);
+  return held + roomOf(worker) > 0 && (worker.credit > 0 || held > 0);
+}
+
+/// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
+/// to is put back, the last first. Whoever finds it first is right, as always.
+void Workers::reassignOverdue() {
+  if (!state_.handsOut() || leases.waiting() > 0) return;
+  const bool all_are_new = std::ranges::none_of(
+      registry.all(), [](const auto& entry) { return entry.second.earned > 0; });
+  int idle = 0;
+  registry.eachAsking([&](const Worker& worker) {
+    idle +=
+        (worker.earned > 0 || all_are_new) && leases.leasedTo(worker.id) == 0 && roomOf(worker) > 0;
+    return true;
+  });
+  for (auto& [id, worker] : registry.all()) {
+    if (idle == 0) return;
+    const auto last = leases.lastOf(id);
+    // Of checks: SecondSolves.
+    if (!last || last->is_check || !allotment.isOverdue(worker, last->attempts, state_.now))
+      continue;
+    reassignLast(worker);
+    --idle;
+  }
+}
+
+void Workers::reassignLast(Worker& worker) {
+  if (!worker.overdue_until)
+    state_.peer_log.info(state_.now,
+                         "worker {} on {} holds what others could do: they are given it",
+                         worker.pid, worker.host);
+  ++state_.counters["overdue_targets"];
+  leases.giveBackLast(worker.id);
+  allotment.noteOverdue(worker, state_.now);
+}
+
+void Workers::sweep() {
+  if (state_.now < look_round_at_) return;
+  reclaimFromIdle();
+  reassignOverdue();
+  probeSilent();
+  loseSilent();
+  look_round_at_ = state_.now + looked_at_every * registry.all().size();
+  silence_due_ = Time::max();
+  for (const auto& [id, worker] : registry.all()) {
+    silence_due_ = std::min(silence_due_, worker.heard + state_.settings.worker_lost);
+    if (worker.idle_since)
+      silence_due_ = std::min(silence_due_, *worker.idle_since + state_.settings.idle_with_leases);
+  }
+}
+
+void Workers::reclaimFromIdle() {
+  for (auto& [id, worker] : registry.all()) {
+    if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
+      continue;
+    state_.peer_log.warn(state_.now,
+                         "worker {} on {} does not solve what it was given: it is handed out again",
+                         worker.pid, worker.host);
+    registry.addCredit(worker, leases.jobsOf(id).size());
+    worker.idle_since.reset();
+    leases.giveBack(id);
+  }
+}
+
+void Workers::loseSilent() {
+  // Found first: the registry must not change while it is walked.
+  std::vector<const Worker*> silent;
+  for (const auto& [id, worker] : registry.all())
+    if (state_.now - worker.heard >= state_.settings.worker_lost) silent.push_back(&worker);
+  for (const Worker* worker : silent) {
+    state_.peer_log.warn(state_.now,
+                         "worker {} on {} says nothing any more; {} targets are handed out again",
+                         worker->pid, worker->host, leases.leasedTo(worker->id));
+    state_.chronicle.lost(*worker, "silent", leases.leasedTo(worker->id), state_.now);
+    lose(*worker);
+  }
+}
+
+void Workers::probeSilent() {
+  const auto patience = state_.settings.silent_heartbeats * state_.settings.heartbeat;
+  for (auto& [id, worker] : registry.all()) {
+    // Or had work, which others were given meanwhile.
+    const bool at_work = leases.leasedTo(id) > 0 || worker.overdue_until;
+    if (state_.now - worker.heard < patience || !at_work) continue;
+    if (worker.probed && state_.now - *worker.probed < state_.settings.heartbeat) continue;
+    worker.probed = state_.now;
+    state_.send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+  }
+}
+
+/// Nobody is to blame as long as its process is not known to have ended.
+void Workers::lose(const Worker& worker) {
+  departed_.emplace_back(worker.id, leases.suspectsOf(worker.id, worker.solving));
+  if (departed_.size() > most_departed) departed_.pop_front();
+  leases.giveBack(worker.id);
+  if (!state_.everybodyIsToLeave()) ++state_.counters["lost_workers"];
+  registry.remove(worker, state_.everybodyIsToLeave() ? "left" : "lost", state_.now);
+}
+
+void Workers::unreachable(const std::string& peer) {
+  const Worker* worker = registry.ofPeer(peer);
+  if (worker == nullptr) return;
+  // Its goodbye may wait unread behind what could not be sent to it any more.
+  if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
+    state_.peer_log.info(state_.now, "worker {} on {} left", worker->pid, worker->host);
+    state_.chronicle.left(*worker, "it was told to", state_.now);
+    return lose(*worker);
+  }
+  state_.peer_log.info(state_.now,
+                       "worker {} on {} cannot be reached; {} targets are handed out again",
+                       worker->pid, worker->host, leases.leasedTo(worker->id));
+  state_.chronicle.lost(*worker, "unreachable", leases.leasedTo(worker->id), state_.now);
+  lose(*worker);
+}
+
+void Workers::processEnded(std::uint32_t pid) {
+  if (const Worker* worker = registry.ofProcess(pid)) processEnded(std::string(worker->id));
+}
+
+void Workers::processEnded(const std::string& worker_id) {
+  if (const Worker* worker = registry.find(worker_id)) {
+    state_.peer_log.warn(state_.now,
+                         "worker {} on {} ended unexpectedly; {} targets are handed out again",
+                         worker->pid, worker->host, leases.leasedTo(worker_id));
+    state_.chronicle.ended(*worker, leases.leasedTo(worker_id), state_.now);
+    lose(*worker);
+  }
+  const auto departed =
+      std::ranges::find(departed_, worker_id, [](const auto& entry) { return entry.first; });
+  // It left, or an earlier run of this scheduler knew it.
+  if (departed == departed_.end()) return;
+  blame(departed->second);
+  departed_.erase(departed);
+}
+
+void Workers::blame(const Leases::Suspects& suspects) {
+  for (const auto& [key, losses] : leases.blame(suspects)) {
+    state_.store.tables().writeLosses(key, losses);
+    if (losses.deaths != deaths_before_aside) continue;
+    state_.chronicle.setAside(key, state_.plans[key.space], losses.deaths);
+    spdlog::error(
+        "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without "
+        "it",
+        textOf(keyOf(state_.plans, key)), losses.deaths);
+  }
+}
+
+void Workers::drainAll() {
+  for (const auto& [id, worker] : registry.all()) state_.drain(worker.peer);
+}
+
+void Workers::addReady(const std::vector<TransitionKey>& keys) {
+  for (const TransitionKey& key : keys) {
+    const auto known = losses_.find(key);
+    leases.add(key, known == losses_.end() ? Losses() : known->second);
+  }
+}
+
+void Workers::retryAside() {
+  leases.retry();
+  losses_.clear();
+  state_.store.tables().forgetLosses();
+}
+
+void Workers::badMessage(const std::string& peer, const std::string& why) {
+  if (++state_.counters["bad_messages"] > bad_messages_logged) return;
+  if (const Worker* worker = registry.ofPeer(peer))
+    spdlog::warn("a message from worker {} on {} was dropped: {}", worker->pid, worker->host, why);
+  else
+    spdlog::warn("a message from a stranger was dropped: {}", why);
+}
+
+}  // namespace palpate
