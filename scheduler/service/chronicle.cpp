@@ -21,35 +21,30 @@ std::array<double, 3> inSpacings(const Lattice& positions, std::int32_t number) 
 
 }  // namespace
 
-void Chronicle::joined(const Worker& worker, Time now) {
+void Chronicle::joined(const Worker& worker) {
   Event event = eventOf("worker_joined", worker).with("kernel_family", worker.kernel_family);
   if (worker.key) event.with("key", worker.key->shortHex());
-  addWithin(event, now);
+  addWithin(event);
 }
 
-void Chronicle::left(const Worker& worker, const std::string& reason, Time now) {
-  addWithin(eventOf("worker_left", worker).with("reason", reason).with("results", worker.results),
-            now);
+void Chronicle::left(const Worker& worker, const std::string& reason) {
+  addWithin(eventOf("worker_left", worker).with("reason", reason).with("results", worker.results));
 }
 
-void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets, Time now) {
+void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets) {
   addWithin(eventOf("worker_lost", worker)
                 .with("how", how)
                 .with("targets", targets)
-                .with("results", worker.results),
-            now);
+                .with("results", worker.results));
 }
 
-void Chronicle::ended(const Worker& worker, std::size_t targets, Time now) {
+void Chronicle::ended(const Worker& worker, std::size_t targets) {
   addWithin(
-      eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results),
-      now);
+      eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
 }
 
-void Chronicle::refused(const std::string& host, std::uint32_t pid, const std::string& reason,
-                        Time now) {
-  addWithin(Event("worker_refused").with("host", host).with("pid", pid).with("reason", reason),
-            now);
+void Chronicle::refused(const std::string& host, std::uint32_t pid, const std::string& reason) {
+  addWithin(Event("worker_refused").with("host", host).with("pid", pid).with("reason", reason));
 }
 
 void Chronicle::begin(const std::vector<SpacePlan>& plans) {
@@ -97,13 +92,12 @@ void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
 void Chronicle::paused(bool paused) { add(paused ? Event("paused") : Event("resumed")); }
 
 void Chronicle::disputed(const TransitionKey& key, const SpacePlan& plan,
-                         const wire::Provenance& one, const wire::Provenance& other, Time now) {
+                         const wire::Provenance& one, const wire::Provenance& other) {
   addWithin(of("disputed", key, plan)
                 .with("worker", shortIdOf(one.worker()))
                 .with("host", one.host())
                 .with("other_worker", shortIdOf(other.worker()))
-                .with("other_host", other.host()),
-            now);
+                .with("other_host", other.host()));
 }
 
 void Chronicle::keptOut(const KeptOut& liar) {
@@ -127,8 +121,8 @@ void Chronicle::add(const Event& event) {
   if (log_ != nullptr) log_->add(event);
 }
 
-void Chronicle::addWithin(const Event& event, Time now) {
-  const auto left_out = budget_.spend(now);
+void Chronicle::addWithin(const Event& event) {
+  const auto left_out = budget_.spend(clock_);
   if (!left_out) return;
   if (*left_out > 0) add(Event("left_out").with("events", *left_out));
   add(event);

@@ -15,17 +15,17 @@ class Chronicle {
  public:
   using Time = LineBudget::Time;
 
-  /// `log` may be null; both must outlive this object.
-  Chronicle(const Problem& problem, EventLog* log, Time now)
-      : problem_(&problem), log_(log), budget_(now) {}
+  /// `log` may be null; all must outlive this object.
+  Chronicle(const Problem& problem, EventLog* log, const Time& clock)
+      : problem_(&problem), log_(log), clock_(clock), budget_(clock) {}
 
-  // Of workers; `now` is for the budget.
-  void joined(const Worker& worker, Time now);
-  void left(const Worker& worker, const std::string& reason, Time now);
+  // Of workers.
+  void joined(const Worker& worker);
+  void left(const Worker& worker, const std::string& reason);
   /// `how`: "silent" or "unreachable"; so many targets were in its hands.
-  void lost(const Worker& worker, const char* how, std::size_t targets, Time now);
-  void ended(const Worker& worker, std::size_t targets, Time now);
-  void refused(const std::string& host, std::uint32_t pid, const std::string& reason, Time now);
+  void lost(const Worker& worker, const char* how, std::size_t targets);
+  void ended(const Worker& worker, std::size_t targets);
+  void refused(const std::string& host, std::uint32_t pid, const std::string& reason);
 
   // Of the work.
   /// The stages that plans are in from now on without anything having happened.
@@ -40,7 +40,7 @@ class Chronicle {
   void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);
   void disputed(const TransitionKey& key, const SpacePlan& plan, const wire::Provenance& one,
-                const wire::Provenance& other, Time now);
+                const wire::Provenance& other);
   void keptOut(const KeptOut& liar);
   void completed(std::int64_t recorded, double seconds);
 
@@ -50,11 +50,12 @@ class Chronicle {
  private:
   void add(const Event& event);
   /// Of what workers cause at will.
-  void addWithin(const Event& event, Time now);
+  void addWithin(const Event& event);
   Event of(EventWord word, const TransitionKey& key, const SpacePlan& plan) const;
 
   const Problem* problem_;
   EventLog* log_;
+  const Time& clock_;
   LineBudget budget_;
   std::vector<Stage> stages_;
 };

@@ -10,14 +10,14 @@ namespace palpate {
 
 Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store,
                          Time now, const CoordinatorSettings& settings)
-    : state_(problem, store, now, settings),
+    : state_{problem, store, settings, now},
       workers_(state_),
       seconds_(state_, workers_),
       handouts_(state_, workers_, seconds_, std::move(problem_bytes)),
       intake_(state_, workers_, seconds_, handouts_),
       people_(state_, workers_, seconds_, intake_),
       last_turn_(now) {
-  store.tables().writeCounters(state_.counters);
+  state_.tables.writeCounters(state_.counters);
   people_.writeProgress();
   goOn();
 }
@@ -86,15 +86,16 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
   state_.send(incoming.peer).mutable_refused()->set_reason(incoming.refusal);
   workers_.badMessage(incoming.peer, incoming.refusal);
   if (const Worker* worker = workers_.registry.ofPeer(incoming.peer)) {
-    state_.chronicle.refused(worker->host, worker->pid, incoming.refusal, now);
+    state_.chronicle.refused(worker->host, worker->pid, incoming.refusal);
     workers_.lose(*worker);
   }
 }
 
 void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
+  state_.now = now;
   if (closed.count == 0) return;
   state_.counters["closed_connections"] += closed.count;
-  for (const std::string& why : closed.why) state_.peer_log.warn(now, "{}", why);
+  for (const std::string& why : closed.why) state_.peer_log.warn("{}", why);
 }
 
 /// A scheduler that did nothing for a while blames nobody for the silence.

@@ -31,7 +31,7 @@ Handouts::Handouts(ServiceState& state, Workers& workers, const SecondSolves& se
       workers_(workers),
       seconds_(seconds),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
-      seal_(state.store.tables().secret()),
+      seal_(state.tables.secret()),
       longest_solve_(state.store.longestSolve()) {}
 
 void Handouts::handOut() {

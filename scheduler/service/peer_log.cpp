@@ -17,8 +17,8 @@ std::optional<std::int64_t> LineBudget::spend(Time now) {
   return std::exchange(left_out_, 0);
 }
 
-bool PeerLog::mayTell(Time now) {
-  const auto left_out = budget_.spend(now);
+bool PeerLog::mayTell() {
+  const auto left_out = budget_.spend(clock_);
   if (left_out.value_or(0) > 0)
     spdlog::warn(
         "workers come, go or are refused faster than anybody reads: {} lines about them "

@@ -35,24 +35,26 @@ class LineBudget {
 class PeerLog {
  public:
   using Time = LineBudget::Time;
-  explicit PeerLog(Time now) : budget_(now) {}
+  /// `clock` must outlive it.
+  explicit PeerLog(const Time& clock) : clock_(clock), budget_(clock) {}
 
   template <class... Args>
-  void info(Time now, spdlog::format_string_t<Args...> text, Args&&... args) {
-    if (mayTell(now)) spdlog::info(text, std::forward<Args>(args)...);
+  void info(spdlog::format_string_t<Args...> text, Args&&... args) {
+    if (mayTell()) spdlog::info(text, std::forward<Args>(args)...);
   }
   template <class... Args>
-  void warn(Time now, spdlog::format_string_t<Args...> text, Args&&... args) {
-    if (mayTell(now)) spdlog::warn(text, std::forward<Args>(args)...);
+  void warn(spdlog::format_string_t<Args...> text, Args&&... args) {
+    if (mayTell()) spdlog::warn(text, std::forward<Args>(args)...);
   }
   template <class... Args>
-  void error(Time now, spdlog::format_string_t<Args...> text, Args&&... args) {
-    if (mayTell(now)) spdlog::error(text, std::forward<Args>(args)...);
+  void error(spdlog::format_string_t<Args...> text, Args&&... args) {
+    if (mayTell()) spdlog::error(text, std::forward<Args>(args)...);
   }
 
  private:
-  bool mayTell(Time now);
+  bool mayTell();
 
+  const Time& clock_;
   LineBudget budget_;
 };
 

@@ -27,8 +27,7 @@ People::People(ServiceState& state, Workers& workers, const SecondSolves& second
       servers_written_(state.now),
       pace_(state.now),
       work_pace_(state.now) {
-  for (const auto& [name, priority] : state_.store.tables().priorities())
-    prioritize(name, priority);
+  for (const auto& [name, priority] : state_.tables.priorities()) prioritize(name, priority);
 }
 
 bool People::answer(const Incoming& incoming) {
@@ -53,7 +52,7 @@ bool People::answer(const Incoming& incoming) {
       const wire::PriorityRequest& asked = message.priority_request();
       const std::string objection = prioritize(asked.space(), asked.priority());
       if (objection.empty()) {
-        state_.store.tables().writePriority(asked.space(), asked.priority());
+        state_.tables.writePriority(asked.space(), asked.priority());
         state_.chronicle.prioritized(asked.space(), asked.priority());
       }
       state_.send(peer).mutable_priority_reply()->set_objection(objection);
@@ -118,7 +117,7 @@ std::string People::prioritize(const std::string& name, std::int32_t priority) {
 
 void People::pause(bool paused) {
   if (paused == state_.paused) return;
-  state_.store.tables().writePaused(paused);
+  state_.tables.writePaused(paused);
   state_.paused = paused;
   recent_status_.clear();
   state_.chronicle.paused(paused);
@@ -137,8 +136,8 @@ void People::writeServers() {
       workers_.registry.rows(workers_.leases, state_.now);
   rows.insert(rows.end(), present.begin(), present.end());
   state_.store.checkPresence();
-  state_.store.tables().writeServers(rows);
-  state_.store.tables().writeCounters(state_.counters);
+  state_.tables.writeServers(rows);
+  state_.tables.writeCounters(state_.counters);
   if (state_.complete || state_.stopping || state_.now - progress_written_ >= servers_written_every)
     writeProgress();
   servers_written_ = state_.now;
@@ -147,7 +146,7 @@ void People::writeServers() {
 
 /// What is told of the directory when nobody works there.
 void People::writeProgress() {
-  state_.store.tables().writeProgress(
+  state_.tables.writeProgress(
       {state_.store.recorded(),
        toJson(progressOf(state_.problem, state_.store.build(), state_.plans,
                          workers_.registry.kernelFamily(), state_.complete))});

@@ -25,8 +25,8 @@ ResultKey solverOfStart(const wire::Result& header) {
 SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
     : state_(state),
       workers_(workers),
-      checks_(state.settings.spot_checks, state.store.tables().secret()),
-      due_(state.store.tables().checks()) {}
+      checks_(state.settings.spot_checks, state.tables.secret()),
+      due_(state.tables.checks()) {}
 
 bool SecondSolves::pick(const TransitionKey& key, const Outcome& outcome) {
   const SpacePlan& plan = state_.plans[key.space];
@@ -43,7 +43,7 @@ bool SecondSolves::pick(const TransitionKey& key, const Outcome& outcome) {
 
 void SecondSolves::note(const ResultKey& key, bool disputed) {
   due_[key] = disputed;
-  state_.store.tables().writeCheck(key, disputed);
+  state_.tables.writeCheck(key, disputed);
 }
 
 void SecondSolves::openDue() {
@@ -85,7 +85,7 @@ void SecondSolves::forgetUnneeded() {
   std::erase_if(due_, [&](const auto& due) {
     const auto& [key, disputed] = due;
     if ((workers_.isOneMachine() && !disputed) || !isRecordedInPlan(key))
-      state_.store.tables().forgetCheck(key);
+      state_.tables.forgetCheck(key);
     return true;
   });
 }
@@ -115,12 +115,12 @@ bool SecondSolves::compare(Worker& worker, const TransitionKey& key, const wire:
   if (!verdict) {
     if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second);
     workers_.leases.addCheck(key);
-    state_.store.tables().writeCheck(name, true);
+    state_.tables.writeCheck(name, true);
     return false;
   }
   ++state_.counters["checked_results"];
   if (verdict->wrong.empty()) {
-    state_.store.tables().forgetCheck(name);
+    state_.tables.forgetCheck(name);
     return true;
   }
   // The check stays in the tables: what is computed again is checked again, and should the liars
@@ -141,12 +141,10 @@ bool SecondSolves::isSame(const Worker& worker, const wire::Result& first,
 void SecondSolves::differs(const Worker& worker, const wire::Result& first,
                            const wire::Result& second) {
   ++state_.counters["divergent_results"];
-  state_.peer_log.error(state_.now,
-                        "{}: {} found other bits than {}: others are asked who is right",
+  state_.peer_log.error("{}: {} found other bits than {}: others are asked who is right",
                         textOf(keyOf(second)), nameOf(worker.provenance), nameOf(first.given_by()));
   if (const auto key = transitionOf(state_.plans, keyOf(second)))
-    state_.chronicle.disputed(*key, state_.plans[key->space], first.given_by(), worker.provenance,
-                              state_.now);
+    state_.chronicle.disputed(*key, state_.plans[key->space], first.given_by(), worker.provenance);
 }
 
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
@@ -161,7 +159,7 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
   state_.liars =
       keptOutBy(verdict, state_.store.keptOut(), reason, state_.settings.spot_checks.trusted_key);
   state_.counters["wrong_results"] += std::ssize(state_.liars);
-  state_.store.tables().writeCounters(state_.counters);
+  state_.tables.writeCounters(state_.counters);
   for (const KeptOut& liar : state_.liars) {
     state_.chronicle.keptOut(liar);
     spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
@@ -214,7 +212,7 @@ bool SecondSolves::giveUp() {
     const ResultKey key = keyOf(state_.plans, check);
     checks_.close(key);
     workers_.leases.finish(check);
-    state_.store.tables().forgetCheck(key);
+    state_.tables.forgetCheck(key);
     ++state_.counters["unchecked_results"];
     some = true;
   }

@@ -2,21 +2,6 @@
 
 namespace palpate {
 
-ServiceState::ServiceState(const Problem& of, JobStore& recorded, Time time,
-                           const CoordinatorSettings& how)
-    : problem(of),
-      store(recorded),
-      settings(how),
-      now(time),
-      started(time),
-      group(store),
-      counters(store.tables().counters()),
-      peer_log(time),
-      chronicle(of, settings.events, time),
-      paused(store.tables().paused()) {
-  ++counters["runs"];
-}
-
 wire::Message& ServiceState::send(const std::string& peer,
                                   std::shared_ptr<const std::string> payload) {
   outbox.push_back({peer, {}, std::move(payload)});

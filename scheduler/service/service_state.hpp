@@ -60,29 +60,29 @@ struct CoordinatorSettings {
 };
 
 /// What the parts of a coordinator share: the build, as it is recorded and planned, what is to be
-/// sent, what is told of it, and what was decided. One thread.
+/// sent, what is told of it, and what was decided. What the first members refer to must outlive it.
+/// One thread.
 struct ServiceState {
   using Time = std::chrono::steady_clock::time_point;
-
-  /// `of` and `recorded` must outlive it.
-  ServiceState(const Problem& of, JobStore& recorded, Time time, const CoordinatorSettings& how);
 
   const Problem& problem;
   JobStore& store;
   const CoordinatorSettings settings;
   Time now;  ///< of the message or the turn that is dealt with
-  const Time started;
-  std::vector<SpacePlan> plans;  ///< one per active node
-  ResultGroup group;
-  Counters counters;
-  std::vector<Outgoing> outbox;
-  PeerLog peer_log;
-  Chronicle chronicle;
 
-  bool stopping = false, paused, complete = false, dismissed = false;
-  std::vector<KeptOut> liars;  ///< with any, another Build begins anew
+  const Time started = now;
+  Tables& tables = store.tables();
+  std::vector<SpacePlan> plans = {};  ///< one per active node
+  ResultGroup group = ResultGroup(store);
+  Counters counters = tables.counters();
+  std::vector<Outgoing> outbox = {};
+  PeerLog peer_log = PeerLog(now);
+  Chronicle chronicle = Chronicle(problem, settings.events, now);
+
+  bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
+  std::vector<KeptOut> liars = {};  ///< with any, another Build begins anew
   /// Since recorded failures were dropped. In the second one the answer has left.
-  std::optional<int> turns_since_retry;
+  std::optional<int> turns_since_retry = std::nullopt;
 
   bool handsOut() const { return !stopping && !paused && !complete; }
   /// Who was told to leave, and is gone, is not lost.

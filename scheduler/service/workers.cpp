@@ -24,11 +24,11 @@ Workers::Workers(ServiceState& state)
                                                   : state.store.kernelFamily(),
                state.store.keptOut()),
       // The upper half of a job number is the run, so that two runs never use the same.
-      leases(static_cast<std::uint64_t>(state.counters["runs"]) << 32),
+      leases(static_cast<std::uint64_t>(++state.counters["runs"]) << 32),
       allotment(state.settings.allotment),
       state_(state),
       incarnation_(randomBytes(16)),
-      losses_(state.store.tables().losses()) {
+      losses_(state.tables.losses()) {
   // They may come back any moment.
   for (const auto& [key, host] : state.store.givers()) heard.add(key, host);
 }
@@ -38,24 +38,23 @@ bool Workers::hello(const Incoming& incoming) {
   const wire::Hello& hello = incoming.message.hello();
   const auto key = state_.settings.keys_tell_who ? incoming.key : std::nullopt;
   if (const std::string objection = registry.objectionTo(hello, key); !objection.empty()) {
-    state_.peer_log.warn(state_.now, "worker {} on {} was refused: {}", hello.pid(),
-                         printable(hello.host()), objection);
-    state_.chronicle.refused(printable(hello.host()), hello.pid(), objection, state_.now);
+    state_.peer_log.warn("worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
+                         objection);
+    state_.chronicle.refused(printable(hello.host()), hello.pid(), objection);
     ++state_.counters["refused_workers"];
     state_.send(peer).mutable_refused()->set_reason(objection);
     return false;
   }
   if (registry.wouldChangeKernels(hello)) {
-    state_.peer_log.info(
-        state_.now, "worker {} on {} is asked to take the {} kernels instead of {}", hello.pid(),
-        printable(hello.host()), registry.kernelFamily(), hello.kernel_family());
+    state_.peer_log.info("worker {} on {} is asked to take the {} kernels instead of {}",
+                         hello.pid(), printable(hello.host()), registry.kernelFamily(),
+                         hello.kernel_family());
     state_.send(peer).mutable_use_kernels()->set_kernel_family(registry.kernelFamily());
     return false;
   }
   for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n) processEnded(hello.ended(n));
   if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker()) {
-    leases.giveBack(before->id);
-    registry.remove(*before, "left", state_.now);
+    remove(*before, "left");
   }
   // A worker that introduces itself again has forgotten what it was given.
   leases.giveBack(hello.worker());
@@ -63,9 +62,9 @@ bool Workers::hello(const Incoming& incoming) {
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
   const Worker& worker = registry.admit(peer, hello, key, state_.now);
   silence_due_ = std::min(silence_due_, state_.now + state_.settings.worker_lost);
-  state_.peer_log.info(state_.now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+  state_.peer_log.info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
                        worker.kernel_family);
-  state_.chronicle.joined(worker, state_.now);
+  state_.chronicle.joined(worker);
   newcomers = true;
   const bool was_one_machine = isOneMachine();
   heard.add(worker.provenance.key(), worker.provenance.host());
@@ -87,10 +86,9 @@ void Workers::request(Worker& worker, const wire::Request& request) {
 
 void Workers::goodbye(const Worker& worker, const wire::Goodbye& goodbye) {
   const std::string reason = printable(goodbye.reason(), 200);
-  state_.peer_log.info(state_.now, "worker {} on {} left: {}", worker.pid, worker.host, reason);
-  state_.chronicle.left(worker, reason, state_.now);
-  leases.giveBack(worker.id);
-  registry.remove(worker, "left", state_.now);
+  state_.peer_log.info("worker {} on {} left: {}", worker.pid, worker.host, reason);
+  state_.chronicle.left(worker, reason);
+  remove(worker, "left");
 }
 
 void Workers::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat) {
@@ -117,8 +115,7 @@ void Workers::settleKernels(const std::string& family) {
     if (worker.kernel_family != family) others.push_back(&worker);
   for (const Worker* worker : others) {
     state_.send(worker->peer).mutable_heartbeat_reply();
-    leases.giveBack(worker->id);
-    registry.remove(*worker, "left", state_.now);
+    remove(*worker, "left");
   }
 }
 
@@ -175,8 +172,7 @@ void Workers::reassignOverdue() {
 
 void Workers::reassignLast(Worker& worker) {
   if (!worker.overdue_until)
-    state_.peer_log.info(state_.now,
-                         "worker {} on {} holds what others could do: they are given it",
+    state_.peer_log.info("worker {} on {} holds what others could do: they are given it",
                          worker.pid, worker.host);
   ++state_.counters["overdue_targets"];
   leases.giveBackLast(worker.id);
@@ -202,8 +198,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.peer_log.warn(state_.now,
-                         "worker {} on {} does not solve what it was given: it is handed out again",
+    state_.peer_log.warn("worker {} on {} does not solve what it was given: it is handed out again",
                          worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
@@ -217,10 +212,9 @@ void Workers::loseSilent() {
   for (const auto& [id, worker] : registry.all())
     if (state_.now - worker.heard >= state_.settings.worker_lost) silent.push_back(&worker);
   for (const Worker* worker : silent) {
-    state_.peer_log.warn(state_.now,
-                         "worker {} on {} says nothing any more; {} targets are handed out again",
+    state_.peer_log.warn("worker {} on {} says nothing any more; {} targets are handed out again",
                          worker->pid, worker->host, leases.leasedTo(worker->id));
-    state_.chronicle.lost(*worker, "silent", leases.leasedTo(worker->id), state_.now);
+    state_.chronicle.lost(*worker, "silent", leases.leasedTo(worker->id));
     lose(*worker);
   }
 }
@@ -241,9 +235,13 @@ void Workers::probeSilent() {
 void Workers::lose(const Worker& worker) {
   departed_.emplace_back(worker.id, leases.suspectsOf(worker.id, worker.solving));
   if (departed_.size() > most_departed) departed_.pop_front();
-  leases.giveBack(worker.id);
   if (!state_.everybodyIsToLeave()) ++state_.counters["lost_workers"];
-  registry.remove(worker, state_.everybodyIsToLeave() ? "left" : "lost", state_.now);
+  remove(worker, state_.everybodyIsToLeave() ? "left" : "lost");
+}
+
+void Workers::remove(const Worker& worker, const char* how) {
+  leases.giveBack(worker.id);
+  registry.remove(worker, how, state_.now);
 }
 
 void Workers::unreachable(const std::string& peer) {
@@ -251,14 +249,13 @@ void Workers::unreachable(const std::string& peer) {
   if (worker == nullptr) return;
   // Its goodbye may wait unread behind what could not be sent to it any more.
   if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
-    state_.peer_log.info(state_.now, "worker {} on {} left", worker->pid, worker->host);
-    state_.chronicle.left(*worker, "it was told to", state_.now);
+    state_.peer_log.info("worker {} on {} left", worker->pid, worker->host);
+    state_.chronicle.left(*worker, "it was told to");
     return lose(*worker);
   }
-  state_.peer_log.info(state_.now,
-                       "worker {} on {} cannot be reached; {} targets are handed out again",
+  state_.peer_log.info("worker {} on {} cannot be reached; {} targets are handed out again",
                        worker->pid, worker->host, leases.leasedTo(worker->id));
-  state_.chronicle.lost(*worker, "unreachable", leases.leasedTo(worker->id), state_.now);
+  state_.chronicle.lost(*worker, "unreachable", leases.leasedTo(worker->id));
   lose(*worker);
 }
 
@@ -268,10 +265,9 @@ void Workers::processEnded(std::uint32_t pid) {
 
 void Workers::processEnded(const std::string& worker_id) {
   if (const Worker* worker = registry.find(worker_id)) {
-    state_.peer_log.warn(state_.now,
-                         "worker {} on {} ended unexpectedly; {} targets are handed out again",
+    state_.peer_log.warn("worker {} on {} ended unexpectedly; {} targets are handed out again",
                          worker->pid, worker->host, leases.leasedTo(worker_id));
-    state_.chronicle.ended(*worker, leases.leasedTo(worker_id), state_.now);
+    state_.chronicle.ended(*worker, leases.leasedTo(worker_id));
     lose(*worker);
   }
   const auto departed =
@@ -284,7 +280,7 @@ void Workers::processEnded(const std::string& worker_id) {
 
 void Workers::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases.blame(suspects)) {
-    state_.store.tables().writeLosses(key, losses);
+    state_.tables.writeLosses(key, losses);
     if (losses.deaths != deaths_before_aside) continue;
     state_.chronicle.setAside(key, state_.plans[key.space], losses.deaths);
     spdlog::error(
@@ -308,7 +304,7 @@ void Workers::addReady(const std::vector<TransitionKey>& keys) {
 void Workers::retryAside() {
   leases.retry();
   losses_.clear();
-  state_.store.tables().forgetLosses();
+  state_.tables.forgetLosses();
 }
 
 void Workers::badMessage(const std::string& peer, const std::string& why) {

@@ -64,6 +64,7 @@ class Workers {
   bool deserted(Time now) const;
 
  private:
+  void remove(const Worker& worker, const char* how);
   void reclaimFromIdle();
   void reassignOverdue();
   void probeSilent();
