@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double radius = 0.06, spacing = 0.02;
 
 /// Cells of three sizes, two failed points, the rim as it is.
-SpaceTable uneven(const test::AnalyticEnergy& energy = test::StiffeningEnergy()) {
+SpaceTable unevenSpace(const test::AnalyticEnergy& energy = test::StiffeningEnergy()) {
   return test::without(test::splitSpace(Lattice(radius, spacing, 1024), test::three_sizes, energy),
                        {{-1024, 0, 0}, {1024, 512, 512}});
 }
@@ -31,7 +31,7 @@ Vector3d inBall(std::mt19937& random) {
 }
 
 TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
-  const PotentialField field(uneven());
+  const PotentialField field(unevenSpace());
   std::mt19937 random(4);
   for (int n = 0; n < 6000; ++n) {
     Vector3d low = inBall(random), high;
@@ -48,7 +48,7 @@ TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
 }
 
 TEST(PotentialField, IsContinuousOverTheSphere) {
-  const PotentialField field(uneven());
+  const PotentialField field(unevenSpace());
   std::mt19937 random(6);
   for (int n = 0; n < 1000; ++n) {
     const Vector3d direction = inBall(random).normalized();
@@ -60,7 +60,7 @@ TEST(PotentialField, IsContinuousOverTheSphere) {
 }
 
 TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
-  const PotentialField field(uneven());
+  const PotentialField field(unevenSpace());
   const test::StiffeningEnergy energy;
   std::mt19937 random(8);
   int held = 0;
@@ -74,13 +74,13 @@ TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
   EXPECT_GE(held, 990);
 }
 
-const test::JumpingEnergy jumping(0.01, 5, 0.02);
+const test::JumpingEnergy jumping_energy(0.01, 5, 0.02);
 
-SpaceTable jumpingSpace() { return test::solvedSpace(Lattice(radius, spacing), jumping); }
+SpaceTable jumpingSpace() { return test::solvedSpace(Lattice(radius, spacing), jumping_energy); }
 
 TEST(PotentialField, ReturnsTheEnergyOfLoopsThroughAJump) {
   std::mt19937 random(12);
-  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
+  for (const SpaceTable& space : {jumpingSpace(), unevenSpace(jumping_energy)}) {
     const PotentialField field(space);
     double exchanged = 0, net = 0;
     int through = 0;
@@ -98,7 +98,7 @@ TEST(PotentialField, ReturnsTheEnergyOfLoopsThroughAJump) {
 TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
   std::mt19937 random(14);
   constexpr double step = 1e-6;
-  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
+  for (const SpaceTable& space : {jumpingSpace(), unevenSpace(jumping_energy)}) {
     const PotentialField field(space);
     for (int n = 0; n < 1000; ++n) {
       const Vector3d p = inBall(random), d = step * inBall(random).normalized();
@@ -115,7 +115,7 @@ TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
 
 TEST(PotentialField, IsContinuousAcrossCellsThatAJumpCrosses) {
   std::mt19937 random(16);
-  for (const SpaceTable& space : {jumpingSpace(), uneven(jumping)}) {
+  for (const SpaceTable& space : {jumpingSpace(), unevenSpace(jumping_energy)}) {
     const PotentialField field(space);
     for (int n = 0; n < 3000; ++n) {
       Vector3d low = inBall(random), high;
@@ -145,7 +145,7 @@ TEST(PotentialField, KeepsToTheStoredForcesBesideAJumpAndSaysThatItIsUnsure) {
   for (int n = 0; n < 1000; ++n) {
     const Vector3d p = inBall(random);
     const ForceSample sample = field.evaluate(p);
-    held += (sample.force + jumping.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
+    held += (sample.force + jumping_energy.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
     if (p.x() > 0.001 && p.x() < 0.019) {
       EXPECT_LT(sample.coverage, 1e-12);
       EXPECT_GE(sample.error_bound, 5);
