@@ -389,7 +389,8 @@ ExitCode compute(Server& server, Build& build, const std::function<void()>& seal
        coordinator.next() != Next::anew && pool.running() > 0 && Clock::now() < deadline;
        pool.reap())
     server.turn(coordinator, longest_turn);
-  pool.terminate(milliseconds(2000));
+  // Whoever begins anew waits for none of them.
+  if (coordinator.next() != Next::anew) pool.terminate(milliseconds(2000));
   return ExitCode::interrupted;
 }
 
