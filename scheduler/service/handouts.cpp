@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <tuple>
 
 #include "common/base/assertion.hpp"
 
@@ -15,12 +14,9 @@ struct Load {
   bool busy, newcomer;
   std::size_t held;     ///< targets
   Worker::Time waited;  ///< of newcomers, since then they were given nothing
+  std::string_view id;
   Worker* worker;
-
-  bool operator>(const Load& other) const {
-    return std::tie(busy, newcomer, held, waited, worker->id) >
-           std::tie(other.busy, other.newcomer, other.held, other.waited, other.worker->id);
-  }
+  auto operator<=>(const Load&) const = default;
 };
 
 }  // namespace
@@ -45,7 +41,8 @@ void Handouts::handOut() {
     if (worker.credit == 0 || workers_.roomOf(worker) == 0) return false;
     const bool newcomer = worker.earned == 0;
     const std::size_t held = workers_.leases.leasedTo(worker.id);
-    heap.push_back({held > 0, newcomer, held, newcomer ? worker.moved : Worker::Time(), &worker});
+    heap.push_back(
+        {held > 0, newcomer, held, newcomer ? worker.moved : Worker::Time(), worker.id, &worker});
     free_hands += !newcomer && held == 0;
     return true;
   };

@@ -13,13 +13,13 @@ class Intake {
   /// Puts what is recorded into the plans, and asks for what is missing.
   Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts);
 
-  /// A result that came in. Whether that ended a check (SecondSolves::compare).
+  /// A result that came in. Returns whether a check ended with it (SecondSolves::compare).
   bool take(Worker& worker, const Incoming& incoming);
   /// The group is as large as it may be.
   bool isFull() const;
-  /// It has waited long enough. `all_read`: nothing more has come.
+  /// The group has waited long enough. `all_read`: nothing more has come.
   bool isDue(bool all_read);
-  /// When it will have.
+  /// When it is due at the latest, once all is read.
   ServiceState::Time deadline() const;
   /// Makes the group durable, acknowledges it, and moves the plans on: what they ask for next may
   /// rest on it. Errors are those of JobStore, and nothing of the group is acknowledged then.

@@ -42,12 +42,12 @@ class SecondSolves {
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
-  /// Sees whether the build is done but for these: that some are not done may be for want of
-  /// another machine, or because workers do not ask for work, or do not do what they were given.
+  /// Notes since when the build is done but for these. Another machine may be missing, or workers
+  /// do not ask for work, or do not do what they were given, which others get then.
   void watch();
-  /// Gives up those that nobody can do; whether there were any.
+  /// Gives up those that nobody can do. Returns whether there were any.
   bool giveUp();
-  /// No second solve waits for whom one may hope for.
+  /// None waits, or nobody can be expected who could do those that wait.
   bool stuck() const { return workers_.leases.waitingChecks().empty() || hopeless_; }
   void forgiveGap(std::chrono::nanoseconds gap) {
     if (only_these_left_) *only_these_left_ += gap;

@@ -106,8 +106,6 @@ void Workers::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat) {
   if (state_.everybodyIsToLeave()) state_.drain(worker.peer);
 }
 
-/// Whoever has others is asked who it is again, and told then to take these, or why it may not
-/// stay.
 void Workers::settleKernels(const std::string& family) {
   registry.setKernelFamily(family);
   std::vector<const Worker*> others;
@@ -126,7 +124,6 @@ bool Workers::deserted(Time now) const {
   });
 }
 
-/// No worker is blamed for a silence of which the scheduler itself saw nothing.
 void Workers::forgiveGap(std::chrono::nanoseconds gap) {
   for (auto& [id, worker] : registry.all()) {
     worker.heard += gap;
@@ -136,7 +133,6 @@ void Workers::forgiveGap(std::chrono::nanoseconds gap) {
   }
 }
 
-/// Of what it may hold.
 std::size_t Workers::roomOf(const Worker& worker) const {
   const std::size_t most = allotment.limitOf(worker, state_.now);
   return most - std::min(most, leases.leasedTo(worker.id));
@@ -231,7 +227,6 @@ void Workers::probeSilent() {
   }
 }
 
-/// Nobody is to blame as long as its process is not known to have ended.
 void Workers::lose(const Worker& worker) {
   departed_.emplace_back(worker.id, leases.suspectsOf(worker.id, worker.solving));
   if (departed_.size() > most_departed) departed_.pop_front();

@@ -21,12 +21,12 @@ class Workers {
   Crowd heard;             ///< workers of this run, and those whose results are recorded
   bool newcomers = false;  ///< since the table of servers was written
 
-  // What they say. hello(): whether a second machine came with it.
+  // What they say. hello() returns whether a second machine came with it.
   bool hello(const Incoming& incoming);
   void request(Worker& worker, const wire::Request& request);
   void heartbeat(Worker& worker, const wire::Heartbeat& heartbeat);
   void goodbye(const Worker& worker, const wire::Goodbye& goodbye);
-  /// It is dropped, and told (log).
+  /// A message is dropped, which the log tells.
   void badMessage(const std::string& peer, const std::string& why);
 
   /// A look at all of them, now and then: what they do not come to is handed out again, and who is
@@ -37,7 +37,7 @@ class Workers {
   Time nextSweep() const { return std::max(silence_due_, look_round_at_); }
   /// What a worker would come to last is handed out again, since it delivers nothing.
   void reassignLast(Worker& worker);
-  /// The scheduler saw and heard nothing for so long.
+  /// The scheduler itself did nothing for so long: no silence of that time counts.
   void forgiveGap(std::chrono::nanoseconds gap);
 
   /// Gone without a word: nobody is to blame as long as its process is not known to have ended.
@@ -56,9 +56,9 @@ class Workers {
   void retryAside();
 
   bool isOneMachine() const { return heard.machines.size() < 2; }
-  /// So many targets it may be given more.
+  /// Targets that a worker may be given beside those that it holds.
   std::size_t roomOf(const Worker& worker) const;
-  /// And does what it is given, as far as anybody knows.
+  /// A worker asks for work, or does what it was given, as far as anybody knows.
   bool asksForWork(const Worker& worker) const;
   /// No worker said anything for three heartbeats.
   bool deserted(Time now) const;
