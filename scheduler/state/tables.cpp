@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/bytes32.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
-#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {

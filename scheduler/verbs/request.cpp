@@ -159,8 +159,7 @@ std::int64_t retryStored(const RetryOptions& options) {
   const RecordedBuild build(options.asked.where);
   if (options.failed.empty()) return Tables(directory).forgetLosses();
   const std::vector<ResultKey> failed = failedWith(build.plans(), *causeNamed(options.failed));
-  if (!failed.empty())
-    JobStore(directory, build.problem()).drop(failed);
+  if (!failed.empty()) JobStore(directory, build.problem()).drop(failed);
   return std::ssize(failed);
 }
 
