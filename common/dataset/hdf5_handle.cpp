@@ -15,6 +15,8 @@ void silenceErrorStack() {
 }
 
 void leaveOpenFilesAtExit() noexcept {
+  // It would have HDF5 lock a file that its caller has locked (replaceFile).
+  unsetenv("HDF5_USE_FILE_LOCKING");
   // It fails where HDF5 was in use before: there is nothing to do about it.
   static_cast<void>(H5dont_atexit());
 }

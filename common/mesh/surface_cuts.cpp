@@ -1,5 +1,6 @@
 #include "common/mesh/surface_cuts.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -149,8 +150,10 @@ SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
   std::vector<std::int32_t> numbers(triangles.size());
   std::iota(numbers.begin(), numbers.end(), 0);
+  // Halves of a flat face across an axis would be the whole face again.
+  const Eigen::Matrix3d oblique(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()));
   for (const std::int32_t t : numbers)
-    for (const std::int32_t node : triangles[t]) boxes[t].extend(points[node]);
+    for (const std::int32_t node : triangles[t]) boxes[t].extend(oblique * points[node]);
   const Eigen::KdBVH<double, 3, std::int32_t> tree(numbers.begin(), numbers.end(), boxes.begin(),
                                                    boxes.end());
   const PairCheck check(points, triangles);

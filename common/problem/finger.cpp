@@ -70,8 +70,9 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
   NodeSet vertices = surfaceNodes(mesh);
   std::erase_if(vertices, [&](std::int32_t node) { return !contains(weights.nodes, node); });
   if (vertices.empty())
-    throw badInput("active \"{}\": all vertices under the finger at {} are fixed; move it", name,
-                   placeText(finger.center));
+    throw badInput(
+        "active \"{}\": all vertices under the finger of radius {:.4g} m at {} are fixed; move it",
+        name, finger.radius, placeText(finger.center));
   patch.node = *std::ranges::min_element(vertices, {}, [&](std::int32_t node) {
     return (mesh.nodes[node] - finger.center).squaredNorm();
   });

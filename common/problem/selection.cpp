@@ -152,9 +152,9 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
   });
   if (sites.empty())
     throw badInput(
-        "active \"{}\": surface: everywhere in it a finger would rest on what is fixed; "
-        "move it, or fix less",
-        selection.name);
+        "active \"{}\": surface: everywhere in it a finger of radius {:.4g} m would rest on what is "
+        "fixed; move it, or fix less",
+        selection.name, selection.radius);
   std::vector<ActiveSelection> fingers;
   for (const Eigen::Vector3d& site : sites) {
     ActiveSelection& one = fingers.emplace_back(selection);

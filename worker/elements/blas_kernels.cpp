@@ -82,7 +82,8 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 
 void chooseBlasKernels(char** argv) {
   const std::string wanted = kernelsOfThisCpu();
-  const bool pins = choosesWhenLoaded() && environmentValue(core_type).empty();
+  // What a process on another CPU pinned, and left in the environment, is pinned anew.
+  const bool pins = choosesWhenLoaded() && !userChose() && environmentValue(core_type) != wanted;
   if (!pins && environmentValue(threads_variable) == "1") return;
   const bool set = setenv(threads_variable, "1", 1) == 0 &&
                    (!pins || (setenv(core_type, wanted.c_str(), 1) == 0 &&

@@ -277,8 +277,8 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
       scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
-      // Another finger may be taken. What is told of two is not of their size.
-      const bool told = refusal && std::string_view(error.what()) == refusal->what();
+      // Another finger may be taken. What is told of two in the same words is not of their size.
+      const bool told = !best && refusal && std::string_view(error.what()) == refusal->what();
       if (told || error.exitCode() != ExitCode::usage) throw;
       if (!refusal) refusal = error;
       continue;

@@ -316,7 +316,7 @@ TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
   }
 }
 
-TEST_F(MeshConversion, ReadsTheOldestGmshFormatWithTheGroupOfEachElement) {
+TEST_F(MeshConversion, ReadsTheOldestGmshFormatsWithTheGroupOfEachElement) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   // Of one entity, which later versions know by its groups alone.
   create("old.msh") << "$NOD\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$ENDNOD\n"
@@ -325,6 +325,12 @@ TEST_F(MeshConversion, ReadsTheOldestGmshFormatWithTheGroupOfEachElement) {
   EXPECT_EQ(mesh.tetrahedra.size(), 2u);
   EXPECT_THAT(mesh.element_groups.at("volume 3"), ElementsAre(0));
   EXPECT_THAT(mesh.element_groups.at("volume 8"), ElementsAre(1));
+  // Names of version 2.0 have no dimension.
+  create("names.msh") << "$MeshFormat\n2 0 8\n$EndMeshFormat\n"
+                         "$PhysicalNames\n1\n8 \"left lobe\"\n$EndPhysicalNames\n"
+                         "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+                         "$Elements\n1\n1 4 2 8 7 1 2 3 4\n$EndElements\n";
+  EXPECT_THAT(convert("names.msh").element_groups.at("left lobe"), ElementsAre(0));
 }
 
 TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {

@@ -17,7 +17,7 @@ class GmshFile(ByteLines):
 
     def __init__(self, path, data):
         super().__init__(path, data)
-        self.version, self.binary = "1", False
+        self.version, self.binary, self.names_have_dimensions = "1", False, True
         self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
         if (first := self.line()) == "$NOD":
             self.at = 0
@@ -31,6 +31,7 @@ class GmshFile(ByteLines):
         if words[0] not in known:
             wrong(path, 2, f"Gmsh's format version {words[0]} is not read; save the mesh as version 4.1 or 2.2")
         self.version, self.binary = known[words[0]], words[1] == "1"
+        self.names_have_dimensions = words[0] not in ("2", "2.0")
         self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
             wrong(path, 3, "it was written on a machine of another byte order")
@@ -110,10 +111,12 @@ class GmshMesh:
             wrong(file.path, line, f"${section} is truncated, or has words where numbers are expected; save it again")
 
     def physical_names(self, begin, end):
+        has_dimensions = self.file.names_have_dimensions
         for text in self.file.data[begin:end].decode("utf-8", "replace").splitlines()[1:]:
-            words = text.split(None, 2)
-            if len(words) == 3:
-                self.names[int(words[0]), int(words[1])] = words[2].strip().strip('"')
+            words = text.split(None, 2 if has_dimensions else 1)
+            if len(words) == (3 if has_dimensions else 2):
+                for dimension in [int(words[0])] if has_dimensions else range(4):
+                    self.names[dimension, int(words[-2])] = words[-1].strip().strip('"')
 
     def entities(self, *_):
         file = self.file
