@@ -77,7 +77,9 @@ void Connections::watch(const std::stop_token& stop) {
     waitForMessages(events_, std::chrono::seconds(1));
     const std::lock_guard lock(mutex_);
     takeEvents();
-    if (connections_.size() > most_connections_) keepDescriptors();
+    const bool looks = Clock::now() - looked_ >= std::chrono::seconds(1);
+    if (connections_.size() > most_connections_ || (looks && connections_.size() > limits_.silent))
+      keepDescriptors();
   }
 }
 
@@ -98,14 +100,18 @@ void Connections::takeEvents() {
 /// comes. One that ended stays known until another has its descriptor, or there are many.
 Connections::Connection& Connections::of(int descriptor) {
   Connection& connection = connections_[descriptor];
-  if (const std::uint64_t cookie = cookieOf(descriptor); connection.cookie != cookie)
+  // Of one that has ended messages may come still.
+  if (const std::uint64_t cookie = cookieOf(descriptor); cookie != 0 && connection.cookie != cookie)
     connection = {.cookie = cookie, .since = Clock::now(), .latest = Clock::now()};
   return connection;
 }
 
 void Connections::keepDescriptors() {
-  std::erase_if(connections_,
-                [](const auto& entry) { return entry.second.cookie != cookieOf(entry.first); });
+  looked_ = Clock::now();
+  std::erase_if(connections_, [](const auto& entry) {
+    const std::uint64_t cookie = cookieOf(entry.first);
+    return cookie == 0 || entry.second.cookie != cookie;
+  });
   std::vector<std::pair<Clock::time_point, int>> silent;
   std::size_t open = 0;
   for (const auto& [descriptor, connection] : connections_) {
@@ -113,13 +119,16 @@ void Connections::keepDescriptors() {
     ++open;
     if (!connection.spoke) silent.emplace_back(connection.since, descriptor);
   }
-  if (open <= most_connections_) return;
-  std::ranges::sort(silent);
   // Some more, so that not every new one has all looked at.
-  silent.resize(std::min(silent.size(), open - most_connections_ + most_connections_ / 64));
+  const auto beyond = [](std::size_t count, std::size_t most) {
+    return count > most ? count - most + most / 64 : 0;
+  };
+  std::ranges::sort(silent);
+  silent.resize(std::min(silent.size(), std::max(beyond(open, most_connections_),
+                                                 beyond(silent.size(), limits_.silent))));
   for (const auto& [since, descriptor] : silent)
     close(descriptor, connections_.at(descriptor),
-          fmt::format("it said nothing, and there are {} others", most_connections_));
+          fmt::format("it said nothing, and there are {} others", open - 1));
 }
 
 /// ZeroMQ's thread finds it ended, drops the message that is not whole, and closes the descriptor.
@@ -130,7 +139,8 @@ void Connections::close(int descriptor, Connection& connection, const std::strin
   if (closed_.why.size() < most_closed_told)
     closed_.why.push_back(
         fmt::format("a connection from {} was closed: {}", addressOf(descriptor), why));
-  if (cookieOf(descriptor) == connection.cookie) shutdown(descriptor, SHUT_RDWR);
+  if (connection.cookie != 0 && cookieOf(descriptor) == connection.cookie)
+    shutdown(descriptor, SHUT_RDWR);
 }
 
 bool Connections::received(int descriptor, std::size_t bytes) {

@@ -21,11 +21,13 @@ struct PeerLimits {
   /// Connections at a time; nothing: as many as the process has descriptors for, less some of its
   /// own.
   std::optional<std::size_t> connections = std::nullopt;
+  /// Over which nothing was received: of each libzmq may hold a frame of 128 kB.
+  std::size_t silent = 4096;
 };
 
 /// Closes connections of a ROUTER that CURVE and the limits of libzmq leave open: those that sent
-/// too long a message or too many, and, before the process runs out of descriptors, the oldest of
-/// those over which nothing was received, which are strangers nearly always.
+/// too long a message or too many, and the oldest of those over which nothing was received, which
+/// are strangers nearly always, before the process runs out of descriptors or there are thousands.
 ///
 /// A thread of its own looks after descriptors, so that a disk that takes its time lets nobody in;
 /// the other functions may be called by one other thread. Construct before the socket is bound,
@@ -68,6 +70,7 @@ class Connections {
   zmq::socket_t events_;
   std::mutex mutex_;  ///< guards what is below
   std::map<int, Connection> connections_;
+  Clock::time_point looked_;  ///< at all of them
   Closed closed_;
   std::jthread thread_;
 };

@@ -29,7 +29,9 @@ int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 /// Whether sbatch says the same until an option is changed.
 bool isLasting(const Ran& refusal) {
   constexpr int not_understood = 255;  // of a command line, whatever the word
-  return refusal.exit_code == not_understood || refusal.err.find("nvalid") != std::string::npos;
+  const auto says = [&](const char* word) { return refusal.err.find(word) != std::string::npos; };
+  const bool passes = says("nvalid authentication") || says("nvalid argument");
+  return refusal.exit_code == not_understood || (says("nvalid") && !passes);
 }
 
 /// Ran well, or said no.

@@ -89,7 +89,7 @@ std::int32_t People::retry() {
 /// The plans are made anew without them, and ask for them again.
 std::int32_t People::retryFailed(const std::string& cause) {
   const auto which = causeNamed(cause);
-  if (!which || state_.turns_since_retry) return 0;
+  if (!which || state_.turns_since_retry || state_.complete) return 0;
   const std::vector<ResultKey> failed = failedWith(state_.plans, *which);
   if (failed.empty()) return 0;
   state_.store.drop(failed);

@@ -20,10 +20,17 @@ std::string untouched(const std::filesystem::path& file) {
     uri += std::string_view("%?#").find(c) == std::string_view::npos
                ? std::string(1, c)
                : fmt::format("%{:02x}", static_cast<int>(c));
-  // Whoever closed it last removed both, and left all of it in the file.
-  const bool logged = std::filesystem::exists(file.string() + "-wal") &&
-                      std::filesystem::exists(file.string() + "-shm");
-  return uri + (logged ? "?readonly_shm=1" : "?immutable=1");
+  // Whoever closed it last removed the log, and left all of it in the file.
+  std::error_code none;
+  const auto log_size = std::filesystem::file_size(file.string() + "-wal", none);
+  if (none || log_size == 0) return uri + "?immutable=1";
+  const std::string index = file.string() + "-shm";
+  if (!std::filesystem::exists(index))
+    throw failure(
+        "{}: its log was copied without {}, and would be passed over: make an empty file of that "
+        "name",
+        file.string(), index);
+  return uri + "?readonly_shm=1";
 }
 
 bool mayWriteIn(const std::filesystem::path& folder) { return access(folder.c_str(), W_OK) == 0; }

@@ -237,8 +237,8 @@ std::pair<SpaceRowsList, ExitCode> sealedBy(const Compute& compute, Build& build
     // As long as there are workers that could compute it again.
     build.verify();
     coordinator.dismiss();
-    server.turn(coordinator, milliseconds(0));
-    rows = build.seal(out);
+    // A message of this turn may want failures tried again.
+    if (server.turn(coordinator, milliseconds(0)) != Next::anew) rows = build.seal(out);
   });
   return {std::move(rows), when_stopped};
 }

@@ -64,11 +64,15 @@ std::string ExportTarget::endings() {
 
 void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const {
   refuseInput(file_, "-o", {&dataset, 1});
-  if (may_replace) return;
   std::error_code ignored;
   const std::filesystem::path folder = seriesFolder();
-  const bool has_series = format_ == ExportFormat::pvd && isThere(folder) &&
-                          !std::filesystem::is_empty(folder, ignored);
+  const bool has_folder = format_ == ExportFormat::pvd && isThere(folder);
+  if (std::filesystem::is_directory(file_, ignored) ||
+      (has_folder && !std::filesystem::is_directory(folder, ignored)))
+    throw badInput("-o {}: a folder is in its place, or a file in that of its series: give another",
+                   file_.string());
+  if (may_replace) return;
+  const bool has_series = has_folder && !std::filesystem::is_empty(folder, ignored);
   if (isThere(file_) || has_series)
     throw badInput("{} is there already: give another -o, or --replace",
                    (has_series ? folder : file_).string());

@@ -67,7 +67,7 @@ class Surface {
     DrawingJson nodes = DrawingJson::array(), triangles = DrawingJson::array(),
                 fixed = DrawingJson::array();
     for (const std::int32_t node : dataset_.surfaceNodes())
-      for (const double coordinate : mesh.nodes[at(node)]) nodes.push_back(rounded(coordinate, 5));
+      for (const double coordinate : mesh.nodes[at(node)]) nodes.push_back(rounded(coordinate, 7));
     for (const Triangle& triangle : mesh.surface)
       for (const std::int32_t corner : triangle) triangles.push_back(numbers_[at(corner)]);
     for (const std::int32_t node : dataset_.fixedNodes())
@@ -95,7 +95,7 @@ class Surface {
       };
       if (!lacks(0) && !lacks(1) && !lacks(2)) triangles.push_back(t);
     }
-    return {{"place", numbers(place, 5)}, {"triangles", triangles}};
+    return {{"place", numbers(place, 7)}, {"triangles", triangles}};
   }
 
  private:

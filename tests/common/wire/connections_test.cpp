@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -107,6 +108,15 @@ TEST_F(ConnectionsTest, LeaveThoseAloneWhoseMessagesEnd) {
   }
   std::this_thread::sleep_for(100ms);
   EXPECT_EQ(connections->takeClosed().count, 0);
+}
+
+TEST_F(ConnectionsTest, OfThoseThatSayNothingSomeMayStay) {
+  PeerLimits limits = small;
+  limits.silent = 2;
+  watch(limits);
+  std::vector<zmq::socket_t> silent;
+  for (int n = 0; n < 4; ++n) silent.push_back(connectFrom("127.0.0.2"));
+  EXPECT_THAT(closedWhile([] {}), testing::HasSubstr("from 127.0.0.2 was closed: it said nothing"));
 }
 
 TEST_F(ConnectionsTest, OfTooManyThoseGoThatWereSilentLongest) {

@@ -143,6 +143,10 @@ TEST_F(InspectionTest, ReadsAllThatAKilledSchedulerLeftAndChangesNothing) {
   ASSERT_GT(before.at("state.db-wal").size(), 0u);
   EXPECT_GT(look().lost_results, 1000000u) << "which the log alone says";
   EXPECT_EQ(files(), before);
+  fs::remove(database.string() + "-shm");
+  test::expectError(ExitCode::failed, [&] { look(); }, {"state.db-shm"});
+  std::ofstream(database.string() + "-shm");
+  EXPECT_GT(look().lost_results, 1000000u) << "as the error says how";
 }
 
 TEST_F(InspectionTest, ReadsADirectoryThatNobodyMayWrite) {

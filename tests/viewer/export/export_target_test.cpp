@@ -35,6 +35,11 @@ TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
   expectBadInput([&] { target.refuseWhatIsThere(dataset, false); },
                  {"touch.vtu is there already", "--replace"});
   target.refuseWhatIsThere(dataset, true);
+  for (const char* folder : {"folder.vtu", "folder.pvd"}) {
+    std::filesystem::create_directory(directory / folder);
+    expectBadInput([&] { ExportTarget(directory / folder).refuseWhatIsThere(dataset, true); },
+                   {folder, "folder"});
+  }
 }
 
 TEST_F(ExportTargetTest, TheDatasetIsNeverReplaced) {
