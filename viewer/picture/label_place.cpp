@@ -51,7 +51,7 @@ ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const 
     for (const Eigen::Vector2d& direction : {ahead, Eigen::Vector2d((ahead + right).normalized()),
                                              Eigen::Vector2d((ahead - right).normalized()), right,
                                              Eigen::Vector2d(-right), Eigen::Vector2d(-ahead)})
-      if (const ScreenBox box = boxBeyondTip(direction, reach); isClear(box)) return box;
+      if (ScreenBox box = boxBeyondTip(direction, reach); isClear(box)) return box;
   return boxBeyondTip(ahead, 1);
 }
 
