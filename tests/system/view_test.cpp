@@ -122,7 +122,7 @@ TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
   while (std::filesystem::exists(directory / "frames"))
     std::filesystem::remove_all(directory / "frames", busy);
   EXPECT_EQ(run->wait(), 1);
-  EXPECT_THAT(run->output(), HasSubstr("cannot write the picture"));
+  EXPECT_THAT(run->output(), HasSubstr("frames/frame-"));
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
