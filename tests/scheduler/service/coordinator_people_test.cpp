@@ -123,6 +123,21 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
   EXPECT_EQ(world.sealedContent(), healthy.sealedContent());
 }
 
+/// Its dataset is being sealed with them.
+TEST_F(CoordinatorTest, TriesNoFailureAgainOnceItIsComplete) {
+  world.solver = [](const Problem& problem, std::uint32_t space, const LatticePoint& target,
+                    const LatticePoint& parent) {
+    if (target == LatticePoint{}) return test::solve(problem, space, target, parent);
+    Outcome outcome;
+    outcome.failure.cause = Cause::factorization_failed;
+    return test::resultOf(problemId(problem), space, target, parent, outcome);
+  };
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_EQ(retryFailed(world, "factorization_failed"), 0u);
+  EXPECT_EQ(world.settle(), Next::complete);
+}
+
 TEST_F(CoordinatorTest, StaysPausedOverARestart) {
   setPaused(world, true);
   world.restart();

@@ -369,7 +369,7 @@ TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
     return problemId(decodeProblem(StoredTables(state).build().problem)) == problemId(problem) &&
            found().where.size() == 3 && !StateDirectory::liveAddress(state);
   });
-  if (!read) GTEST_SKIP() << "the user nobody does not get to " << state;
+  if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody does not get to " << state;
   EXPECT_TRUE(*read);
 }
 
