@@ -116,7 +116,7 @@ class Container(unittest.TestCase):
 
     def testTheImageIsBuiltAndBuildsADataset(self):
         if not os.environ.get("PALPATE_LONG_TESTS"):
-            self.skipTest("an image takes ten minutes and was NOT built; set PALPATE_LONG_TESTS=1 (deploy/test --all does)")
+            self.skipTest("an image takes ten minutes and was NOT built; set PALPATE_LONG_TESTS=1 (deploy/test --nightly does)")
         base = re.match(r"FROM (\S+)", stages()[1][0])[1]
         if not shutil.which("podman") or subprocess.run(["podman", "image", "exists", base], check=False).returncode != 0:
             self.skipTest(f"no podman, or no {base} in it: the image was NOT built")

@@ -32,7 +32,7 @@ ELSEWHERE = {
     r"palpate share": "needs the modules for browsers: tests/viewer/share",
 }
 if not os.environ.get("PALPATE_LONG_TESTS"):
-    ELSEWHERE[r"palpate build organ/scene\.toml"] = "takes a minute: docs/meshes.md, with PALPATE_LONG_TESTS (deploy/test --all)"
+    ELSEWHERE[r"palpate build organ/scene\.toml"] = "takes a minute: docs/meshes.md, with PALPATE_LONG_TESTS (deploy/test --nightly)"
 # Programs that go on until they are stopped.
 ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
 # A name in a page, and what stands for it here.

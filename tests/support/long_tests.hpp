@@ -5,7 +5,7 @@
 
 namespace palpate::test {
 
-/// Whether tests that take minutes are wanted: PALPATE_LONG_TESTS=1, as deploy/test --all has it.
+/// Whether tests that take minutes are wanted: PALPATE_LONG_TESTS=1, as deploy/test --nightly has it.
 inline bool longTestsAreWanted() {
   const char* asked = std::getenv("PALPATE_LONG_TESTS");
   return asked != nullptr && *asked != '\0';

@@ -234,7 +234,7 @@ TEST_F(DisturbanceTest, TwentyKillsAndStopsLeaveNoTrace) { disturbAndFinish(20, 
 TEST_F(DisturbanceTest, NorDoAThousand) {
   if (!test::longTestsAreWanted())
     GTEST_SKIP() << "1000 kills and stops take minutes and were NOT tested; "
-                    "set PALPATE_LONG_TESTS=1 (deploy/test --all does)";
+                    "set PALPATE_LONG_TESTS=1 (deploy/test --nightly does)";
   disturbAndFinish(1000, 4);
 }
 

@@ -300,7 +300,7 @@ TEST_F(PowerCutTest, NothingAcknowledgedIsLostAndTheDatasetIsTheSame) { cutAndRe
 TEST_F(PowerCutTest, NorIsItByTwoHundred) {
   if (!test::longTestsAreWanted())
     GTEST_SKIP() << "200 power cuts take minutes and were NOT tested; set PALPATE_LONG_TESTS=1 "
-                    "(deploy/test --all does)";
+                    "(deploy/test --nightly does)";
   cutAndRecover(200);
 }
 

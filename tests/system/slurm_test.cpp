@@ -23,7 +23,7 @@ struct SlurmTest : test::SmallBuild {
   void SetUp() override {
     if (!test::longTestsAreWanted())
       GTEST_SKIP() << "a build by a real Slurm takes minutes and was NOT tested; set "
-                      "PALPATE_LONG_TESTS=1 (deploy/test --all does)";
+                      "PALPATE_LONG_TESTS=1 (deploy/test --nightly does)";
     if (geteuid() != 0 || test::runCommand("command -v slurmctld munged").exit_code != 0)
       GTEST_SKIP() << "no root, or no Slurm (slurm-wlm, munge): fleets were NOT tested on one";
     ASSERT_TRUE(network.joinAnother());

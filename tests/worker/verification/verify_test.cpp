@@ -46,7 +46,7 @@ TEST_P(HardCase, IsReachedWithItsForce) { holdToItsTolerances(); }
 TEST_P(LongVerification, IsWithinItsTolerances) {
   if (!test::longTestsAreWanted())
     GTEST_SKIP() << "this problem takes long and was NOT checked; "
-                    "set PALPATE_LONG_TESTS=1 (deploy/test --all does)";
+                    "set PALPATE_LONG_TESTS=1 (deploy/test --nightly does)";
   holdToItsTolerances();
 }
 
