@@ -40,14 +40,14 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
 /// The whole way from rest to `target`; by default a transition for every lattice spacing.
 Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
                 const Eigen::Vector3d& target) {
-  Outcome outcome;
   PALPATE_ASSERT(!steps || *steps > 0, "--steps is checked when it is read");
-  const auto rest = solver.startAtRest(outcome.failure);
-  if (!rest) return outcome;
+  Failure failure;
+  const auto rest = solver.startAtRest(failure);
+  if (!rest) return {failure, {}};
   const double spacings = target.norm() / problem.scene.workspace.spacing;
-  outcome = walk(solver, *rest, target,
-                 steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
-                .outcome;
+  Outcome outcome = walk(solver, *rest, target,
+                         steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
+                        .outcome;
   ++outcome.cost.factorizations;  // of the rest state
   return outcome;
 }
@@ -105,8 +105,8 @@ nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[
 void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
                const Eigen::Vector3d& displacement, const Outcome& outcome) {
   using nlohmann::ordered_json;
-  const bool found = outcome.converged;
-  const Equilibrium& e = outcome.equilibrium;
+  const bool found = outcome.converged();
+  const Equilibrium e = found ? outcome.equilibrium() : Equilibrium();
   const auto orNull = [](bool known, const ordered_json& value) { return known ? value : nullptr; };
   const ordered_json rows = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
                              toJson(e.stiffness.row(2))};
@@ -118,8 +118,9 @@ void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
                          {"newton_iterations", outcome.cost.newton_iterations},
                          {"factorizations", outcome.cost.factorizations},
                          {"seconds", outcome.cost.seconds},
-                         {"min_det_F", found ? e.min_det_F : outcome.failure.element_det_F},
-                         {"failure", orNull(!found, std::string(name(outcome.failure.cause)))}};
+                         {"min_det_F", found ? e.min_det_F : outcome.failure().element_det_F},
+                         {"failure", nullptr}};
+  if (!found) answer["failure"] = std::string(name(outcome.failure().cause));
   if (place) {
     answer["at"] = toJson(*place);
     answer["drive"] = orNull(found, toJson(alongSurface(mesh, *place, e.drive)));
@@ -131,10 +132,10 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
                const Eigen::Vector3d& displacement, const Outcome& outcome) {
   if (place) fmt::print("at            {} m\n", vectorText(*place, 6, " "));
   fmt::print("displacement  {} m\n", vectorText(displacement, 6, " "));
-  if (!outcome.converged) {
-    fmt::print("failed        {}\n", describe(outcome.failure));
+  if (!outcome.converged()) {
+    fmt::print("failed        {}\n", describe(outcome.failure()));
   } else {
-    const Equilibrium& e = outcome.equilibrium;
+    const Equilibrium& e = outcome.equilibrium();
     fmt::print("force on tool {} N   ({:.6g} N)\n", vectorText(e.force, 6, " "), e.force.norm());
     for (int row = 0; row < 3; ++row)
       fmt::print("{}{:12.5g} {:12.5g} {:12.5g}\n", row == 0 ? "stiffness N/m" : "             ",
@@ -177,7 +178,7 @@ ExitCode solve(const SolveOptions& options) {
     try {
       if (touch.at) solving.moveTo(*touch.at);
       const Outcome outcome = solving.at(touch.displacement);
-      all_converged &= outcome.converged;
+      all_converged &= outcome.converged();
       (options.json ? printJson : printText)(problem.mesh, solving.place(), touch.displacement,
                                              outcome);
     } catch (const Error& error) {

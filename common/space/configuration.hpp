@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <variant>
 #include <vector>
 
 #include "common/base/content_id.hpp"
@@ -61,7 +62,7 @@ struct FingerSlopes {
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
-/// The small part of an accepted configuration.
+/// The small part of a configuration.
 struct Equilibrium : ToolEquilibrium, FingerSlopes {};
 
 /// In SI units: more than any tissue gives, and far enough from overflow that what is interpolated
@@ -93,14 +94,26 @@ struct Cost {
   }
 };
 
-/// The end of a transition: an equilibrium, or a failure.
+/// An equilibrium, as it is stored.
+struct Configuration {
+  Equilibrium equilibrium;
+  double residual = 0;  ///< N, norm
+  NodalFields fields;
+};
+
+/// The end of a transition, and what it took.
 struct Outcome {
-  bool converged = false;
-  Equilibrium equilibrium;  ///< valid when converged
-  double residual = 0;      ///< N, norm at the end when converged
-  Failure failure;          ///< valid when not converged
+  std::variant<Failure, Configuration> end;
   Cost cost;
-  NodalFields fields;  ///< of the equilibrium; empty when not converged
+
+  bool converged() const { return std::holds_alternative<Configuration>(end); }
+  /// Where it converged.
+  const Configuration& configuration() const { return std::get<Configuration>(end); }
+  Configuration& configuration() { return std::get<Configuration>(end); }
+  const Equilibrium& equilibrium() const { return configuration().equilibrium; }
+  /// Where it did not.
+  const Failure& failure() const { return std::get<Failure>(end); }
+  Failure& failure() { return std::get<Failure>(end); }
 };
 
 }  // namespace palpate

@@ -393,64 +393,59 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
   cost.set_factorizations(outcome.cost.factorizations);
   cost.set_steps(outcome.cost.steps);
   cost.set_seconds(outcome.cost.seconds);
-  if (!outcome.converged) {
-    PALPATE_ASSERT(stopsTransitions(outcome.failure.cause), "fromWire takes no other");
-    wire::Failure& failure = *result.mutable_failure();
-    failure.set_cause(static_cast<std::uint32_t>(outcome.failure.cause));
-    failure.set_step_reached(outcome.failure.step_reached);
-    failure.set_residual(outcome.failure.residual);
-    failure.set_element(outcome.failure.element);
-    failure.set_element_det_f(outcome.failure.element_det_F);
-    failure.set_negative_pivots(outcome.failure.negative_pivots);
-    failure.set_expected_negative_pivots(outcome.failure.expected_negative_pivots);
-    failure.set_mumps_infog1(outcome.failure.mumps_infog1);
-    failure.set_mumps_infog2(outcome.failure.mumps_infog2);
+  if (!outcome.converged()) {
+    const Failure& failure = outcome.failure();
+    PALPATE_ASSERT(stopsTransitions(failure.cause), "fromWire takes no other");
+    wire::Failure& message = *result.mutable_failure();
+    message.set_cause(static_cast<std::uint32_t>(failure.cause));
+    message.set_step_reached(failure.step_reached);
+    message.set_residual(failure.residual);
+    message.set_element(failure.element);
+    message.set_element_det_f(failure.element_det_F);
+    message.set_negative_pivots(failure.negative_pivots);
+    message.set_expected_negative_pivots(failure.expected_negative_pivots);
+    message.set_mumps_infog1(failure.mumps_infog1);
+    message.set_mumps_infog2(failure.mumps_infog2);
     return;
   }
   PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
-  const Equilibrium& equilibrium = outcome.equilibrium;
+  const Equilibrium& equilibrium = outcome.equilibrium();
   wire::Equilibrium& message = *result.mutable_equilibrium();
   message.set_force(equilibrium.force.data(), 3 * sizeof(double));
   message.set_stiffness(matrixBytes(equilibrium.stiffness));
   message.set_energy(equilibrium.energy);
   message.set_min_det_f(equilibrium.min_det_F);
-  message.set_residual(outcome.residual);
+  message.set_residual(outcome.configuration().residual);
   driveToWire(equilibrium, message);
   result.set_fields_id(std::string(ContentId::of(fields_bytes).bytes()));
   result.set_payload_bytes(static_cast<std::uint32_t>(fields_bytes.size()));
 }
 
 std::optional<Outcome> fromWire(const wire::Result& result) {
-  Outcome outcome;
-  const wire::Cost& cost = result.cost();
-  outcome.cost = {cost.newton_iterations(), cost.factorizations(), cost.steps(), cost.seconds()};
+  const wire::Cost& spent = result.cost();
+  const Cost cost = {spent.newton_iterations(), spent.factorizations(), spent.steps(),
+                     spent.seconds()};
   if (result.has_equilibrium()) {
     const wire::Equilibrium& message = result.equilibrium();
-    outcome.converged = true;
-    outcome.residual = message.residual();
-    Equilibrium& equilibrium = outcome.equilibrium;
+    Equilibrium equilibrium;
     equilibrium.energy = message.energy();
     equilibrium.min_det_F = message.min_det_f();
     const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
                        readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
                        readDrive(message, equilibrium) && isUsable(equilibrium) &&
                        result.fields_id().size() == 32 && result.payload_bytes() > 0;
-    return valid ? std::optional(outcome) : std::nullopt;
+    if (!valid) return std::nullopt;
+    return Outcome{Configuration{equilibrium, message.residual(), {}}, cost};
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();
   const std::optional<Cause> cause = causeOf(message.cause());
   if (!cause || !stopsTransitions(*cause)) return std::nullopt;
-  outcome.failure = {*cause,
-                     message.step_reached(),
-                     message.residual(),
-                     message.element(),
-                     message.element_det_f(),
-                     message.negative_pivots(),
-                     message.expected_negative_pivots(),
-                     message.mumps_infog1(),
-                     message.mumps_infog2()};
-  return outcome;
+  return Outcome{
+      Failure{*cause, message.step_reached(), message.residual(), message.element(),
+              message.element_det_f(), message.negative_pivots(),
+              message.expected_negative_pivots(), message.mumps_infog1(), message.mumps_infog2()},
+      cost};
 }
 
 }  // namespace palpate

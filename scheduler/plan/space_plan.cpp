@@ -61,10 +61,11 @@ std::string_view name(Stage stage) {
 PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
                         double max_force) {
   PointRecord point;
-  point.tag = tagOf(outcome.equilibrium.force.norm(), max_force);
+  const Configuration& found = outcome.configuration();
+  point.tag = tagOf(found.equilibrium.force.norm(), max_force);
   point.parent = parent;
-  point.equilibrium = outcome.equilibrium;
-  point.residual = outcome.residual;
+  point.equilibrium = found.equilibrium;
+  point.residual = found.residual;
   point.cost = outcome.cost;
   point.fields = fields;
   return point;
@@ -124,17 +125,18 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
   // Also of points that are solved already: that a retry failed says something about the branch.
-  if (!outcome.converged)
-    points_.addAttempt({transition.target, transition.parent, outcome.failure});
+  if (!outcome.converged())
+    points_.addAttempt({transition.target, transition.parent, outcome.failure()});
   PointRecord found;
-  if (outcome.converged)
+  if (outcome.converged())
     found = solvedPoint(transition.parent, outcome, fields, problem_->scene.workspace.max_force);
   if (stage_ == Stage::lattice) {
-    if (outcome.converged) points_.solve(transition.target, found);
-    frontier_.record(transition, outcome.converged ? std::optional(outcome.equilibrium.force.norm())
-                                                   : std::nullopt);
+    if (outcome.converged()) points_.solve(transition.target, found);
+    frontier_.record(transition, outcome.converged()
+                                     ? std::optional(outcome.equilibrium().force.norm())
+                                     : std::nullopt);
   } else {
-    recordInPursuit(transition, outcome.converged, std::move(found));
+    recordInPursuit(transition, outcome.converged(), std::move(found));
   }
   while (!complete() && openCount() == 0) advanceStage();
 }

@@ -137,9 +137,9 @@ void Intake::commit() {
     plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
     ++recorded_;
     handouts_.noteSolve(member.result.outcome.cost.seconds);
-    converged_ += member.result.outcome.converged;
-    if (!member.result.outcome.converged)
-      state_.chronicle.failed(key, plan, member.result.outcome.failure,
+    converged_ += member.result.outcome.converged();
+    if (!member.result.outcome.converged())
+      state_.chronicle.failed(key, plan, member.result.outcome.failure(),
                               member.result.header.given_by());
     goOn(settle(state_.plans, key.space, spare_,
                 [this](const ResultKey& spare) { return state_.store.read(spare); }));

@@ -79,10 +79,10 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   if (result.kernel_family() != kernel_family) return "a result of other kernels than its worker's";
   if (result.space() >= problem_->active.size()) return "a result of a space that does not exist";
   if (!isPlausible(outcome->cost)) return "a result with impossible costs";
-  if (!outcome->converged) {
+  if (!outcome->converged()) {
     if (!payload.empty() || !result.fields_id().empty()) return "a failure with fields";
     // Its step is shown to people and ranks its cause.
-    return objectionToFailure(outcome->failure, problem_->mesh);
+    return objectionToFailure(outcome->failure(), problem_->mesh);
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
     return "a result whose payload has another content id";
@@ -97,12 +97,13 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
 
 std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& outcome,
                                      const NodalFields& fields) const {
-  const Equilibrium& e = outcome.equilibrium;
+  const Equilibrium& e = outcome.equilibrium();
+  const double residual = outcome.configuration().residual;
   const ActivePatch& patch = problem_->active[result.space()];
   const Scene& scene = problem_->scene;
   if (scene.workspace.reject_inverted && !(e.min_det_F > 0)) return "an inverted element";
   const double force_scale = e.force.norm() + e.stiffness.norm() * diameter_;
-  if (!(outcome.residual >= 0 && outcome.residual <= largest_residual * force_scale))
+  if (!(residual >= 0 && residual <= largest_residual * force_scale))
     return "a residual that is no equilibrium's";
   if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
     return "derivatives that are not symmetric";

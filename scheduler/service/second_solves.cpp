@@ -30,12 +30,12 @@ SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
 
 bool SecondSolves::pick(const TransitionKey& key, const Outcome& outcome) {
   const SpacePlan& plan = state_.plans[key.space];
-  SpotChecks::Look look = {.failed = !outcome.converged};
+  SpotChecks::Look look = {.failed = !outcome.converged()};
   // The rest state was judged by itself (ResultCheck).
-  if (outcome.converged && key.target != key.parent) {
+  if (outcome.converged() && key.target != key.parent) {
     const Lattice& positions = plan.positions();
     look.oddness =
-        oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium,
+        oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium(),
                       positions.displacement(key.target) - positions.displacement(key.parent));
   }
   return checks_.pick(keyOf(state_.plans, key), look);

@@ -182,12 +182,12 @@ std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Pro
   Reached reached;
   for (int n = 1; n <= steps; ++n) {
     reached = solver.reach(*at, probe.displacement * n / steps);
-    if (!reached.outcome.converged) return {Exact::none, Eigen::Vector3d::Zero()};
-    if (reached.outcome.equilibrium.force.norm() > workspace.max_force)
+    if (!reached.outcome.converged()) return {Exact::none, Eigen::Vector3d::Zero()};
+    if (reached.outcome.equilibrium().force.norm() > workspace.max_force)
       return {Exact::too_strong, Eigen::Vector3d::Zero()};
     at = std::move(reached.end);
   }
-  return {Exact::found, reached.outcome.equilibrium.force};
+  return {Exact::found, reached.outcome.equilibrium().force};
 }
 
 /// Of one query, the fastest of some rounds over all of them.

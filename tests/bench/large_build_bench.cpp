@@ -84,14 +84,12 @@ class LinearBody {
     constexpr double stiffness = 50;  // N/m
     const Lattice& positions = plan.positions();
     const Eigen::Vector3d p = positions.displacement(transition.target);
-    Outcome outcome;
-    outcome.converged = true;
-    outcome.cost = {3, 1, 1, 0.0125};
-    outcome.equilibrium.force = -stiffness * p;
-    outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
-    outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
-    outcome.equilibrium.min_det_F = 0.97;
-    outcome.residual = 1.25e-9;
+    Configuration found;
+    found.equilibrium.force = -stiffness * p;
+    found.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+    found.equilibrium.energy = stiffness / 2 * p.squaredNorm();
+    found.equilibrium.min_det_F = 0.97;
+    found.residual = 1.25e-9;
     for (std::size_t n = 0; n < problem_.mesh.nodes.size(); ++n)
       for (std::size_t i = 0; i < 3; ++i)
         fields_.displacement[3 * n + i] =
@@ -104,7 +102,7 @@ class LinearBody {
     header_.set_steps(static_cast<std::uint32_t>(plan.stepsOf(transition)));
     if (transition.target != transition.parent)
       *header_.mutable_start_parent() = toWire(positions.point(transition.parent));
-    toWire(outcome, payload, header_);
+    toWire({std::move(found), {3, 1, 1, 0.0125}}, payload, header_);
     return {header_, std::move(payload)};
   }
 

@@ -158,8 +158,8 @@ State nearRest(const Problem& problem) {
   if (!rest) throw palpate::failure("{}", describe(failure));
   for (double way = 0.01;; way /= 2) {
     Reached reached = solver.reach(*rest, {way, 0, 0});
-    if (reached.outcome.converged) return std::move(reached.end.state);
-    if (way < least) throw palpate::failure("{}", describe(reached.outcome.failure));
+    if (reached.outcome.converged()) return std::move(reached.end.state);
+    if (way < least) throw palpate::failure("{}", describe(reached.outcome.failure()));
   }
 }
 
@@ -230,7 +230,7 @@ class PathTimes {
   Json json() const {
     const Cost& cost = path_.outcome.cost;
     Json result = seconds_.milliseconds();
-    result["converged"] = path_.outcome.converged;
+    result["converged"] = path_.outcome.converged();
     result["detours"] = path_.detours;
     result["steps"] = cost.steps;
     result["newton_iterations"] = cost.newton_iterations;
@@ -261,7 +261,7 @@ class ConfigurationTimes {
         for (const double sign : {-1.0, 1.0}) {
           const Outcome outcome =
               solver.reach(*rest, sign * spacing * Eigen::Vector3d::Unit(axis)).outcome;
-          failed_ += outcome.converged ? 0 : 1;
+          failed_ += outcome.converged() ? 0 : 1;
           total_.newton_iterations += outcome.cost.newton_iterations;
           total_.factorizations += outcome.cost.factorizations;
         }

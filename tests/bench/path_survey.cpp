@@ -169,8 +169,8 @@ class ValidWalker {
       WalkedPath path = walk(solver_, at, target, 1, rescue_);
       walked.cost += path.outcome.cost;
       walked.detours += path.detours;
-      if (!path.outcome.converged) {
-        walked.failure = path.outcome.failure;
+      if (!path.outcome.converged()) {
+        walked.failure = path.outcome.failure();
         return walked;
       }
       walked.min_det_F = std::min(walked.min_det_F, path.min_det_F);

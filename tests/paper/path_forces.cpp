@@ -50,7 +50,7 @@ double volume(const Mesh& mesh, const std::vector<double>& u) {
 }
 
 Json toJson(const Outcome& outcome) {
-  const Equilibrium& e = outcome.equilibrium;
+  const Equilibrium& e = outcome.equilibrium();
   return {{"force", toJson(e.force)},
           {"energy", e.energy},
           {"min_det_F", e.min_det_F},
@@ -73,8 +73,8 @@ Json walkThrough(TransitionSolver& solver, const Start& rest, const Options& opt
         std::max(1, static_cast<int>(std::ceil(distance / options.transition - 1e-9)));
     WalkedPath walked =
         walk(solver, at, target, transitions, options.detours ? Rescue::detours : Rescue::none);
-    if (!walked.outcome.converged) {
-      const Failure& failure = walked.outcome.failure;
+    if (!walked.outcome.converged()) {
+      const Failure& failure = walked.outcome.failure();
       path = {{"cause", name(failure.cause)},
               {"failure", describe(failure)},
               {"step_reached", failure.step_reached},

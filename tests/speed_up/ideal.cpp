@@ -113,7 +113,7 @@ class Schedule {
       const Outcome& outcome = solveOf(task.key).result.outcome;
       progress.frontier.record(
           {task.key.target, task.key.parent},
-          outcome.converged ? std::optional(outcome.equilibrium.force.norm()) : std::nullopt);
+          outcome.converged() ? std::optional(outcome.equilibrium().force.norm()) : std::nullopt);
       for (const Transition& next : progress.frontier.takeReady())
         add({number, next.target, next.parent}, {{}, 0, 0, task.depth});
       if (progress.frontier.complete()) beginWave(number, task.depth);

@@ -17,14 +17,14 @@ using Lie = std::function<void(wire::Result&, std::string& payload)>;
 inline Lie lieAbout(const std::function<void(Outcome&)>& falsify) {
   return [falsify](wire::Result& result, std::string& payload) {
     std::optional<Outcome> outcome = fromWire(result);
-    PALPATE_ASSERT(outcome && outcome->converged, "honest workers find an equilibrium there");
+    PALPATE_ASSERT(outcome && outcome->converged(), "honest workers find an equilibrium there");
     falsify(*outcome);
-    if (!outcome->converged) {
+    if (!outcome->converged()) {
       payload.clear();
       result.clear_fields_id();
     }
     toWire(*outcome, payload, result);
-    if (!outcome->converged) result.clear_payload_bytes();
+    if (!outcome->converged()) result.clear_payload_bytes();
   };
 }
 
@@ -32,11 +32,11 @@ inline Lie lieAbout(const std::function<void(Outcome&)>& falsify) {
 /// failure where there is none.
 inline const std::vector<Lie>& lies() {
   static const std::vector<Lie> all = {
-      lieAbout([](Outcome& o) { o.equilibrium.force *= 1.1; }),
-      lieAbout([](Outcome& o) { o.equilibrium.energy *= 1.1; }),
-      lieAbout([](Outcome& o) { o.equilibrium.stiffness *= 1.2; }), lieAbout([](Outcome& o) {
-        o.converged = false;
-        o.failure = {.cause = Cause::iteration_limit, .step_reached = 0.5};
+      lieAbout([](Outcome& o) { o.configuration().equilibrium.force *= 1.1; }),
+      lieAbout([](Outcome& o) { o.configuration().equilibrium.energy *= 1.1; }),
+      lieAbout([](Outcome& o) { o.configuration().equilibrium.stiffness *= 1.2; }),
+      lieAbout([](Outcome& o) {
+        o.end = Failure{.cause = Cause::iteration_limit, .step_reached = 0.5};
       })};
   return all;
 }

@@ -48,7 +48,8 @@ inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std
   *result.mutable_target() = toWire(target);
   *result.mutable_parent() = toWire(parent);
   result.set_kernel_family("baseline");
-  const std::string payload = outcome.converged ? outcome.fields.encode() : std::string();
+  const std::string payload =
+      outcome.converged() ? outcome.configuration().fields.encode() : std::string();
   toWire(outcome, payload, result);
   return {result, payload};
 }
@@ -95,26 +96,27 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
   Outcome outcome;
   outcome.cost = {static_cast<std::int32_t>(dice % 9), 3, 2, 0.25};
   const bool origin = target == LatticePoint{};
-  outcome.converged = origin || dice % 100 >= 25;
-  if (outcome.converged) {
+  if (origin || dice % 100 >= 25) {
+    Configuration found;
     const double norm = std::sqrt(static_cast<double>(squaredNorm(target)));
     if (!origin) {
-      outcome.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
-                                   1e-3 / (1 + norm)};
-      outcome.equilibrium.energy =
+      found.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
+                                 1e-3 / (1 + norm)};
+      found.equilibrium.energy =
           norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
     }
-    outcome.equilibrium.stiffness = -50 * Eigen::Matrix3d::Identity();
+    found.equilibrium.stiffness = -50 * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
-    outcome.fields = fieldsOf(problem, space, p, [&](std::size_t n) {
+    found.fields = fieldsOf(problem, space, p, [&](std::size_t n) {
       const auto first = static_cast<double>(dice % 1000 + 3 * n);
       return Eigen::Vector3d(first, first + 1, first + 2);
     });
-    outcome.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(dice % 77));
+    found.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(dice % 77));
+    outcome.end = std::move(found);
   } else {
-    outcome.failure.cause = static_cast<Cause>(1 + dice % 7);
-    outcome.failure.step_reached = static_cast<double>(dice % 11) / 11;
-    outcome.failure.residual = dice % 2 == 0 ? std::nan("") : 1;
+    outcome.end = Failure{.cause = static_cast<Cause>(1 + dice % 7),
+                          .step_reached = static_cast<double>(dice % 11) / 11,
+                          .residual = dice % 2 == 0 ? std::nan("") : 1};
   }
   return resultOf(problemId(problem), space, target, parent, outcome);
 }
@@ -128,19 +130,18 @@ inline std::pair<wire::Result, std::string> solveSmoothly(const Problem& problem
   constexpr double k = 100, c = 2e4;
   const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
   const double square = p.squaredNorm();
-  Outcome outcome;
-  outcome.converged = true;
-  outcome.cost = {3 + parent[0], 1, 1, 0.25};
-  outcome.equilibrium.energy = k * square / 2 + c * square * square;
-  outcome.equilibrium.force = Eigen::Vector3d::Zero() - (k + 4 * c * square) * p;
+  Configuration found;
+  found.equilibrium.energy = k * square / 2 + c * square * square;
+  found.equilibrium.force = Eigen::Vector3d::Zero() - (k + 4 * c * square) * p;
   const Eigen::Matrix3d slope =
       (k + 4 * c * square) * Eigen::Matrix3d::Identity() + 8 * c * p * p.transpose();
-  outcome.equilibrium.stiffness = -(slope + slope.transpose()) / 2;
-  outcome.fields = fieldsOf(problem, space, p, [&](std::size_t n) -> Eigen::Vector3d {
+  found.equilibrium.stiffness = -(slope + slope.transpose()) / 2;
+  found.fields = fieldsOf(problem, space, p, [&](std::size_t n) -> Eigen::Vector3d {
     return p * problem.mesh.nodes[n].x();
   });
-  outcome.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(p.norm()));
-  return resultOf(problemId(problem), space, target, parent, outcome);
+  found.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(p.norm()));
+  return resultOf(problemId(problem), space, target, parent,
+                  {std::move(found), {3 + parent[0], 1, 1, 0.25}});
 }
 
 }  // namespace palpate::test

@@ -62,17 +62,15 @@ class LinearBody {
     constexpr double stiffness = 50;  // N/m
     const LatticePoint at = fromWire(target);
     const Eigen::Vector3d p = at_.displacementOf(at);
-    Outcome outcome;
-    outcome.converged = true;
-    outcome.cost = {3, 1, 1, 1e-4};
-    outcome.equilibrium.force = -stiffness * p;
-    outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
-    outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
-    outcome.fields = fieldsOf(*problem_, space, p, [&](std::size_t n) -> Eigen::Vector3d {
+    Configuration found;
+    found.equilibrium.force = -stiffness * p;
+    found.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+    found.equilibrium.energy = stiffness / 2 * p.squaredNorm();
+    found.fields = fieldsOf(*problem_, space, p, [&](std::size_t n) -> Eigen::Vector3d {
       return p * problem_->mesh.nodes[n].x() / 0.1;
     });
-    outcome.fields.pressure.assign(problem_->pressures.count(), static_cast<float>(p.norm()));
-    return resultOf(build_, space, at, fromWire(parent), outcome);
+    found.fields.pressure.assign(problem_->pressures.count(), static_cast<float>(p.norm()));
+    return resultOf(build_, space, at, fromWire(parent), {std::move(found), {3, 1, 1, 1e-4}});
   }
 
  private:

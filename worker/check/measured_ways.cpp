@@ -46,11 +46,12 @@ double errorHalfWay(TransitionSolver& solver, const Problem& problem, const Acti
                     const Start& start, const Equilibrium& from, const Equilibrium& to,
                     const Eigen::Vector3d& at, const Eigen::Vector3d& step) {
   const Outcome half = solver.reach(start, at - step / 2).outcome;
-  const double force = half.equilibrium.force.norm();
-  if (!half.converged || (active.finger && force > problem.scene.workspace.max_force)) return 0;
+  if (!half.converged()) return 0;
+  const double force = half.equilibrium().force.norm();
+  if (active.finger && force > problem.scene.workspace.max_force) return 0;
   const Accuracy& accuracy = problem.scene.accuracy;
   const double allowed = std::max(accuracy.force_error * force, accuracy.force_floor);
-  return (interpolated(from, to, step) - half.equilibrium.force).norm() / allowed;
+  return (interpolated(from, to, step) - half.equilibrium().force).norm() / allowed;
 }
 
 /// The straight way from rest in this direction, until it ends, leaves the part of the ball that is
@@ -71,8 +72,11 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
   PALPATE_ASSERT(workspace.spacing > 0, "a way of steps without length would not end");
   Way& way = found.ways.emplace_back();
   const auto end = [&](WayEnd how) { way.end = how; };
-  Equilibrium before =
-      adaptive ? solver.reach(*start, Eigen::Vector3d::Zero()).outcome.equilibrium : Equilibrium{};
+  Equilibrium before;
+  if (adaptive)
+    if (const Outcome at_rest = solver.reach(*start, Eigen::Vector3d::Zero()).outcome;
+        at_rest.converged())
+      before = at_rest.equilibrium();
   for (double at = 0; at < workspace.radius;) {
     if (over()) return end(WayEnd::cut);
     const double from = at;
@@ -82,21 +86,22 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
     if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);
     const Reached reached = start ? solver.reach(*start, at * direction) : Reached{};
     const Outcome& outcome = reached.outcome;
-    way.steps.push_back({processorSeconds() - step_began, outcome.converged});
+    way.steps.push_back({processorSeconds() - step_began, outcome.converged()});
     ++found.transitions;
-    if (!outcome.converged && way.steps.size() == 1 && found.no_first_step.empty())
-      found.no_first_step = describe(outcome.failure);
-    if (!outcome.converged) return end(WayEnd::failed);
+    if (!outcome.converged() && way.steps.size() == 1 && found.no_first_step.empty())
+      found.no_first_step = describe(outcome.failure());
+    if (!outcome.converged()) return end(WayEnd::failed);
     if (way.steps.size() == 1)
-      found.stiffness = std::max(found.stiffness, outcome.equilibrium.force.norm() / at);
+      found.stiffness = std::max(found.stiffness, outcome.equilibrium().force.norm() / at);
     if (adaptive)
       way.steps.back().error =
-          errorHalfWay(solver, problem, active, *start, before, outcome.equilibrium, at * direction,
-                       (at - from) * direction);
-    if (outcome.equilibrium.force.norm() > workspace.max_force) return end(WayEnd::max_force);
+          errorHalfWay(solver, problem, active, *start, before, outcome.equilibrium(),
+                       at * direction, (at - from) * direction);
+    if (outcome.equilibrium().force.norm() > workspace.max_force) return end(WayEnd::max_force);
     step_began = processorSeconds();
-    before = outcome.equilibrium;
-    start = solver.startFrom(outcome.fields, reached.end.state.displacement, failure);
+    before = outcome.equilibrium();
+    start =
+        solver.startFrom(outcome.configuration().fields, reached.end.state.displacement, failure);
   }
 }
 

@@ -43,12 +43,12 @@ class ProblemSolver {
         outcome = walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
                       .outcome;
       } else {
-        outcome.failure = start_failure;
+        outcome.end = start_failure;
       }
       FinishedTarget finished;
       finished.last_of_job = n + 1 == job.targets_size();
       describe(job, target, finished.result);
-      if (outcome.converged) finished.fields = outcome.fields.encode();
+      if (outcome.converged()) finished.fields = outcome.configuration().fields.encode();
       toWire(outcome, finished.fields, finished.result);
       mailbox.finish(std::move(finished));
     }

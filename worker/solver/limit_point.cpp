@@ -141,11 +141,11 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
                                            Reached& failed) {
   const auto expected = system_.expectedNegativePivots();
   if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
-  const double reached = failed.outcome.failure.step_reached;
+  const double reached = failed.outcome.failure().step_reached;
   const State& from = reached > 0 ? failed.end.state : start.state;
   const auto limit = findLimitPoint(system_, solver_, from, target);
   if (!limit) return;
-  Failure& failure = failed.outcome.failure;
+  Failure& failure = failed.outcome.failure();
   failure.cause = Cause::limit_point;
   failure.step_reached = reached + (1 - reached) * limit->at;
   failure.negative_pivots = limit->negative_pivots;

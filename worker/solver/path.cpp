@@ -26,10 +26,10 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
       const Eigen::AngleAxisd turned(2 * M_PI * n / detours_around, way.normalized());
       const Reached beside = solver.reach(from, middle + width * (turned * across));
       cost += beside.outcome.cost;
-      if (!beside.outcome.converged) continue;
+      if (!beside.outcome.converged()) continue;
       Reached reached = solver.reach(beside.end, target);
       cost += reached.outcome.cost;
-      if (reached.outcome.converged) return reached;
+      if (reached.outcome.converged()) return reached;
     }
   return std::nullopt;
 }
@@ -48,7 +48,7 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
         n == transitions ? target : origin + (target - origin) * n / transitions;
     Reached reached = solver.reach(*at, next);
     total += reached.outcome.cost;
-    if (!reached.outcome.converged && rescue == Rescue::detours) {
+    if (!reached.outcome.converged() && rescue == Rescue::detours) {
       if (auto around = reachAround(solver, *at, next, total)) {
         reached = std::move(*around);
         ++path.detours;
@@ -58,12 +58,12 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
       }
     }
     path.outcome = std::move(reached.outcome);
-    if (!path.outcome.converged) {
-      double& step_reached = path.outcome.failure.step_reached;
+    if (!path.outcome.converged()) {
+      double& step_reached = path.outcome.failure().step_reached;
       step_reached = (n - 1 + step_reached) / transitions;
       break;
     }
-    path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium.min_det_F);
+    path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium().min_det_F);
     path.end = std::move(reached.end);
     at = &path.end;
   }

@@ -87,6 +87,14 @@ struct TransitionSolver::Step {
   Start end;
 };
 
+/// The equations around a state that Newton converged to.
+struct TransitionSolver::Linearization {
+  Tangent tangent;
+  /// -d(Residual::free)/dp; of a finger at the end of a transition slopeByPlace() beside it.
+  Eigen::MatrixXd right_hand_sides;
+  TangentSolver::Refined sensitivity;  ///< of the tangent, to these
+};
+
 TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                                    TransitionOptions options)
     : problem_(problem),
@@ -279,11 +287,10 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
   equilibrium.drive_slope = Eigen::Matrix3d::Zero() + 0.5 * (slope + slope.transpose());
 }
 
-/// Whether the state that Newton converged to may be stored. When it may (Cause::none), `step` gets
-/// its equilibrium and its end.
-Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
-  Tangent tangent;
-  system_.assemble(newton.state, newton.residual, tangent);
+/// Why the state that Newton converged to may not be stored (Cause::none when it may), by the
+/// equations around it, which are left in `here`.
+Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& here) {
+  system_.assemble(newton.state, newton.residual, here.tangent);
   if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
       at_nodes.det_F < newton.residual.min_det_F) {
     newton.residual.min_det_F = at_nodes.det_F;
@@ -291,34 +298,50 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
   }
   if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0))
     return Cause::inverted_element;
-  const bool with_drive = last && finger_;
-  Eigen::MatrixXd right_hand_sides = -tangent.tool_coupling;
-  if (with_drive) {
-    right_hand_sides.conservativeResize(Eigen::NoChange, 6);
-    right_hand_sides.rightCols<3>() = slopeByPlace(newton.state);
+  here.right_hand_sides = -here.tangent.tool_coupling;
+  if (last && finger_) {
+    here.right_hand_sides.conservativeResize(Eigen::NoChange, 6);
+    here.right_hand_sides.rightCols<3>() = slopeByPlace(newton.state);
   }
-  auto sensitivity = solveSensitivity(newton, tangent, right_hand_sides,
+  auto sensitivity = solveSensitivity(newton, here.tangent, here.right_hand_sides,
                                       last ? sensitivity_tolerance : loose_sensitivity_tolerance);
   if (!sensitivity) return Cause::factorization_failed;
-  if (const auto expected = system_.expectedNegativePivots();
-      expected && newton.factorization.negative_pivots != *expected)
-    return Cause::wrong_inertia;
+  here.sensitivity = std::move(*sensitivity);
+  const auto expected = system_.expectedNegativePivots();
+  return expected && newton.factorization.negative_pivots != *expected ? Cause::wrong_inertia
+                                                                       : Cause::none;
+}
+
+/// The energy and its derivatives at a state that may be stored.
+Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
+                                            const Linearization& here) const {
+  const Tangent& tangent = here.tangent;
   // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
-  const Eigen::MatrixXd S = sensitivity->solution.leftCols<3>();
+  const Eigen::MatrixXd S = here.sensitivity.solution.leftCols<3>();
   const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
-                            S.transpose() * sensitivity->residual.leftCols<3>();
+                            S.transpose() * here.sensitivity.residual.leftCols<3>();
+  Equilibrium equilibrium;
   // Subtracted from zero, so that a zero is plain 0 and not -0.
-  step.equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
-  step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
-  step.equilibrium.energy = newton.residual.energy;
-  step.equilibrium.min_det_F = newton.residual.min_det_F;
-  if (with_drive) {
-    setDrive(newton.state, right_hand_sides.rightCols<3>(), *sensitivity, step.equilibrium);
-    setThirdDerivatives(system_, newton.state, sensitivity->solution, *finger_, step.equilibrium);
+  equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
+  equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
+  equilibrium.energy = newton.residual.energy;
+  equilibrium.min_det_F = newton.residual.min_det_F;
+  if (here.right_hand_sides.cols() == 6) {
+    setDrive(newton.state, here.right_hand_sides.rightCols<3>(), here.sensitivity, equilibrium);
+    setThirdDerivatives(system_, newton.state, here.sensitivity.solution, *finger_, equilibrium);
   }
+  return equilibrium;
+}
+
+/// Takes the state that Newton converged to as the end of `step`, unless it may not be stored:
+/// Cause::none when it was.
+Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
+  Linearization here;
+  if (const Cause cause = judge(newton, last, here); cause != Cause::none) return cause;
+  step.equilibrium = equilibriumAt(newton, here);
   if (!isUsable(step.equilibrium)) return Cause::not_finite;
-  const Eigen::Vector3d exerted = -step.equilibrium.force;
-  step.end = {std::move(newton.state), S, exerted};
+  step.end = {std::move(newton.state), here.sensitivity.solution.leftCols<3>(),
+              -step.equilibrium.force};
   return Cause::none;
 }
 
@@ -337,7 +360,7 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
       findEquilibrium(system_, solver_, approach(from, displacement), displacement, options);
   Step step;
   step.easy = newton.factorizations <= options_.easy_factorizations;
-  const Cause cause = newton.cause == Cause::none ? judge(newton, last, step) : newton.cause;
+  const Cause cause = newton.cause == Cause::none ? accept(newton, last, step) : newton.cause;
   step.failure = failureOf(cause, newton);
   if (cause == Cause::wrong_inertia) {
     step.failure.expected_negative_pivots = system_.expectedNegativePivots().value_or(0);
@@ -369,7 +392,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
                           unstable.displacement, options);
       Step step;
       const bool stable = newton.cause == Cause::none && newton.factorizations > 0 &&
-                          judge(newton, last, step) == Cause::none;
+                          accept(newton, last, step) == Cause::none;
       cost += {newton.iterations, newton.factorizations, 0};
       if (!stable) continue;
       step.failure.residual = newton.residual.norm;
@@ -386,25 +409,25 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
   return std::move(*found);
 }
 
-/// Stores the nodal fields of the configuration that a transition reached.
+/// Adds the nodal fields of the configuration that a transition reached.
 void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& target,
-                                 Outcome& outcome) const {
-  const Equilibrium& end = outcome.equilibrium;
+                                 Configuration& reached) const {
+  const Equilibrium& end = reached.equilibrium;
   PALPATE_ASSERT(isUsable(end), "fields of forces are interpolated from these numbers");
   PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
                  "the scene wants no inverted element in its dataset");
   PALPATE_ASSERT(state.displacement == target,
                  "the configuration is stored under the lattice point of its target");
-  outcome.fields.displacement.assign(state.u.begin(), state.u.end());
-  outcome.fields.pressure.reserve(state.q.size());
+  reached.fields.displacement.assign(state.u.begin(), state.u.end());
+  reached.fields.pressure.reserve(state.q.size());
   for (const double q : state.q)
-    outcome.fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
+    reached.fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
   const double began = threadSeconds();
   Reached reached;
-  Outcome& outcome = reached.outcome;
+  Cost& cost = reached.outcome.cost;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
   double at = 0, length = 1;     // fractions of the whole
@@ -413,29 +436,28 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   int budget = options_.max_factorizations;
   bool stepped_aside = false;
   const bool gives_up = givesUp(start, whole);
-  if (gives_up) outcome.failure.cause = Cause::beyond_force;
+  if (gives_up) reached.outcome.end = Failure{.cause = Cause::beyond_force};
   while (at < 1 && !gives_up) {
     double next = std::min(1.0, at + length);
     Step tried = step(*from, next == 1 ? target : Eigen::Vector3d(origin + next * whole), next == 1,
-                      budget - outcome.cost.factorizations);
-    outcome.cost += tried.cost;
+                      budget - cost.factorizations);
+    cost += tried.cost;
     if (isUnstable(tried.failure)) {
       unstable = tried;
       unstable_at = next;
     }
     const auto isSpent = [&] {
-      return (next - at) / 2 < options_.smallest_step || outcome.cost.factorizations >= budget;
+      return (next - at) / 2 < options_.smallest_step || cost.factorizations >= budget;
     };
     if (tried.failure.cause != Cause::none && isSpent() && unstable && !stepped_aside) {
       stepped_aside = true;
       next = unstable_at;
       tried = stepAside(*unstable, (next - at) * whole.norm(), next == 1);
-      outcome.cost += tried.cost;
-      budget = outcome.cost.factorizations + options_.max_factorizations;
+      cost += tried.cost;
+      budget = cost.factorizations + options_.max_factorizations;
     }
     if (tried.failure.cause == Cause::none) {
-      outcome.equilibrium = tried.equilibrium;
-      outcome.residual = tried.failure.residual;
+      reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};
       reached.end = std::move(tried.end);
       from = &reached.end;
       at = next;
@@ -445,22 +467,21 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       length = (next - at) / 2;
     }
     if (at < 1 && isTooStrong(reached.end.exerted)) {
-      outcome.failure = {.cause = Cause::beyond_force, .step_reached = at};
+      reached.outcome.end = Failure{.cause = Cause::beyond_force, .step_reached = at};
       break;
     }
     const bool is_split = tried.failure.cause == Cause::bifurcation;
     const bool too_small = length < options_.smallest_step;
-    const bool too_costly = outcome.cost.factorizations >= budget;
+    const bool too_costly = cost.factorizations >= budget;
     if (at < 1 && (is_split || too_small || too_costly)) {
-      outcome.failure = tried.failure;
-      outcome.failure.step_reached = at;
-      if (!is_split && !too_small) outcome.failure.cause = Cause::step_budget;
+      tried.failure.step_reached = at;
+      if (!is_split && !too_small) tried.failure.cause = Cause::step_budget;
+      reached.outcome.end = tried.failure;
       break;
     }
   }
-  outcome.converged = at >= 1;
-  if (outcome.converged) setFields(reached.end.state, target, outcome);
-  outcome.cost.seconds = threadSeconds() - began;
+  if (at >= 1) setFields(reached.end.state, target, reached.outcome.configuration());
+  cost.seconds = threadSeconds() - began;
   return reached;
 }
 

@@ -92,6 +92,7 @@ class TransitionSolver {
 
  private:
   struct Step;
+  struct Linearization;
 
   bool solveRest(Failure& failure);
   bool isTooStrong(const Eigen::Vector3d& force) const {
@@ -101,9 +102,11 @@ class TransitionSolver {
   bool givesUp(const Start& start, const Eigen::Vector3d& way) const;
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
-  Cause judge(NewtonResult& newton, bool last, Step& step);
+  Cause judge(NewtonResult& newton, bool last, Linearization& here);
+  Equilibrium equilibriumAt(const NewtonResult& newton, const Linearization& here) const;
+  Cause accept(NewtonResult& newton, bool last, Step& step);
   Step stepAside(const Step& before, double way, bool last);
-  void setFields(const State& state, const Eigen::Vector3d& target, Outcome& outcome) const;
+  void setFields(const State& state, const Eigen::Vector3d& target, Configuration& reached) const;
   void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
                 const TangentSolver::Refined& refined, Equilibrium& equilibrium) const;
   Eigen::MatrixXd slopeByPlace(const State& state) const;

@@ -41,14 +41,14 @@ std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
   const Problem problem = problemOf(push);
   TransitionSolver solver(problem, chooseKernels());
   WalkedPath path;
-  if (const auto rest = solver.startAtRest(path.outcome.failure))
+  if (const auto rest = solver.startAtRest(path.outcome.failure()))
     path = walk(solver, *rest, push.displacement, push.transitions);
   const Outcome& outcome = path.outcome;
-  if (!outcome.converged)
-    return {{fmt::format("{}: {}, the way it gets", push.name, name(outcome.failure.cause)),
-             outcome.failure.step_reached, 1, 0}};
+  if (!outcome.converged())
+    return {{fmt::format("{}: {}, the way it gets", push.name, name(outcome.failure().cause)),
+             outcome.failure().step_reached, 1, 0}};
   return {{push.name + ": all valid", path.min_det_F > 0 ? 1.0 : 0.0, 1, 0},
-          {push.name + ": force", outcome.equilibrium.force.norm(), force, tolerance, "N"}};
+          {push.name + ": force", outcome.equilibrium().force.norm(), force, tolerance, "N"}};
 }
 
 // ---- the bodies -------------------------------------------------------------------------------

@@ -62,8 +62,8 @@ std::vector<Row> reactionRows() {
   // Each from rest, as a worker solves them.
   const auto equilibriumAt = [&](const Eigen::Vector3d& p) {
     const Outcome outcome = solver.reach(*rest, p).outcome;
-    if (!outcome.converged) throw failure("no equilibrium: {}", describe(outcome.failure));
-    return outcome.equilibrium;
+    if (!outcome.converged()) throw failure("no equilibrium: {}", describe(outcome.failure()));
+    return outcome.equilibrium();
   };
   constexpr double h = 1e-5;  // metres
   const Equilibrium here = equilibriumAt(place);

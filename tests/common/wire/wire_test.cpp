@@ -170,50 +170,48 @@ TEST(Endpoint, OfAFileThatIsNoSocketIsRefusedAndTheFileKept) {
 TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {
   for (const Cause cause : test::allCauses()) {
     if (!stopsTransitions(cause)) continue;
-    Outcome outcome;
-    outcome.failure = {cause, 0.75, 2e-3, 11, 0.125, 28, 27, -9, 4096};
+    const Outcome outcome = {Failure{cause, 0.75, 2e-3, 11, 0.125, 28, 27, -9, 4096}, {}};
     wire::Result result;
     toWire(outcome, "", result);
     const auto again = fromWire(result);
     ASSERT_TRUE(again) << name(cause);
-    EXPECT_EQ(again->failure.cause, cause);
-    EXPECT_EQ(describe(again->failure), describe(outcome.failure));
+    EXPECT_EQ(again->failure().cause, cause);
+    EXPECT_EQ(describe(again->failure()), describe(outcome.failure()));
   }
 }
 
 TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
-  Outcome outcome;
-  outcome.converged = true;
+  Outcome outcome = {Configuration(), {}};
   wire::Result plain;
   toWire(outcome, "fields", plain);
   EXPECT_TRUE(plain.equilibrium().drive().empty());
-  outcome.equilibrium.drive = {1, -2, 3};
-  outcome.equilibrium.drive_stiffness << 1, 2, 3, 4, 5, 6, 7, 8, 9;
-  outcome.equilibrium.drive_slope = Eigen::Matrix3d::Identity();
-  outcome.equilibrium.stiffness_by_p(2, 1) = 4;
-  outcome.equilibrium.stiffness_by_s(0, 2) = 5;
-  outcome.equilibrium.drive_slope_by_p(5, 0) = 6;
+  Equilibrium& e = outcome.configuration().equilibrium;
+  e.drive = {1, -2, 3};
+  e.drive_stiffness << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  e.drive_slope = Eigen::Matrix3d::Identity();
+  e.stiffness_by_p(2, 1) = 4;
+  e.stiffness_by_s(0, 2) = 5;
+  e.drive_slope_by_p(5, 0) = 6;
   wire::Result result;
   toWire(outcome, "fields", result);
   const auto again = fromWire(result);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->equilibrium.drive, outcome.equilibrium.drive);
-  EXPECT_EQ(again->equilibrium.drive_stiffness, outcome.equilibrium.drive_stiffness);
-  EXPECT_EQ(again->equilibrium.drive_slope, outcome.equilibrium.drive_slope);
-  EXPECT_EQ(again->equilibrium.stiffness_by_p, outcome.equilibrium.stiffness_by_p);
-  EXPECT_EQ(again->equilibrium.stiffness_by_s, outcome.equilibrium.stiffness_by_s);
-  EXPECT_EQ(again->equilibrium.drive_slope_by_p, outcome.equilibrium.drive_slope_by_p);
+  EXPECT_EQ(again->equilibrium().drive, e.drive);
+  EXPECT_EQ(again->equilibrium().drive_stiffness, e.drive_stiffness);
+  EXPECT_EQ(again->equilibrium().drive_slope, e.drive_slope);
+  EXPECT_EQ(again->equilibrium().stiffness_by_p, e.stiffness_by_p);
+  EXPECT_EQ(again->equilibrium().stiffness_by_s, e.stiffness_by_s);
+  EXPECT_EQ(again->equilibrium().drive_slope_by_p, e.drive_slope_by_p);
   result.mutable_equilibrium()->set_drive("short");
   EXPECT_FALSE(fromWire(result));
 }
 
 TEST(WireResult, OfNumbersThatNoTissueGivesIsNone) {
   const auto taken = [](auto&& change) {
-    Outcome outcome;
-    outcome.converged = true;
-    change(outcome.equilibrium);
+    Configuration found;
+    change(found.equilibrium);
     wire::Result result;
-    toWire(outcome, "fields", result);
+    toWire({found, {}}, "fields", result);
     return fromWire(result).has_value();
   };
   EXPECT_TRUE(taken([](Equilibrium& e) { e.force[2] = 1e29; }));

@@ -66,8 +66,7 @@ TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
     wire::Message message;
     *message.mutable_result() = test::solve(world.problem, job.space(), {}, {}).first;
     wire::Result& result = *message.mutable_result();
-    Outcome stuck;
-    stuck.failure.cause = Cause::factorization_failed;
+    const Outcome stuck = {Failure{.cause = Cause::factorization_failed}, {}};
     result.clear_fields_id();
     toWire(stuck, "", result);
     result.clear_payload_bytes();

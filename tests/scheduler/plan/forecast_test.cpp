@@ -44,13 +44,12 @@ struct ForecastTest : testing::Test {
   }
   static Outcome outcomeAt(const Eigen::Vector3d& p, const IsSoft& is_soft) {
     const test::StiffeningEnergy energy;
-    Outcome outcome;
-    outcome.converged = true;
-    outcome.equilibrium.force =
+    Configuration found;
+    found.equilibrium.force =
         is_soft(p) ? Eigen::Vector3d(-energy.gradient(p)) : Eigen::Vector3d::Constant(1e9);
-    outcome.equilibrium.stiffness = -energy.hessian(p);
-    outcome.equilibrium.energy = energy.energy(p);
-    return outcome;
+    found.equilibrium.stiffness = -energy.hessian(p);
+    found.equilibrium.energy = energy.energy(p);
+    return {found, {}};
   }
   /// From this share of a build to where a twentieth is left.
   static void expectHonest(const std::vector<Moment>& moments, double from = 0.1,

@@ -22,23 +22,19 @@ using testing::IsEmpty;
 using Solver = std::function<Outcome(const SpacePlan&, const Transition&)>;
 
 Outcome equilibriumOf(const test::AnalyticEnergy& energy, const Eigen::Vector3d& p) {
-  Outcome outcome;
-  outcome.converged = true;
-  outcome.equilibrium.force = -energy.gradient(p);
-  outcome.equilibrium.stiffness = -energy.hessian(p);
-  outcome.equilibrium.energy = energy.energy(p);
-  return outcome;
+  Configuration found;
+  found.equilibrium.force = -energy.gradient(p);
+  found.equilibrium.stiffness = -energy.hessian(p);
+  found.equilibrium.energy = energy.energy(p);
+  return {found, {}};
 }
 
 Outcome smooth(const SpacePlan& plan, const Transition& transition) {
   return equilibriumOf(test::StiffeningEnergy(), plan.positions().displacement(transition.target));
 }
 
-Outcome failed(double step_reached = 0.5) {
-  Outcome outcome;
-  outcome.failure.cause = Cause::step_budget;
-  outcome.failure.step_reached = step_reached;
-  return outcome;
+Outcome failed(double step_reached = 0.5, Cause cause = Cause::step_budget) {
+  return {Failure{.cause = cause, .step_reached = step_reached}, {}};
 }
 
 /// Records everything a plan asks for; of what is ready always the transition that `choose` takes.
@@ -49,7 +45,7 @@ void finish(SpacePlan& plan, const Solver& solver, std::mt19937* random = nullpt
     const Transition transition = ready[n];
     ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(n));
     const Outcome outcome = solver(plan, transition);
-    plan.record(transition, outcome, ContentId::of(std::to_string(outcome.equilibrium.energy)));
+    plan.record(transition, outcome, ContentId::of(std::to_string(outcome.equilibrium().energy)));
     for (const Transition& next : plan.takeReady()) ready.push_back(next);
   }
   EXPECT_TRUE(plan.complete());
@@ -149,8 +145,8 @@ Solver withJumpAt(const LatticePoint& target) {
     if (plan.positions().point(transition.target) != target) return outcome;
     if (*first < 0) *first = transition.parent;
     if (transition.parent == *first) {
-      outcome.equilibrium.energy += 1;
-      outcome.equilibrium.force += Eigen::Vector3d(20, -30, 10);
+      outcome.configuration().equilibrium.energy += 1;
+      outcome.configuration().equilibrium.force += Eigen::Vector3d(20, -30, 10);
     }
     return outcome;
   };
@@ -193,7 +189,7 @@ TEST_F(SpacePlanTest, AJumpThatEveryParentGivesStays) {
   const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
     Outcome outcome = smooth(plan, transition);
     if (plan.positions().point(transition.target) == odd)
-      outcome.equilibrium.force += Eigen::Vector3d(20, -30, 10);
+      outcome.configuration().equilibrium.force += Eigen::Vector3d(20, -30, 10);
     return outcome;
   });
   EXPECT_FALSE(inconsistentEdges(table).empty());
@@ -265,9 +261,7 @@ TEST_F(SpacePlanTest, AFailedPointHasTheCauseOfTheAttemptThatGotFurthest) {
   const LatticePoint hole = {1, 1, 0};
   const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
     if (plan.positions().point(transition.target) != hole) return smooth(plan, transition);
-    Outcome outcome = failed(transition.parent == 0 ? 0.9 : 0.4);
-    if (transition.parent == 0) outcome.failure.cause = Cause::wrong_inertia;
-    return outcome;
+    return transition.parent == 0 ? failed(0.9, Cause::wrong_inertia) : failed(0.4);
   });
   const PointRecord& point = table.points[*table.lattice.indexOf(hole)];
   EXPECT_EQ(point.tag, Tag::failed);

@@ -98,9 +98,8 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
   world.solver = [&](const Problem& problem, std::uint32_t space, const LatticePoint& target,
                      const LatticePoint& parent) {
     if (has_memory || target == LatticePoint{}) return test::solve(problem, space, target, parent);
-    Outcome outcome;
-    outcome.failure.cause = Cause::factorization_failed;
-    return test::resultOf(problemId(problem), space, target, parent, outcome);
+    return test::resultOf(problemId(problem), space, target, parent,
+                          {Failure{.cause = Cause::factorization_failed}, {}});
   };
   solveOrigins();
   world.request("a", 1);
@@ -128,9 +127,8 @@ TEST_F(CoordinatorTest, TriesNoFailureAgainOnceItIsComplete) {
   world.solver = [](const Problem& problem, std::uint32_t space, const LatticePoint& target,
                     const LatticePoint& parent) {
     if (target == LatticePoint{}) return test::solve(problem, space, target, parent);
-    Outcome outcome;
-    outcome.failure.cause = Cause::factorization_failed;
-    return test::resultOf(problemId(problem), space, target, parent, outcome);
+    return test::resultOf(problemId(problem), space, target, parent,
+                          {Failure{.cause = Cause::factorization_failed}, {}});
   };
   world.join("a", 1);
   world.finish({"a"});

@@ -285,9 +285,7 @@ TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
 /// acknowledged, and sent again for ever.
 TEST_F(CoordinatorTest, RecordsAndAcknowledgesAResultThatEndedAtALimitPoint) {
   world.join("a", 2);
-  Outcome turned_back;
-  turned_back.failure.cause = Cause::limit_point;
-  turned_back.failure.step_reached = 0.4;
+  const Outcome turned_back = {Failure{.cause = Cause::limit_point, .step_reached = 0.4}, {}};
   world.send("a", originResult([&](wire::Result& r) {
                r.clear_fields_id();
                toWire(turned_back, "", r);

@@ -33,10 +33,10 @@ struct JudgedResult : testing::Test {
                           const std::function<void(Outcome&)>& change = {}) const {
     auto [result, payload] = test::solveSmoothly(problem, 0, target, {});
     Outcome outcome = *fromWire(result);
-    outcome.fields =
+    outcome.configuration().fields =
         NodalFields::decode(payload, problem.mesh.nodes.size(), problem.pressures.count());
     if (change) change(outcome);
-    payload = outcome.fields.encode();
+    payload = outcome.configuration().fields.encode();
     toWire(outcome, payload, result);
     return check.objectionTo(result, payload, "baseline");
   }
@@ -50,28 +50,33 @@ TEST_F(JudgedResult, HonestOnesPass) {
 TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
   const LatticePoint there = {1, 0, -1};
   using testing::HasSubstr;
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.equilibrium.min_det_F = -0.1; }),
-              HasSubstr("inverted"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.residual = 0.1; }), HasSubstr("residual"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.residual = std::nan(""); }),
+  EXPECT_THAT(
+      objectionTo(there, [](Outcome& o) { o.configuration().equilibrium.min_det_F = -0.1; }),
+      HasSubstr("inverted"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.configuration().residual = 0.1; }),
               HasSubstr("residual"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.equilibrium.stiffness(0, 1) += 1e-9; }),
-              HasSubstr("symmetric"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.configuration().residual = std::nan(""); }),
+              HasSubstr("residual"));
+  EXPECT_THAT(
+      objectionTo(there, [](Outcome& o) { o.configuration().equilibrium.stiffness(0, 1) += 1e-9; }),
+      HasSubstr("symmetric"));
   EXPECT_THAT(objectionTo(there,
                           [](Outcome& o) {
-                            o.equilibrium.drive = {1, 0, 0};
+                            o.configuration().equilibrium.drive = {1, 0, 0};
                           }),
               HasSubstr("drive"));
-  EXPECT_THAT(objectionTo(there,
-                          [&](Outcome& o) {
-                            o.fields.displacement[3 * static_cast<std::size_t>(problem.fixed[0])] =
-                                1e-9F;
-                          }),
-              HasSubstr("fixed node"));
+  EXPECT_THAT(
+      objectionTo(
+          there,
+          [&](Outcome& o) {
+            o.configuration().fields.displacement[3 * static_cast<std::size_t>(problem.fixed[0])] =
+                1e-9F;
+          }),
+      HasSubstr("fixed node"));
   EXPECT_THAT(objectionTo(there,
                           [&](Outcome& o) {
                             const auto tool = static_cast<std::size_t>(problem.active[0].node);
-                            o.fields.displacement[3 * tool] += 1e-3F;
+                            o.configuration().fields.displacement[3 * tool] += 1e-3F;
                           }),
               HasSubstr("elsewhere"));
   EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.cost.factorizations = -1; }),
@@ -84,14 +89,15 @@ TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
   using testing::HasSubstr;
   EXPECT_THAT(objectionTo({},
                           [](Outcome& o) {
-                            o.equilibrium.force = {1e-300, 0, 0};
+                            o.configuration().equilibrium.force = {1e-300, 0, 0};
                           }),
               HasSubstr("rest"));
-  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.equilibrium.energy = 1e-300; }),
+  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.configuration().equilibrium.energy = 1e-300; }),
               HasSubstr("rest"));
-  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.fields.displacement.back() = 1e-30F; }),
-              HasSubstr("rest"));
-  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.equilibrium.stiffness *= -1; }),
+  EXPECT_THAT(
+      objectionTo({}, [](Outcome& o) { o.configuration().fields.displacement.back() = 1e-30F; }),
+      HasSubstr("rest"));
+  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; }),
               HasSubstr("not stable"));
 }
 
@@ -129,7 +135,7 @@ TEST(ResultCheck, FieldsThatAreNotKnownMakeNoOtherResult) {
 TEST(Oddness, OfForcesAndEnergiesThatFollowFromEachOtherIsSmallAndOfOthersLarge) {
   const Problem problem = test::cubeProblem();
   const auto at = [&](const LatticePoint& point) {
-    return fromWire(test::solveSmoothly(problem, 0, point, {}).first)->equilibrium;
+    return fromWire(test::solveSmoothly(problem, 0, point, {}).first)->equilibrium();
   };
   const LatticePoint from = {1, 0, 0}, to = {1, 1, 0};
   const Eigen::Vector3d way(0, problem.scene.workspace.spacing, 0);

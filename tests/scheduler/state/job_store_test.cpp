@@ -68,7 +68,7 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
   const auto found = store.read({0, {}, {}});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->header.SerializeAsString(), header.SerializeAsString());
-  EXPECT_TRUE(std::signbit(found->outcome.equilibrium.energy));
+  EXPECT_TRUE(std::signbit(found->outcome.equilibrium().energy));
   EXPECT_TRUE(std::signbit(store.takeReplay().plans[0].points().equilibrium(0).energy));
   EXPECT_EQ(store.find({0, {}, {}})->payload, payload);
   EXPECT_FALSE(store.find({0, {1, 0, 0}, {}}));

@@ -38,8 +38,8 @@ class FingerOnABlob : public ::testing::Test {
     const auto rest = solver_->startAtRest(failure);
     EXPECT_TRUE(rest) << describe(failure);
     const Outcome outcome = walk(*solver_, *rest, p, 2).outcome;
-    EXPECT_TRUE(outcome.converged) << describe(outcome.failure);
-    return outcome.equilibrium;
+    EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
+    return outcome.equilibrium();
   }
 
   static void expectChange(const SymmetricSlope& slope, int axis, const Eigen::Matrix3d& difference,
@@ -138,8 +138,8 @@ TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
   solver_->chooseTool(0);
   Failure failure;
   const Outcome chosen = walk(*solver_, *solver_->startAtRest(failure), pushed, 2).outcome;
-  EXPECT_EQ(chosen.equilibrium.force, placed.force);
-  EXPECT_EQ(chosen.equilibrium.drive_slope, placed.drive_slope);
+  EXPECT_EQ(chosen.equilibrium().force, placed.force);
+  EXPECT_EQ(chosen.equilibrium().drive_slope, placed.drive_slope);
 }
 
 TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
@@ -153,12 +153,12 @@ TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
     Failure failure;
     return solver.reach(*solver.startAtRest(failure), target).outcome;
   };
-  EXPECT_TRUE(reachWith(1.5 * force, pushed).converged);
+  EXPECT_TRUE(reachWith(1.5 * force, pushed).converged());
   // The stiffness at rest says that this will be too much: nothing is tried.
   const Outcome predicted = reachWith(0.1 * force, pushed);
-  EXPECT_EQ(predicted.failure.cause, Cause::beyond_force);
+  EXPECT_EQ(predicted.failure().cause, Cause::beyond_force);
   EXPECT_EQ(predicted.cost.factorizations, 0);
-  EXPECT_FALSE(predicted.converged);
+  EXPECT_FALSE(predicted.converged());
 }
 
 TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
@@ -166,9 +166,9 @@ TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
   solver_->chooseTool(0);
   Failure failure;
   const auto there = walk(*solver_, *solver_->startAtRest(failure), pushed, 2);
-  const auto start = solver_->startFrom(there.outcome.fields, pushed, failure);
+  const auto start = solver_->startFrom(there.outcome.configuration().fields, pushed, failure);
   ASSERT_TRUE(start) << describe(failure);
-  EXPECT_LT((start->exerted + there.outcome.equilibrium.force).norm(),
+  EXPECT_LT((start->exerted + there.outcome.equilibrium().force).norm(),
             1e-3 * start->exerted.norm());
 }
 

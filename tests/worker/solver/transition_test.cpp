@@ -38,8 +38,8 @@ class TransitionTest : public ::testing::Test {
   Outcome reach(const Eigen::Vector3d& target) { return solver_->reach(rest_, target).outcome; }
   Equilibrium equilibriumAt(const Eigen::Vector3d& target) {
     const Outcome outcome = reach(target);
-    EXPECT_TRUE(outcome.converged) << describe(outcome.failure);
-    return outcome.equilibrium;
+    EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
+    return outcome.equilibrium();
   }
 
   Problem problem_;
@@ -87,11 +87,12 @@ TEST_F(TransitionTest, AWeightedToolHasTheForceAndStiffnessOfItsEnergyAndStartsF
               1e-6 * here.stiffness.norm());
   }
   Failure failure;
-  const auto start = solver_->startFrom(reach(0.5 * target).fields, 0.5 * target, failure);
+  const auto start =
+      solver_->startFrom(reach(0.5 * target).configuration().fields, 0.5 * target, failure);
   ASSERT_TRUE(start);
   const Outcome restarted = solver_->reach(*start, target).outcome;
-  ASSERT_TRUE(restarted.converged);
-  EXPECT_LT((restarted.equilibrium.force - here.force).norm(), 1e-8 * here.force.norm());
+  ASSERT_TRUE(restarted.converged());
+  EXPECT_LT((restarted.equilibrium().force - here.force).norm(), 1e-8 * here.force.norm());
 }
 
 TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutForce) {
@@ -100,16 +101,16 @@ TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutFor
   scene.gravity = {0, 0, -5};
   clamp(scene);
   const Outcome origin = reach(Eigen::Vector3d::Zero());
-  ASSERT_TRUE(origin.converged);
+  ASSERT_TRUE(origin.converged());
   const Eigen::Vector3d target(0.006, -0.01, 0.004);
   const Equilibrium here = equilibriumAt(target);
-  EXPECT_LT(origin.equilibrium.force.norm(), 1e-8 * here.force.norm());
-  EXPECT_NEAR(origin.equilibrium.energy, 0, 1e-12);
+  EXPECT_LT(origin.equilibrium().force.norm(), 1e-8 * here.force.norm());
+  EXPECT_NEAR(origin.equilibrium().energy, 0, 1e-12);
   const std::int32_t tip = problem_.active[0].node;
-  EXPECT_LT(origin.fields.displacement[3 * tip + 2], -1e-3) << "the body sags";
-  EXPECT_NEAR(
-      reach(target).fields.displacement[3 * tip + 2] - origin.fields.displacement[3 * tip + 2],
-      target.z(), 1e-8);
+  EXPECT_LT(origin.configuration().fields.displacement[3 * tip + 2], -1e-3) << "the body sags";
+  EXPECT_NEAR(reach(target).configuration().fields.displacement[3 * tip + 2] -
+                  origin.configuration().fields.displacement[3 * tip + 2],
+              target.z(), 1e-8);
   constexpr double h = 1e-5;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
@@ -123,7 +124,7 @@ TEST_F(TransitionTest, AWeightTooSmallToMoveAnythingLeavesTheRestStateStable) {
   scene.regions[0].material.density = 1060;
   scene.gravity = {0, 0, -1e-10};
   clamp(scene);
-  EXPECT_TRUE(reach({0, 0.01, 0}).converged);
+  EXPECT_TRUE(reach({0, 0.01, 0}).converged());
 }
 
 TEST_F(TransitionTest, UnderItsWeightEveryElementConverges) {
@@ -140,7 +141,7 @@ TEST_F(TransitionTest, UnderItsWeightEveryElementConverges) {
     scene.discretization.pressure = pressure;
     clamp(resolve(scene, test::blobMesh()));
     const Outcome outcome = reach({0.001, 0, 0});
-    EXPECT_TRUE(outcome.converged) << describe(outcome.failure);
+    EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
   }
 }
 
@@ -161,7 +162,7 @@ TEST_F(TransitionTest, AStepOfAnElementTakesFewTangents) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       const Outcome outcome = reach(sign * 0.03 * Eigen::Vector3d::Unit(axis));
-      ASSERT_TRUE(outcome.converged) << describe(outcome.failure);
+      ASSERT_TRUE(outcome.converged()) << describe(outcome.failure());
       factorizations += outcome.cost.factorizations;
     }
   EXPECT_LE(factorizations, 12);
@@ -170,11 +171,11 @@ TEST_F(TransitionTest, AStepOfAnElementTakesFewTangents) {
 TEST_F(TransitionTest, TheZeroConfigurationHasNoForceAndAStiffness) {
   clamp(mooneyRivlinScene());
   const Outcome origin = reach(Eigen::Vector3d::Zero());
-  ASSERT_TRUE(origin.converged);
-  EXPECT_LT(origin.equilibrium.force.norm(), 1e-12);
-  EXPECT_EQ(origin.equilibrium.energy, 0);
+  ASSERT_TRUE(origin.converged());
+  EXPECT_LT(origin.equilibrium().force.norm(), 1e-12);
+  EXPECT_EQ(origin.equilibrium().energy, 0);
   EXPECT_EQ(origin.cost.newton_iterations, 0);
-  EXPECT_LT(origin.equilibrium.stiffness.eigenvalues().real().maxCoeff(), 0);
+  EXPECT_LT(origin.equilibrium().stiffness.eigenvalues().real().maxCoeff(), 0);
 }
 
 TEST_F(TransitionTest, PressureIsPositiveWhereTheToolCompresses) {
@@ -191,9 +192,9 @@ TEST_F(TransitionTest, PressureIsPositiveWhereTheToolCompresses) {
     clamp(resolve(scene, test::blobMesh()));
     const auto tip = static_cast<std::size_t>(problem_.active[0].node);
     const Outcome pushed = reach({-0.01, 0, 0}), pulled = reach({0.01, 0, 0});
-    ASSERT_TRUE(pushed.converged && pulled.converged);
-    EXPECT_GT(pushed.fields.pressure[tip], 100) << "Pa";
-    EXPECT_LT(pulled.fields.pressure[tip], -100);
+    ASSERT_TRUE(pushed.converged() && pulled.converged());
+    EXPECT_GT(pushed.configuration().fields.pressure[tip], 100) << "Pa";
+    EXPECT_LT(pulled.configuration().fields.pressure[tip], -100);
   }
 }
 
@@ -203,7 +204,7 @@ TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   const Equilibrium direct = equilibriumAt(target);
   Start at = rest_;
   for (int n = 1; n <= 5; ++n) at = solver_->reach(at, target * n / 5).end;
-  const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium;
+  const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium();
   EXPECT_LT((direct.force - stepwise.force).norm(), 1e-8 * direct.force.norm());
 }
 
@@ -216,12 +217,12 @@ TEST_F(TransitionTest, ASolveGivesTheSameBitsWhateverWasSolvedBefore) {
   const Outcome again = reach(target);
   clamp(mooneyRivlinScene());
   const Outcome fresh = reach(target);
-  ASSERT_TRUE(first.converged);
+  ASSERT_TRUE(first.converged());
   for (const Outcome& other : {again, fresh}) {
-    EXPECT_EQ(first.equilibrium.force, other.equilibrium.force);
-    EXPECT_EQ(first.equilibrium.stiffness, other.equilibrium.stiffness);
-    EXPECT_EQ(first.equilibrium.energy, other.equilibrium.energy);
-    EXPECT_EQ(first.fields.id(), other.fields.id());
+    EXPECT_EQ(first.equilibrium().force, other.equilibrium().force);
+    EXPECT_EQ(first.equilibrium().stiffness, other.equilibrium().stiffness);
+    EXPECT_EQ(first.equilibrium().energy, other.equilibrium().energy);
+    EXPECT_EQ(first.configuration().fields.id(), other.configuration().fields.id());
   }
 }
 
@@ -230,25 +231,27 @@ TEST_F(TransitionTest, AStartSurvivesItsRoundingToFloat32) {
   const Eigen::Vector3d halfway(0.01, 0.01, 0), target(0.02, 0.02, 0);
   const Outcome stored = reach(halfway);
   Failure failure;
-  const auto start = solver_->startFrom(stored.fields, halfway, failure);
+  const auto start = solver_->startFrom(stored.configuration().fields, halfway, failure);
   ASSERT_TRUE(start);
   const Outcome reached = solver_->reach(*start, target).outcome;
-  ASSERT_TRUE(reached.converged);
+  ASSERT_TRUE(reached.converged());
   const Equilibrium direct = equilibriumAt(target);
-  EXPECT_LT((reached.equilibrium.force - direct.force).norm(), 1e-8 * direct.force.norm());
+  EXPECT_LT((reached.equilibrium().force - direct.force).norm(), 1e-8 * direct.force.norm());
 }
 
 TEST_F(TransitionTest, ThePatchMovesRigidlyAndTheFixedNodesStay) {
   clamp(mooneyRivlinScene(), 0.05);
   const Eigen::Vector3d target(0.01, -0.01, 0.01);
   const Outcome outcome = reach(target);
-  ASSERT_TRUE(outcome.converged);
+  ASSERT_TRUE(outcome.converged());
   ASSERT_GT(problem_.active[0].nodes.size(), 1u);
   for (const std::int32_t node : problem_.active[0].nodes)
     for (int i = 0; i < 3; ++i)
-      EXPECT_EQ(outcome.fields.displacement[3 * node + i], static_cast<float>(target[i]));
+      EXPECT_EQ(outcome.configuration().fields.displacement[3 * node + i],
+                static_cast<float>(target[i]));
   for (const std::int32_t node : problem_.fixed)
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(outcome.fields.displacement[3 * node + i], 0.0f);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(outcome.configuration().fields.displacement[3 * node + i], 0.0f);
 }
 
 TEST_F(TransitionTest, TheReactionIsTheLagrangeMultiplierOfThePaper) {
@@ -299,12 +302,11 @@ TEST_F(TransitionTest, WhatCannotBeReachedFailsWithACauseAndNumbersWithinTheBudg
   Scene scene = youngScene(LawName::st_venant_kirchhoff, 0.49);
   clamp(test::clampedProblem(scene, test::blobMesh(), blob_tip));
   const Outcome outcome = reach({-0.15, 0, 0});
-  ASSERT_FALSE(outcome.converged);
-  EXPECT_NE(outcome.failure.cause, Cause::none);
-  EXPECT_GE(outcome.failure.element, 0);
-  EXPECT_LT(outcome.failure.step_reached, 1);
+  ASSERT_FALSE(outcome.converged());
+  EXPECT_NE(outcome.failure().cause, Cause::none);
+  EXPECT_GE(outcome.failure().element, 0);
+  EXPECT_LT(outcome.failure().step_reached, 1);
   EXPECT_LE(outcome.cost.factorizations, TransitionOptions{}.max_factorizations + 1);
-  EXPECT_TRUE(outcome.fields.displacement.empty());
 }
 
 TEST_F(TransitionTest, AConvergedStateWithAnInvertedElementIsRefusedUnlessTheSceneAllowsIt) {
@@ -312,14 +314,14 @@ TEST_F(TransitionTest, AConvergedStateWithAnInvertedElementIsRefusedUnlessTheSce
   const Eigen::Vector3d through_the_body(-0.15, 0, 0);
   clamp(test::clampedProblem(scene, test::blobMesh(), blob_tip));
   const Outcome refused = reach(through_the_body);
-  ASSERT_FALSE(refused.converged);
-  EXPECT_EQ(refused.failure.cause, Cause::inverted_element);
-  EXPECT_LE(refused.failure.element_det_F, 0);
+  ASSERT_FALSE(refused.converged());
+  EXPECT_EQ(refused.failure().cause, Cause::inverted_element);
+  EXPECT_LE(refused.failure().element_det_F, 0);
   scene.workspace.reject_inverted = false;
   clamp(test::clampedProblem(scene, test::blobMesh(), blob_tip));
   const Outcome allowed = reach(through_the_body);
-  ASSERT_TRUE(allowed.converged);
-  EXPECT_LT(allowed.equilibrium.min_det_F, 0);
+  ASSERT_TRUE(allowed.converged());
+  EXPECT_LT(allowed.equilibrium().min_det_F, 0);
 }
 
 TEST_F(TransitionTest, AForceOfZeroHasNoSign) {
@@ -331,7 +333,7 @@ TEST_F(TransitionTest, AForceOfZeroHasNoSign) {
 
 TEST_F(TransitionTest, ADisplacementThatOverflowsIsNotFiniteAndInvertsNothing) {
   clamp(mooneyRivlinScene());
-  EXPECT_EQ(reach({1e300, 0, 0}).failure.cause, Cause::not_finite);
+  EXPECT_EQ(reach({1e300, 0, 0}).failure().cause, Cause::not_finite);
 }
 
 TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
@@ -339,11 +341,11 @@ TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
   options.newton.max_iterations = 1;
   options.smallest_step = 0.6;
   clamp(test::clampedProblem(mooneyRivlinScene(), test::blobMesh(), blob_tip), options);
-  EXPECT_EQ(reach({0.05, 0.05, 0}).failure.cause, Cause::iteration_limit);
+  EXPECT_EQ(reach({0.05, 0.05, 0}).failure().cause, Cause::iteration_limit);
   options.smallest_step = 1e-9;
   options.max_factorizations = 3;
   clamp(test::clampedProblem(mooneyRivlinScene(), test::blobMesh(), blob_tip), options);
-  EXPECT_EQ(reach({0.05, 0.05, 0}).failure.cause, Cause::step_budget);
+  EXPECT_EQ(reach({0.05, 0.05, 0}).failure().cause, Cause::step_budget);
 }
 
 TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
@@ -357,8 +359,9 @@ TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
   scene.active = {active};
   clamp(resolve(scene, test::blobMesh()));
   const Outcome outcome = reach({0, 0.01, 0});
-  ASSERT_TRUE(outcome.converged) << describe(outcome.failure);
-  EXPECT_EQ(outcome.fields.pressure.size(), static_cast<std::size_t>(problem_.mesh.vertices()));
+  ASSERT_TRUE(outcome.converged()) << describe(outcome.failure());
+  EXPECT_EQ(outcome.configuration().fields.pressure.size(),
+            static_cast<std::size_t>(problem_.mesh.vertices()));
 }
 
 /// Pressures of elements that move as a whole have no equation: nothing of them changes.
@@ -377,7 +380,7 @@ TEST_F(TransitionTest, ConvergesWhereTheToolHoldsWholeElements) {
     scene.regions[0].material.bulk.reset();
     if (element.pressure == PressureSpace::none) scene.regions[0].material.bulk = 40000;
     clamp(resolve(scene, test::cubeMesh(0.1, 4)));
-    EXPECT_LT(reach(Eigen::Vector3d::Zero()).equilibrium.force.norm(), 1e-9);
+    EXPECT_LT(reach(Eigen::Vector3d::Zero()).equilibrium().force.norm(), 1e-9);
     // Of the others, whose tangent is singular for other reasons, only that they begin.
     if (!isInfSupStable(element)) continue;
     const Equilibrium here = equilibriumAt(target);
