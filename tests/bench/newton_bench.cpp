@@ -158,7 +158,7 @@ State nearRest(const Problem& problem) {
   if (!rest) throw palpate::failure("{}", describe(failure));
   for (double way = 0.01;; way /= 2) {
     Reached reached = solver.reach(*rest, {way, 0, 0});
-    if (reached.outcome.converged()) return std::move(reached.end.state);
+    if (reached.outcome.converged()) return std::move(reached.end->state);
     if (way < least) throw palpate::failure("{}", describe(reached.outcome.failure()));
   }
 }
@@ -242,7 +242,7 @@ class PathTimes {
   double length_;
   int transitions_;
   Samples seconds_;
-  WalkedPath path_;
+  Reached path_;
 };
 
 /// Configurations one lattice spacing from rest, along the three axes.

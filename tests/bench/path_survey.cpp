@@ -166,7 +166,7 @@ class ValidWalker {
     Walked walked;
     Start at = rest_;
     for (const Eigen::Vector3d& target : points) {
-      WalkedPath path = walk(solver_, at, target, 1, rescue_);
+      Reached path = walk(solver_, at, target, 1, rescue_);
       walked.cost += path.outcome.cost;
       walked.detours += path.detours;
       if (!path.outcome.converged()) {
@@ -175,7 +175,7 @@ class ValidWalker {
       }
       walked.min_det_F = std::min(walked.min_det_F, path.min_det_F);
       ++walked.transitions;
-      at = std::move(path.end);
+      at = std::move(*path.end);
     }
     walked.complete = true;
     return walked;

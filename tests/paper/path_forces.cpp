@@ -71,7 +71,7 @@ Json walkThrough(TransitionSolver& solver, const Start& rest, const Options& opt
     const double distance = (target - at.state.displacement).norm();
     const int transitions =
         std::max(1, static_cast<int>(std::ceil(distance / options.transition - 1e-9)));
-    WalkedPath walked =
+    Reached walked =
         walk(solver, at, target, transitions, options.detours ? Rescue::detours : Rescue::none);
     if (!walked.outcome.converged()) {
       const Failure& failure = walked.outcome.failure();
@@ -82,7 +82,7 @@ Json walkThrough(TransitionSolver& solver, const Start& rest, const Options& opt
               {"failed_seconds", walked.outcome.cost.seconds}};
       break;
     }
-    at = std::move(walked.end);
+    at = std::move(*walked.end);
     Json one = toJson(walked.outcome);
     one["displacement"] = toJson(target);
     one["detours"] = walked.detours;

@@ -101,7 +101,7 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
     step_began = processorSeconds();
     before = outcome.equilibrium();
     start =
-        solver.startFrom(outcome.configuration().fields, reached.end.state.displacement, failure);
+        solver.startFrom(outcome.configuration().fields, reached.end->state.displacement, failure);
   }
 }
 

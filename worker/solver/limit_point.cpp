@@ -142,7 +142,7 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
   const auto expected = system_.expectedNegativePivots();
   if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
   const double reached = failed.outcome.failure().step_reached;
-  const State& from = reached > 0 ? failed.end.state : start.state;
+  const State& from = failed.end ? failed.end->state : start.state;
   const auto limit = findLimitPoint(system_, solver_, from, target);
   if (!limit) return;
   Failure& failure = failed.outcome.failure();

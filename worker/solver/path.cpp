@@ -27,7 +27,7 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
       const Reached beside = solver.reach(from, middle + width * (turned * across));
       cost += beside.outcome.cost;
       if (!beside.outcome.converged()) continue;
-      Reached reached = solver.reach(beside.end, target);
+      Reached reached = solver.reach(*beside.end, target);
       cost += reached.outcome.cost;
       if (reached.outcome.converged()) return reached;
     }
@@ -36,10 +36,10 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
 
 }  // namespace
 
-WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
-                int transitions, Rescue rescue) {
+Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
+             int transitions, Rescue rescue) {
   PALPATE_ASSERT(transitions >= 1, "a walk of no transition would have no outcome");
-  WalkedPath path;
+  Reached path;
   Cost total;
   const Eigen::Vector3d origin = start.state.displacement;
   const Start* at = &start;
@@ -65,7 +65,7 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
     }
     path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium().min_det_F);
     path.end = std::move(reached.end);
-    at = &path.end;
+    at = &*path.end;
   }
   path.outcome.cost = total;
   return path;

@@ -6,15 +6,6 @@
 
 namespace palpate {
 
-/// How a path went.
-struct WalkedPath {
-  /// Of its end, with the cost of all of it; step_reached is a fraction of the whole path.
-  Outcome outcome;
-  Start end;             ///< when converged
-  int detours = 0;       ///< transitions that were made by way of a point beside the path
-  double min_det_F = 1;  ///< smallest of its configurations
-};
-
 /// What a walk does about a transition that fails.
 enum class Rescue : std::uint8_t {
   none,  ///< it ends there
@@ -30,9 +21,9 @@ enum class Rescue : std::uint8_t {
 /// of a stable one), on a branch that a hand which was pushed past the limit point would find
 /// itself on.
 ///
-/// `target` in metres, transitions >= 1. A failure is an answer (WalkedPath::outcome). One thread,
-/// that of `solver`.
-WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
-                int transitions, Rescue rescue = Rescue::detours);
+/// `target` in metres, transitions >= 1. The outcome is that of the end, with the cost of all of
+/// it; its step_reached is a fraction of the whole path. One thread, that of `solver`.
+Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
+             int transitions, Rescue rescue = Rescue::detours);
 
 }  // namespace palpate

@@ -459,14 +459,14 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
     if (tried.failure.cause == Cause::none) {
       reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};
       reached.end = std::move(tried.end);
-      from = &reached.end;
+      from = &*reached.end;
       at = next;
       if (at >= unstable_at) unstable.reset();
       if (tried.easy) length *= 2;
     } else {
       length = (next - at) / 2;
     }
-    if (at < 1 && isTooStrong(reached.end.exerted)) {
+    if (at < 1 && reached.end && isTooStrong(reached.end->exerted)) {
       reached.outcome.end = Failure{.cause = Cause::beyond_force, .step_reached = at};
       break;
     }
@@ -480,7 +480,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       break;
     }
   }
-  if (at >= 1) setFields(reached.end.state, target, reached.outcome.configuration());
+  if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;
 }

@@ -40,10 +40,15 @@ struct Start {
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
 };
 
-/// An outcome, and when it converged, the configuration to go on from (in double precision).
+/// Where a transition led, or a path of several (path.hpp).
 struct Reached {
   Outcome outcome;
-  Start end;
+  /// The configuration to go on from, in double precision: that of the outcome, or where the way
+  /// failed the last one on it. Nothing when there was none.
+  std::optional<Start> end = {};
+  // Of a path:
+  int detours = 0;       ///< transitions that were made by way of a point beside it
+  double min_det_F = 1;  ///< smallest of the configurations between its transitions and at its end
 };
 
 /// Solves the configurations of one problem. One per process (it owns the LinearSolver), one

@@ -40,7 +40,7 @@ Problem problemOf(const Push& push) {
 std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
   const Problem problem = problemOf(push);
   TransitionSolver solver(problem, chooseKernels());
-  WalkedPath path;
+  Reached path;
   if (const auto rest = solver.startAtRest(path.outcome.failure()))
     path = walk(solver, *rest, push.displacement, push.transitions);
   const Outcome& outcome = path.outcome;

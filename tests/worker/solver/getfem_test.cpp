@@ -104,7 +104,7 @@ void expectSameForces(const Problem& problem, const std::vector<GetfemStep>& ste
     const Eigen::Vector3d force = reached.outcome.equilibrium().force;
     EXPECT_LT((force - step.force).norm(), 1e-6 * step.force.norm())
         << "ours " << force.transpose() << ", GetFEM's " << step.force.transpose();
-    at = reached.end;
+    at = *reached.end;
   }
 }
 

@@ -27,12 +27,12 @@ class PathTest : public ::testing::Test {
 };
 
 TEST_F(PathTest, ALimitPointIsNamedWhereThePathTurnsBack) {
-  const WalkedPath before = walk(solver_, rest_, along(5.0 / 6), 5);
+  const Reached before = walk(solver_, rest_, along(5.0 / 6), 5);
   ASSERT_TRUE(before.outcome.converged());
-  Reached failed = solver_.reach(before.end, along(1));
+  Reached failed = solver_.reach(*before.end, along(1));
   ASSERT_FALSE(failed.outcome.converged());
   const double reached = failed.outcome.failure().step_reached;
-  solver_.explainByLimitPoint(before.end, along(1), failed);
+  solver_.explainByLimitPoint(*before.end, along(1), failed);
   const Failure& failure = failed.outcome.failure();
   ASSERT_EQ(failure.cause, Cause::limit_point) << describe(failure);
   EXPECT_GE(failure.step_reached, reached);
@@ -41,22 +41,22 @@ TEST_F(PathTest, ALimitPointIsNamedWhereThePathTurnsBack) {
 
   // Just before it the branch is still there, and the stiffness grows on the way to infinity.
   const double just_before = failure.step_reached - 0.01;
-  const WalkedPath near_limit = walk(solver_, before.end, along(5.0 / 6 + just_before / 6), 4);
+  const Reached near_limit = walk(solver_, *before.end, along(5.0 / 6 + just_before / 6), 4);
   ASSERT_TRUE(near_limit.outcome.converged());
   EXPECT_GT(near_limit.outcome.equilibrium().stiffness.norm(),
             1.25 * before.outcome.equilibrium().stiffness.norm());
 }
 
 TEST_F(PathTest, ADetourLeadsPastIt) {
-  const WalkedPath path = walk(solver_, rest_, along(1), 6);
+  const Reached path = walk(solver_, rest_, along(1), 6);
   ASSERT_TRUE(path.outcome.converged()) << describe(path.outcome.failure());
   EXPECT_GE(path.detours, 1);
   EXPECT_GT(path.min_det_F, 0);
-  EXPECT_EQ(path.end.state.displacement, along(1));
+  EXPECT_EQ(path.end->state.displacement, along(1));
 }
 
 TEST_F(PathTest, TheStraightWayNeedsNoDetour) {
-  const WalkedPath path = walk(solver_, rest_, {0, 0.06, 0.04}, 3);
+  const Reached path = walk(solver_, rest_, {0, 0.06, 0.04}, 3);
   ASSERT_TRUE(path.outcome.converged());
   EXPECT_EQ(path.detours, 0);
   const Outcome direct = solver_.reach(rest_, {0, 0.06, 0.04}).outcome;
@@ -70,7 +70,7 @@ TEST_F(PathTest, AFailureSaysHowFarAlongTheWholeWayItGot) {
   const Problem problem = test::clampedProblem(scene, test::blobMesh(), {0.1, 0, 0});
   TransitionSolver solver(problem, chooseKernels());
   Failure failure;
-  const WalkedPath path = walk(solver, *solver.startAtRest(failure), {-0.19, 0, 0}, 2);
+  const Reached path = walk(solver, *solver.startAtRest(failure), {-0.19, 0, 0}, 2);
   ASSERT_FALSE(path.outcome.converged());
   EXPECT_GT(path.outcome.failure().step_reached, 0);
   EXPECT_LT(path.outcome.failure().step_reached, 1);

@@ -203,7 +203,7 @@ TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   const Eigen::Vector3d target(0, 0.04, 0.02);
   const Equilibrium direct = equilibriumAt(target);
   Start at = rest_;
-  for (int n = 1; n <= 5; ++n) at = solver_->reach(at, target * n / 5).end;
+  for (int n = 1; n <= 5; ++n) at = *solver_->reach(at, target * n / 5).end;
   const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium();
   EXPECT_LT((direct.force - stepwise.force).norm(), 1e-8 * direct.force.norm());
 }
