@@ -28,30 +28,23 @@ struct MeshOptions {
   bool largest = false, straight = false, weld = false;
 };
 
-/// A mesh on its way into a file.
-struct MadeMesh {
-  std::string msh;
-  Mesh mesh;  ///< read as if its unit were metres
-  std::vector<std::string> notes;
-};
-
 Mesher mesherNamed(const std::string& word) {
   return word == "gmsh" ? Mesher::gmsh : word == "tetgen" ? Mesher::tetgen : Mesher::automatic;
 }
 
-MadeMesh madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
+Tetrahedra madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
   if (options.nodes || options.size || options.largest || options.mesher != "auto")
     throw badInput(
         "{}: has tetrahedra, which are kept as they are: --nodes, --size, --mesher and --largest "
         "are for surfaces",
         options.input);
-  MadeMesh made{readText(converted.file, "mesh"), {}, std::move(converted.notes)};
+  Tetrahedra made{readText(converted.file, "mesh"), {}, std::move(converted.notes)};
   made.mesh = parseGmsh(made.msh, options.input);
   return made;
 }
 
-MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converted,
-                       const std::filesystem::path& folder) {
+Tetrahedra madeOfSurface(const MeshOptions& options, const ConvertedMesh& converted,
+                         const std::filesystem::path& folder) {
   if (options.straight || options.weld)
     throw badInput(
         "{}: is a surface; --straight and --weld are for tetrahedra (a surface is always welded)",
@@ -68,11 +61,10 @@ MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converte
         "{}: {} triangles take a minute or more to fill, and nodes by the thousand show fewer: "
         "simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
         options.input, surface.triangles.size());
-  Tetrahedra filled =
+  Tetrahedra made =
       fillWithTetrahedra(surface, fineness, mesherNamed(options.mesher), folder, options.input);
-  MadeMesh made{std::move(filled.msh), std::move(filled.mesh), converted.notes};
-  made.notes.insert(made.notes.end(), surface.notes.begin(), surface.notes.end());
-  made.notes.insert(made.notes.end(), filled.notes.begin(), filled.notes.end());
+  made.notes.insert(made.notes.begin(), surface.notes.begin(), surface.notes.end());
+  made.notes.insert(made.notes.begin(), converted.notes.begin(), converted.notes.end());
   return made;
 }
 
@@ -114,7 +106,7 @@ void printNext(const MeshOptions& options, const LengthUnit& unit, double extent
 }
 
 /// The report is in metres, whatever the file counts in.
-void printMesh(MadeMesh& made, const MeshOptions& options) {
+void printMesh(Tetrahedra& made, const MeshOptions& options) {
   const double extent = boundingBox(made.mesh).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);
   const LengthUnit unit = !options.unit.empty() ? unitNamed(options.unit)
@@ -139,8 +131,8 @@ ExitCode mesh(const MeshOptions& options) {
   const ScratchFolder folder;
   const ConvertedMesh converted = convertMesh(options.input, folder.path(),
                                               {.straight = options.straight, .weld = options.weld});
-  MadeMesh made = converted.is_volume ? madeOfVolume(options, converted)
-                                      : madeOfSurface(options, converted, folder.path());
+  Tetrahedra made = converted.is_volume ? madeOfVolume(options, converted)
+                                        : madeOfSurface(options, converted, folder.path());
   replaceFile(options.output, made.msh, "mesh");
   printMesh(made, options);
   return ExitCode::done;

@@ -15,11 +15,11 @@ enum class Mesher : std::uint8_t {
   tetgen      ///< the given triangles stay, and decide how coarse it can be
 };
 
-/// What came out.
+/// A mesh on its way into a file.
 struct Tetrahedra {
-  std::string msh;  ///< a whole file, Gmsh 2.2 ASCII, in the unit of the surface
+  std::string msh;  ///< a whole file, Gmsh 2.2 ASCII, in the unit of what it was made of
   Mesh mesh;        ///< the same, read as if its unit were metres
-  std::vector<std::string> notes = {};  ///< which program, what it could not do
+  std::vector<std::string> notes = {};  ///< what was put right, which program, what it could not do
 };
 
 /// More than can be computed on by far.
