@@ -126,6 +126,8 @@ MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) 
     walkOutward(solver, problem, active, part, pushed(directionAt(place[0], place[1]), part), over,
                 found);
   }
+  PALPATE_ASSERT(!found.ways.empty() || !found.no_rest.empty(),
+                 "a way begins wherever there is a rest state");
   found.seconds = processorSeconds() - began;
   return found;
 }

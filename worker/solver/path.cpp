@@ -63,6 +63,8 @@ Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d
       step_reached = (n - 1 + step_reached) / transitions;
       break;
     }
+    PALPATE_ASSERT(reached.end && reached.end->state.displacement == next,
+                   "a transition that converged can be gone on from, where it was to lead");
     path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium().min_det_F);
     path.end = std::move(reached.end);
     at = &*path.end;

@@ -23,6 +23,8 @@ BodyModel checked(BodyModel model) {
   PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(), "a displacement is fixed or unknown");
   PALPATE_ASSERT(model.load.empty() || model.load.size() == model.fixed.size(),
                  "loads are numbered as displacements are");
+  PALPATE_ASSERT(model.fibers.empty() || model.fibers.size() == mesh.tetrahedra.size(),
+                 "fibres run in every element, or there are none");
   PALPATE_ASSERT(
       mesh.mid_edge_nodes.empty() == (model.discretization.displacement == DisplacementSpace::p1),
       "quadratic displacements have nodes on the edges, linear ones have not");
@@ -70,6 +72,8 @@ void System::releaseTool() {
 }
 
 void System::chooseTool(Tool tool) {
+  PALPATE_ASSERT(tool.weights.empty() || tool.weights.size() == tool.nodes.size(),
+                 "a weighted tool has a weight for each of its nodes");
   releaseTool();
   tool_ = std::move(tool);
   if (const Tool* rigid = rigidTool()) {

@@ -122,6 +122,9 @@ void TransitionSolver::chooseTool(std::size_t space) {
 
 void TransitionSolver::placeFinger(const std::string& what, const Finger& finger) {
   finger_ = checkedFinger(what, problem_.mesh, problem_.fixed, finger);
+  PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
+                     finger_->curvatures.size() == finger_->nodes.size(),
+                 "weights are differentiated by s at each of their nodes");
   tool_ = {finger_->nodes, finger_->weights};
   system_.chooseTool(tool_);
   near_tool_ = {};
@@ -197,6 +200,8 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
     failure = failureOf(Cause::factorization_failed, here);
     return std::nullopt;
   }
+  PALPATE_ASSERT(sensitivity->solution.rows() == system_.unknowns() + system_.multipliers(),
+                 "every unknown and multiplier moves with the tool");
   Start start = {std::move(state), std::move(sensitivity->solution)};
   // The multiplier that balances the body best: near an equilibrium, that of it.
   if (system_.multipliers() > 0) {
@@ -316,6 +321,8 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& he
 Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
                                             const Linearization& here) const {
   const Tangent& tangent = here.tangent;
+  PALPATE_ASSERT(here.sensitivity.solution.cols() == here.right_hand_sides.cols(),
+                 "judge() solved for each of them");
   // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
   const Eigen::MatrixXd S = here.sensitivity.solution.leftCols<3>();
   const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
@@ -376,6 +383,7 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
 /// mode's largest component is positive. `way`: metres the tool has moved since the branch was
 /// stable. Cause::bifurcation if no stable equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
+  PALPATE_ASSERT(isUnstable(before.failure), "a stable body has no mode to be pushed along");
   const State& unstable = before.end.state;
   std::optional<Step> found;
   Cost cost = {.factorizations = 1};
@@ -425,6 +433,8 @@ void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& targ
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
+  PALPATE_ASSERT(start.sensitivity.rows() == system_.unknowns() + system_.multipliers(),
+                 "a start was made ready with the tool that is chosen now");
   const double began = threadSeconds();
   Reached reached;
   Cost& cost = reached.outcome.cost;
@@ -480,6 +490,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       break;
     }
   }
+  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "a way that is not finished has failed");
   if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;
