@@ -10,7 +10,7 @@
 
 #include "common/keys/key_pair.hpp"
 #include "common/space/configuration.hpp"
-#include "common/space/lattice.hpp"
+#include "common/space/result_key.hpp"
 #include "proto/palpate.pb.h"
 
 /// Messages of proto/palpate.proto over ZeroMQ ROUTER and DEALER sockets. docs/wire.md tells who
@@ -118,6 +118,11 @@ bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, i
 /// nothing when it is not valid.
 wire::Point toWire(const LatticePoint& point);
 LatticePoint fromWire(const wire::Point& point);
+/// What a result, or its acknowledgement, is of.
+template <class ResultOrAck>
+ResultKey keyOf(const ResultOrAck& message) {
+  return {message.space(), fromWire(message.target()), fromWire(message.parent())};
+}
 /// Fills outcome, cost, fields_id and payload_bytes of `result`.
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result);
 /// Everything but `fields`, which the payload holds.

@@ -14,7 +14,8 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
   std::vector<KeptOut> liars;
   do {
     liars = tables_->keptOut();
-    found_ = replayJournal(directory_, problem_, tables_->build().build, liars);
+    found_ = replayJournal(directory_, problem_, tables_->build().build, liars,
+                           tables_->progress().value_or(Progress()).recorded);
     for (const std::string& damage : found_->recorded.damage)
       spdlog::warn("{}; what was recorded there will be computed again", damage);
     // A scheduler notes a check before its result is in the journal. So tables that are opened

@@ -13,12 +13,12 @@ void Leases::setPriority(std::uint32_t space, std::int32_t priority) {
     waiting_.emplace(startOf(start.space, start.parent), std::move(targets));
 }
 
-Leases::Start Leases::startOf(std::uint32_t space, std::int32_t parent) const {
+Leases::Start Leases::startOf(std::uint32_t space, const LatticePoint& parent) const {
   const auto found = priorities_.find(space);
-  return {found == priorities_.end() ? 0 : -found->second, parent, space};
+  return {found == priorities_.end() ? 0 : -found->second, squaredNorm(parent), parent, space};
 }
 
-void Leases::add(const TransitionKey& key, const Losses& before) {
+void Leases::add(const ResultKey& key, const Losses& before) {
   const auto [where, fresh] = entries_.try_emplace(key);
   PALPATE_ASSERT(fresh, "a transition becomes ready once");
   where->second.losses = before;
@@ -34,26 +34,23 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   const std::size_t limit = std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1,
                                                     std::min(most, max_targets_per_job));
 
-  // Nearest to the origin first: what lies there makes most others ready.
-  const auto& [below_highest, parent, space] = waiting_.begin()->first;
-  const std::set<std::int32_t> targets = waiting_.begin()->second;
-  Handout handout{++last_job_, space, parent, {}};
-  const auto& job = by_worker_[worker].jobs[handout.job];
-  for (const std::int32_t target : targets) {
-    const TransitionKey key{space, target, parent};
-    const Entry& entry = entries_.at(key);
+  const auto [start, targets] = *waiting_.begin();
+  Handout handout{++last_job_, {}};
+  for (const LatticePoint& target : targets) {
+    const ResultKey key{start.space, target, start.parent};
     // A suspect is handed out alone, so that the next death names it.
-    const bool alone = entry.losses.suspected >= losses_before_alone;
-    if (alone && !job.empty()) break;
+    const bool alone = entries_.at(key).losses.suspected >= losses_before_alone;
+    if (alone && !handout.targets.empty()) break;
     lease(key, worker, handout.job);
-    handout.targets.push_back(key.target);
-    if (alone || job.size() == limit) break;
+    handout.targets.push_back(key);
+    if (alone || handout.targets.size() == limit) break;
   }
-  PALPATE_ASSERT(!job.empty(), "a start is among the waiting ones as long as a target is");
+  PALPATE_ASSERT(!handout.targets.empty(),
+                 "a start is among the waiting ones as long as a target is");
   return handout;
 }
 
-void Leases::lease(const TransitionKey& key, const std::string& worker, std::uint64_t job) {
+void Leases::lease(const ResultKey& key, const std::string& worker, std::uint64_t job) {
   takeFromWaiting(key);
   Entry& entry = entries_.at(key);
   entry.worker = worker;
@@ -66,7 +63,7 @@ void Leases::lease(const TransitionKey& key, const std::string& worker, std::uin
   leased_checks_ += entry.is_check;
 }
 
-void Leases::addCheck(const TransitionKey& key) {
+void Leases::addCheck(const ResultKey& key) {
   const auto [where, fresh] = entries_.try_emplace(key);
   PALPATE_ASSERT(fresh, "what is open needs no check, and one at a time is enough");
   where->second.is_check = true;
@@ -76,13 +73,13 @@ void Leases::addCheck(const TransitionKey& key) {
 std::optional<Handout> Leases::handOutCheck(const std::string& worker, const May& may) {
   const auto found = std::ranges::find_if(waiting_checks_, may);
   if (found == waiting_checks_.end()) return std::nullopt;
-  const TransitionKey key = *found;
-  Handout handout{++last_job_, key.space, key.parent, {key.target}};
+  const ResultKey key = *found;
+  Handout handout{++last_job_, {key}};
   lease(key, worker, handout.job);
   return handout;
 }
 
-void Leases::finish(const TransitionKey& key) {
+void Leases::finish(const ResultKey& key) {
   const auto found = entries_.find(key);
   PALPATE_ASSERT(found != entries_.end(), "what has an outcome was handed out, or still waits");
   const Entry& entry = found->second;
@@ -101,7 +98,7 @@ void Leases::finish(const TransitionKey& key) {
 
 void Leases::giveBack(const std::string& worker) {
   for (const auto& [job, keys] : endLeases(worker))
-    for (const TransitionKey& key : keys) putBack(key, entries_.at(key));
+    for (const ResultKey& key : keys) putBack(key, entries_.at(key));
 }
 
 std::optional<Leases::Last> Leases::lastOf(const std::string& worker) const {
@@ -115,7 +112,7 @@ void Leases::giveBackLast(const std::string& worker) {
   Held& held = by_worker_.at(worker);
   PALPATE_ASSERT(!held.jobs.empty(), "who holds nothing gives nothing back");
   const auto job = std::prev(held.jobs.end());
-  const TransitionKey last = job->second.back();
+  const ResultKey last = job->second.back();
   job->second.pop_back();
   if (job->second.empty()) held.jobs.erase(job);
   Entry& entry = entries_.at(last);
@@ -124,7 +121,7 @@ void Leases::giveBackLast(const std::string& worker) {
 }
 
 Leases::Suspects Leases::suspectsOf(const std::string& worker,
-                                    std::optional<TransitionKey> solving) const {
+                                    std::optional<ResultKey> solving) const {
   Suspects suspects{.named = solving, .next = {}};
   if (const Jobs& jobs = jobsOf(worker); !jobs.empty()) {
     // The last heartbeat may be older than the solve that killed it: the next in order is as
@@ -135,8 +132,8 @@ Leases::Suspects Leases::suspectsOf(const std::string& worker,
   return suspects;
 }
 
-std::vector<std::pair<TransitionKey, Losses>> Leases::blame(const Suspects& suspects) {
-  std::vector<std::pair<TransitionKey, Losses>> known;
+std::vector<std::pair<ResultKey, Losses>> Leases::blame(const Suspects& suspects) {
+  std::vector<std::pair<ResultKey, Losses>> known;
   // One end is one death: of what it said it was solving, unless that has its outcome by now.
   const bool is_named = suspects.named && entries_.contains(*suspects.named);
   for (const auto& key : std::set{suspects.named, suspects.next}) {
@@ -152,8 +149,8 @@ std::vector<std::pair<TransitionKey, Losses>> Leases::blame(const Suspects& susp
   return known;
 }
 
-std::vector<TransitionKey> Leases::aside() const {
-  std::vector<TransitionKey> aside;
+std::vector<ResultKey> Leases::aside() const {
+  std::vector<ResultKey> aside;
   for (const auto& [key, entry] : entries_)
     if (isAside(entry)) aside.push_back(key);
   return aside;
@@ -178,13 +175,13 @@ std::size_t Leases::leasedTo(const std::string& worker) const {
   return found == by_worker_.end() ? 0 : found->second.targets;
 }
 
-std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64_t job) const {
+std::vector<ResultKey> Leases::openOf(const std::string& worker, std::uint64_t job) const {
   const auto& jobs = jobsOf(worker);
   const auto found = jobs.find(job);
-  return found == jobs.end() ? std::vector<TransitionKey>() : found->second;
+  return found == jobs.end() ? std::vector<ResultKey>() : found->second;
 }
 
-void Leases::putBack(const TransitionKey& key, Entry& entry) {
+void Leases::putBack(const ResultKey& key, Entry& entry) {
   entry.worker.clear();
   if (isAside(entry)) return;
   if (entry.is_check) {
@@ -195,7 +192,7 @@ void Leases::putBack(const TransitionKey& key, Entry& entry) {
   ++waiting_count_;
 }
 
-void Leases::takeFromWaiting(const TransitionKey& key) {
+void Leases::takeFromWaiting(const ResultKey& key) {
   if (waiting_checks_.erase(key) == 1) return;
   const auto group = waiting_.find(startOf(key.space, key.parent));
   // What is set aside does not wait.
@@ -215,7 +212,7 @@ Leases::Jobs Leases::endLeases(const std::string& worker) {
   Held held = std::exchange(by_worker_[worker], {});
   by_worker_.erase(worker);
   for (const auto& [job, keys] : held.jobs)
-    for (const TransitionKey& key : keys) {
+    for (const ResultKey& key : keys) {
       Entry& entry = entries_.at(key);
       noteEnd(held, entry);
       entry.worker.clear();

@@ -1,29 +1,23 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
-#include "scheduler/plan/frontier.hpp"
+#include "common/space/result_key.hpp"
 
 namespace palpate {
 
-/// One transition of one configuration space: the key of a result within a build.
-struct TransitionKey {
-  std::uint32_t space = 0;
-  std::int32_t target = -1;  ///< lattice numbers
-  std::int32_t parent = -1;
-  auto operator<=>(const TransitionKey&) const = default;
-};
-
-/// A start configuration and the targets to reach from it, on their way to one worker.
+/// Transitions on their way to one worker: all from one start, so of one space and one parent, and
+/// never none.
 struct Handout {
   std::uint64_t job = 0;
-  std::uint32_t space = 0;
-  std::int32_t parent = -1;
-  std::vector<std::int32_t> targets;  ///< lattice numbers
+  std::vector<ResultKey> targets;
 };
 
 /// A job carries at most as many targets as a point has neighbours.
@@ -64,22 +58,22 @@ class Leases {
   void setPriority(std::uint32_t space, std::int32_t priority);
 
   /// A transition became ready, with what earlier runs know of it. It must not be known already.
-  void add(const TransitionKey& key, const Losses& before = {});
+  void add(const ResultKey& key, const Losses& before = {});
   /// The next job for `worker`: targets around one start, of the highest priority, nearest to the
   /// origin first, and few enough that `workers` workers all get some, and no more than `most`.
   /// Nothing when nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
                                  std::size_t most = max_targets_per_job);
   /// The transition has an outcome, whoever found it.
-  void finish(const TransitionKey& key);
+  void finish(const ResultKey& key);
 
   /// A transition that is finished is to be solved once more. It must not be a check already;
   /// finish() ends it.
-  void addCheck(const TransitionKey& key);
+  void addCheck(const ResultKey& key);
   /// A job of one check that waits and that `worker` `may` take; nothing when there is none.
-  using May = std::function<bool(const TransitionKey&)>;
+  using May = std::function<bool(const ResultKey&)>;
   std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
-  const std::set<TransitionKey>& waitingChecks() const { return waiting_checks_; }
+  const std::set<ResultKey>& waitingChecks() const { return waiting_checks_; }
 
   /// Ends the leases of a worker, which blames nothing; they wait again.
   void giveBack(const std::string& worker);
@@ -96,17 +90,17 @@ class Leases {
   /// What a worker that ends now would be blamed on: the target it was `solving`, when that is
   /// known, and the next in order.
   struct Suspects {
-    std::optional<TransitionKey> named, next;
+    std::optional<ResultKey> named, next;
     bool alone = false;  ///< `next` was handed out by itself
   };
-  Suspects suspectsOf(const std::string& worker, std::optional<TransitionKey> solving) const;
+  Suspects suspectsOf(const std::string& worker, std::optional<ResultKey> solving) const;
   /// The process of a worker ended with these in its hands, which it holds no more. Returns those
   /// that are still open, with what is known of them now.
-  std::vector<std::pair<TransitionKey, Losses>> blame(const Suspects& suspects);
+  std::vector<std::pair<ResultKey, Losses>> blame(const Suspects& suspects);
   /// Only what is set aside, or checks, is left: nothing waits, and nobody solves.
   bool stuck() const { return !entries_.empty() && waiting_count_ == 0 && leased_count_ == 0; }
   /// Those that are set aside, in order.
-  std::vector<TransitionKey> aside() const;
+  std::vector<ResultKey> aside() const;
   /// They wait again, and nothing is held against any transition.
   void retry();
 
@@ -114,13 +108,13 @@ class Leases {
   /// Everything that was added is finished.
   bool empty() const { return entries_.empty(); }
   /// Job -> open transitions, in the order in which they are to be solved; never without one.
-  using Jobs = std::map<std::uint64_t, std::vector<TransitionKey>>;
+  using Jobs = std::map<std::uint64_t, std::vector<ResultKey>>;
   /// The jobs that are with this worker.
   const Jobs& jobsOf(const std::string& worker) const;
   /// The number of targets in them. Costs no walk: it is asked of every worker, again and again.
   std::size_t leasedTo(const std::string& worker) const;
   /// The open transitions of that job of that worker, all of one space; empty when there are none.
-  std::vector<TransitionKey> openOf(const std::string& worker, std::uint64_t job) const;
+  std::vector<ResultKey> openOf(const std::string& worker, std::uint64_t job) const;
 
  private:
   struct Entry {
@@ -129,10 +123,17 @@ class Leases {
     std::uint64_t job = 0;
     bool is_check = false;
   };
-  /// In the order of handing out: parents are numbered from the origin outward.
+  /// The origin first: what lies near it makes most others ready.
+  struct NearestFirst {
+    bool operator()(const LatticePoint& a, const LatticePoint& b) const {
+      return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
+    }
+  };
+  /// In the order of handing out.
   struct Start {
     std::int32_t below_highest = 0;  ///< less its space's priority
-    std::int32_t parent = -1;
+    std::int64_t distance = 0;       ///< of the parent from the origin, squared
+    LatticePoint parent = {};
     std::uint32_t space = 0;
     auto operator<=>(const Start&) const = default;
   };
@@ -146,17 +147,17 @@ class Leases {
   static bool isAside(const Entry& entry) {
     return entry.worker.empty() && entry.losses.deaths >= deaths_before_aside;
   }
-  Start startOf(std::uint32_t space, std::int32_t parent) const;
-  void putBack(const TransitionKey& key, Entry& entry);
-  void lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
-  void takeFromWaiting(const TransitionKey& key);
+  Start startOf(std::uint32_t space, const LatticePoint& parent) const;
+  void putBack(const ResultKey& key, Entry& entry);
+  void lease(const ResultKey& key, const std::string& worker, std::uint64_t job);
+  void takeFromWaiting(const ResultKey& key);
   void noteEnd(Held& held, const Entry& entry);
   Jobs endLeases(const std::string& worker);
 
-  std::map<TransitionKey, Entry> entries_;
-  std::map<Start, std::set<std::int32_t>> waiting_;
+  std::map<ResultKey, Entry> entries_;
+  std::map<Start, std::set<LatticePoint, NearestFirst>> waiting_;
   std::map<std::uint32_t, std::int32_t> priorities_;  ///< by space; of those that have one
-  std::set<TransitionKey> waiting_checks_;
+  std::set<ResultKey> waiting_checks_;
   std::unordered_map<std::string, Held> by_worker_;
   std::size_t waiting_count_ = 0;
   std::size_t leased_count_ = 0, leased_checks_ = 0;  ///< of all workers; checks are in both

@@ -82,6 +82,16 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
 
+std::optional<Transition> SpacePlan::find(const ResultKey& key) const {
+  PALPATE_ASSERT(key.space == space_, "a transition is looked for in the plan of its space");
+  const auto target = positions_.indexOf(key.target), parent = positions_.indexOf(key.parent);
+  return target && parent ? std::optional(Transition{*target, *parent}) : std::nullopt;
+}
+
+ResultKey SpacePlan::keyOf(const Transition& transition) const {
+  return {space_, positions_.point(transition.target), positions_.point(transition.parent)};
+}
+
 std::vector<Transition> SpacePlan::takeReady() {
   std::vector<Transition> ready = frontier_.takeReady();
   ready.insert(ready.end(), ready_.begin(), ready_.end());
@@ -319,6 +329,10 @@ SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans) {
   SpaceRowsList rows;
   for (const SpacePlan& plan : plans) rows.push_back(std::make_unique<PlanRows>(plan));
   return rows;
+}
+
+std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key) {
+  return key.space < plans.size() ? plans[key.space].find(key) : std::nullopt;
 }
 
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,

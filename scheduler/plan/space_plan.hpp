@@ -3,6 +3,7 @@
 #include <set>
 
 #include "common/problem/problem.hpp"
+#include "common/space/result_key.hpp"
 #include "common/space/space_table.hpp"
 #include "scheduler/plan/compact_points.hpp"
 #include "scheduler/plan/frontier.hpp"
@@ -52,6 +53,10 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 class SpacePlan {
  public:
   SpacePlan(const Problem& problem, std::uint32_t space);
+
+  /// A transition of this plan by its points; nothing when one of them is no point of it (yet).
+  std::optional<Transition> find(const ResultKey& key) const;
+  ResultKey keyOf(const Transition& transition) const;
 
   /// The transitions that became ready since the last call. Each stays open until it is recorded.
   std::vector<Transition> takeReady();
@@ -159,6 +164,9 @@ class PlanRows : public SpaceRows {
 
 /// Those of several.
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
+
+/// A transition of the plan of its space; nothing when there is none, or SpacePlan::find() says so.
+std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
 /// `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts' R3),
 /// never on a point that a lattice could have. Coordinates as in `lattice`, which needs divisions.

@@ -13,9 +13,7 @@ Event eventOf(EventWord word, const Worker& worker) {
       .with("pid", worker.pid);
 }
 
-std::array<double, 3> inSpacings(const Lattice& positions, std::int32_t number) {
-  const LatticePoint point = positions.point(number);
-  const double divisions = positions.divisions();
+std::array<double, 3> inSpacings(const LatticePoint& point, double divisions) {
   return {point[0] / divisions, point[1] / divisions, point[2] / divisions};
 }
 
@@ -49,7 +47,10 @@ void Chronicle::refused(const std::string& host, std::uint32_t pid, const std::s
 
 void Chronicle::begin(const std::vector<SpacePlan>& plans) {
   stages_.clear();
-  for (const SpacePlan& plan : plans) stages_.push_back(plan.stage());
+  for (const SpacePlan& plan : plans) {
+    stages_.push_back(plan.stage());
+    divisions_ = plan.positions().divisions();
+  }
 }
 
 void Chronicle::wentOn(std::uint32_t space, const SpacePlan& plan) {
@@ -59,9 +60,9 @@ void Chronicle::wentOn(std::uint32_t space, const SpacePlan& plan) {
           .with("stage", name(plan.stage())));
 }
 
-void Chronicle::failed(const TransitionKey& key, const SpacePlan& plan, const Failure& failure,
+void Chronicle::failed(const ResultKey& key, const Failure& failure,
                        const wire::Provenance& giver) {
-  Event event = of("failed_attempt", key, plan)
+  Event event = of("failed_attempt", key)
                     .with("cause", name(failure.cause))
                     .with("step_reached", failure.step_reached);
   if (failure.residual > 0) event.with("residual", failure.residual);
@@ -75,8 +76,8 @@ void Chronicle::failed(const TransitionKey& key, const SpacePlan& plan, const Fa
   add(event.with("worker", shortIdOf(giver.worker())).with("host", giver.host()));
 }
 
-void Chronicle::setAside(const TransitionKey& key, const SpacePlan& plan, int deaths) {
-  add(of("set_aside", key, plan).with("deaths", deaths));
+void Chronicle::setAside(const ResultKey& key, int deaths) {
+  add(of("set_aside", key).with("deaths", deaths));
 }
 
 void Chronicle::retried(std::int64_t transitions, const std::string& cause) {
@@ -91,9 +92,9 @@ void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
 
 void Chronicle::paused(bool paused) { add(paused ? Event("paused") : Event("resumed")); }
 
-void Chronicle::disputed(const TransitionKey& key, const SpacePlan& plan,
-                         const wire::Provenance& one, const wire::Provenance& other) {
-  addWithin(of("disputed", key, plan)
+void Chronicle::disputed(const ResultKey& key, const wire::Provenance& one,
+                         const wire::Provenance& other) {
+  addWithin(of("disputed", key)
                 .with("worker", shortIdOf(one.worker()))
                 .with("host", one.host())
                 .with("other_worker", shortIdOf(other.worker()))
@@ -128,12 +129,11 @@ void Chronicle::addWithin(const Event& event) {
   add(event);
 }
 
-Event Chronicle::of(EventWord word, const TransitionKey& key, const SpacePlan& plan) const {
-  const Lattice& positions = plan.positions();
+Event Chronicle::of(EventWord word, const ResultKey& key) const {
   return Event(word)
       .with("space", problem_->scene.active[key.space].name)
-      .with("point", inSpacings(positions, key.target))
-      .with("parent", inSpacings(positions, key.parent));
+      .with("point", inSpacings(key.target, divisions_))
+      .with("parent", inSpacings(key.parent, divisions_));
 }
 
 }  // namespace palpate

@@ -32,15 +32,13 @@ class Chronicle {
   void begin(const std::vector<SpacePlan>& plans);
   /// The plan of a space went on: an event when that is a stage further.
   void wentOn(std::uint32_t space, const SpacePlan& plan);
-  void failed(const TransitionKey& key, const SpacePlan& plan, const Failure& failure,
-              const wire::Provenance& giver);
-  void setAside(const TransitionKey& key, const SpacePlan& plan, int deaths);
+  void failed(const ResultKey& key, const Failure& failure, const wire::Provenance& giver);
+  void setAside(const ResultKey& key, int deaths);
   /// `cause` of what failed; empty: what was set aside.
   void retried(std::int64_t transitions, const std::string& cause = "");
   void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);
-  void disputed(const TransitionKey& key, const SpacePlan& plan, const wire::Provenance& one,
-                const wire::Provenance& other);
+  void disputed(const ResultKey& key, const wire::Provenance& one, const wire::Provenance& other);
   void keptOut(const KeptOut& liar);
   void completed(std::int64_t recorded, double seconds);
 
@@ -51,13 +49,14 @@ class Chronicle {
   void add(const Event& event);
   /// Of what workers cause at will.
   void addWithin(const Event& event);
-  Event of(EventWord word, const TransitionKey& key, const SpacePlan& plan) const;
+  Event of(EventWord word, const ResultKey& key) const;
 
   const Problem* problem_;
   EventLog* log_;
   const Time& clock_;
   LineBudget budget_;
   std::vector<Stage> stages_;
+  double divisions_ = 1;  ///< coordinates of a point in a spacing
 };
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   goOn();
 }
 
-void Coordinator::receive(const Incoming& incoming, Time now) {
+void Coordinator::receive(Incoming incoming, Time now) {
   if (next() == Next::anew) return;
   noteOwnGap(now);
   // Workers say it again to the next one.

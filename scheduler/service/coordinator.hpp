@@ -37,7 +37,8 @@ class Coordinator {
   Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Time now,
               const CoordinatorSettings& settings = {});
 
-  void receive(const Incoming& incoming, Time now);
+  /// By value: what it brings may be kept.
+  void receive(Incoming incoming, Time now);
   /// A message whose sender may not say it: is told why, and if it was a worker, it is none any
   /// more.
   void refuse(const Incoming& incoming, Time now);

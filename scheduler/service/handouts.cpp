@@ -33,7 +33,7 @@ Handouts::Handouts(ServiceState& state, Workers& workers, const SecondSolves& se
 void Handouts::handOut() {
   const bool checks_wait = !workers_.leases.waitingChecks().empty();
   if (!state_.handsOut() || (workers_.leases.waiting() == 0 && !checks_wait)) return;
-  const std::map<TransitionKey, Apart> wanted = seconds_.wanted();
+  const std::map<ResultKey, Apart> wanted = seconds_.wanted();
   // Those that are to be given something first on top: there are many, and work for few.
   std::vector<Load> heap;
   std::size_t free_hands = 0;
@@ -60,9 +60,8 @@ void Handouts::handOut() {
     const std::size_t room = workers_.roomOf(worker);
     if (workers_.leases.leasedTo(id) == 0) workers_.allotment.noteFirst(worker, state_.now);
     // There are few of them, and they are to show what is wrong before much rests on it.
-    auto handout = workers_.leases.handOutCheck(id, [&](const TransitionKey& key) {
-      return seconds_.mayTake(worker, key, wanted.at(key));
-    });
+    auto handout = workers_.leases.handOutCheck(
+        id, [&](const ResultKey& key) { return seconds_.mayTake(worker, key, wanted.at(key)); });
     if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
     if (!handout && !checks_wait) return;
     if (!handout) continue;
@@ -75,25 +74,25 @@ void Handouts::handOut() {
 }
 
 void Handouts::sendJob(const Worker& worker, const Handout& handout) {
-  const SpacePlan& plan = state_.plans[handout.space];
-  PALPATE_ASSERT(!handout.targets.empty(), "a hand-out without targets would be no job");
+  const ResultKey& first = handout.targets.front();
+  const SpacePlan& plan = state_.plans[first.space];
+  const SpotChecks& checks = seconds_.checks();
   wire::Job& job = *state_.send(worker.peer).mutable_job();
   job.set_id(handout.job);  // which heartbeats name
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
-  job.set_space(handout.space);
-  *job.mutable_start() = toWire(plan.positions().point(handout.parent));
-  // Whatever goes to several targets is none of the rest state, which has a job of its own.
-  const TransitionKey first = {handout.space, handout.targets.front(), handout.parent};
-  const bool is_check = seconds_.checks().isOpen(keyOf(state_.plans, first));
-  job.set_start_id(is_check ? seconds_.checks().startOf(keyOf(state_.plans, first)).id
-                            : startIdOf(plan, {first.target, first.parent}));
-  for (const std::int32_t target : handout.targets) {
+  job.set_space(first.space);
+  *job.mutable_start() = toWire(first.parent);
+  // The rest state always has its own job, so the first target decides for all.
+  const bool is_check = checks.isOpen(first);
+  job.set_start_id(is_check ? checks.startOf(first).id : startIdOf(plan, *plan.find(first)));
+  for (const ResultKey& key : handout.targets) {
+    PALPATE_ASSERT(key.space == first.space && key.parent == first.parent,
+                   "a job's targets have one start");
     wire::Target& entry = *job.add_targets();
-    *entry.mutable_point() = toWire(plan.positions().point(target));
-    const ResultKey key = keyOf(state_.plans, {handout.space, target, handout.parent});
+    *entry.mutable_point() = toWire(key.target);
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
-    entry.set_steps(is_check ? seconds_.checks().startOf(key).steps
-                             : static_cast<std::uint32_t>(plan.stepsOf({target, handout.parent})));
+    entry.set_steps(is_check ? checks.startOf(key).steps
+                             : static_cast<std::uint32_t>(plan.stepsOf(*plan.find(key))));
   }
 }
 
@@ -121,17 +120,8 @@ void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& reque
     ++state_.counters["unread_answers"];
     return;
   }
-  std::optional<JournalRecord> found;
-  const LatticePoint point = fromWire(request.point());
-  if (const auto key = transitionOf(state_.plans, {request.space(), point, point}))
-    // The point may have another equilibrium by now than the one the job started from.
-    if (const CompactPoints& points = state_.plans[key->space].points();
-        isSolved(points.tag(key->target)) && points.fields(key->target).bytes() == request.id())
-      found = state_.store.find(
-          keyOf(state_.plans, {key->space, key->target, points.parent(key->target)}));
-  if (!found)
-    if (const auto solver = seconds_.checks().solverOfStart(request.id()))
-      found = state_.store.find(*solver);
+  const std::optional<ResultKey> solver = solverOf(request);
+  std::optional<JournalRecord> found = solver ? state_.store.find(*solver) : std::nullopt;
   const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
   if (known) payload = unread_starts_.add(std::move(found->payload));
@@ -139,6 +129,19 @@ void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& reque
   reply.set_id(request.id());
   reply.set_unknown(!known);
   if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
+}
+
+/// The recorded result with these fields.
+std::optional<ResultKey> Handouts::solverOf(const wire::FieldsRequest& request) const {
+  const LatticePoint at = fromWire(request.point());
+  if (const auto point = findIn(state_.plans, {request.space(), at, at})) {
+    const SpacePlan& plan = state_.plans[request.space()];
+    const CompactPoints& points = plan.points();
+    // The point may have another equilibrium by now than the one the job started from.
+    if (isSolved(points.tag(point->target)) && points.fields(point->target).bytes() == request.id())
+      return plan.keyOf({point->target, points.parent(point->target)});
+  }
+  return seconds_.checks().solverOfStart(request.id());
 }
 
 }  // namespace palpate

@@ -28,6 +28,7 @@ class Handouts {
 
  private:
   void sendJob(const Worker& worker, const Handout& handout);
+  std::optional<ResultKey> solverOf(const wire::FieldsRequest& request) const;
   std::chrono::seconds hungAfter() const;
 
   ServiceState& state_;

@@ -21,7 +21,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
   goOn(replayed.settled);
 }
 
-bool Intake::take(Worker& worker, const Incoming& incoming) {
+bool Intake::take(Worker& worker, Incoming& incoming) {
   const wire::Result& message = incoming.message.result();
   // Who delivers is at work, whatever its last heartbeat said.
   worker.idle_since.reset();
@@ -29,30 +29,29 @@ bool Intake::take(Worker& worker, const Incoming& incoming) {
     workers_.badMessage(worker.peer, why);
     return false;
   };
-  if (const std::string objection =
-          check_.objectionTo(message, incoming.payload, worker.kernel_family);
-      !objection.empty())
-    return drop(objection);
-  const auto key = transitionOf(state_.plans, keyOf(message));
-  if (!key) return drop("a result for a point that does not exist");
+  auto [objection, outcome] = check_.judge(message, incoming.payload, worker.kernel_family);
+  if (!objection.empty()) return drop(objection);
+  const ResultKey key = keyOf(message);
+  const std::optional<Transition> transition = findIn(state_.plans, key);
+  if (!transition) return drop("a result for a point that does not exist");
   if (!handouts_.asked(worker, message)) {
     // Who keeps results over the loss of our secret has them solved again.
     refuseUnwanted(worker, message);
     return drop("a result that it was not asked for");
   }
-  if (ResultGroup::Member* waiting = state_.group.find(*key))
+  if (ResultGroup::Member* waiting = state_.group.find(key))
     takeAgain(worker, *waiting, message);
-  else if (state_.plans[key->space].isOpen({key->target, key->parent}))
-    takeFirst(worker, *key, incoming);
+  else if (state_.plans[key.space].isOpen(*transition))
+    takeFirst(worker, *transition, incoming, std::move(outcome));
   else
-    return takeRecorded(worker, *key, message);
+    return takeRecorded(worker, message);
   return false;
 }
 
 /// Another result of what waits to become durable.
 void Intake::takeAgain(const Worker& worker, ResultGroup::Member& waiting,
                        const wire::Result& message) {
-  const wire::Result& first = waiting.result.header;
+  const wire::Result& first = waiting.result;
   if (!seconds_.isSame(worker, first, message)) {
     if (first.given_by().worker() == worker.id) return seconds_.contradict(worker, message);
     waiting.is_checked = waiting.is_disputed = true;
@@ -60,14 +59,14 @@ void Intake::takeAgain(const Worker& worker, ResultGroup::Member& waiting,
   waiting.senders.insert(worker.peer);
 }
 
-bool Intake::takeRecorded(Worker& worker, const TransitionKey& key, const wire::Result& message) {
+bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   wire::Result first;
   if (const auto recorded = state_.store.find(keyOf(message))) {
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
     if (message.start_id() == first.start_id()) {
       state_.acknowledge(worker.peer, message);
-      return seconds_.compare(worker, key, first, message);
+      return seconds_.compare(worker, first, message);
     }
   }
   refuseUnwanted(worker, message);
@@ -82,28 +81,31 @@ void Intake::refuseUnwanted(const Worker& worker, const wire::Result& result) {
 }
 
 /// The first result of a transition.
-void Intake::takeFirst(Worker& worker, const TransitionKey& key, const Incoming& incoming) {
-  const wire::Result& message = incoming.message.result();
+void Intake::takeFirst(Worker& worker, const Transition& transition, Incoming& incoming,
+                       Outcome outcome) {
+  wire::Result& result = *incoming.message.mutable_result();
+  const ResultKey key = keyOf(result);
   const SpacePlan& plan = state_.plans[key.space];
-  if (message.start_id() != startIdOf(plan, {key.target, key.parent}))
-    return refuseUnwanted(worker, message);
+  if (result.start_id() != startIdOf(plan, transition)) return refuseUnwanted(worker, result);
   if (workers_.registry.kernelFamily().empty()) workers_.settleKernels(worker.kernel_family);
   ++worker.results;
   workers_.allotment.noteDelivery(worker, state_.now);
   workers_.leases.finish(key);
-  StoredResult stored{message, *fromWire(message)};
-  stored.header.clear_lease();
-  *stored.header.mutable_given_by() = worker.provenance;
-  stored.header.set_steps(static_cast<std::uint32_t>(plan.stepsOf({key.target, key.parent})));
-  stored.header.clear_start_parent();
-  if (!stored.header.start_id().empty())
-    *stored.header.mutable_start_parent() =
-        toWire(plan.positions().point(plan.point(key.parent).parent));
-  const bool picked = seconds_.pick(key, stored.outcome);
-  state_.group.add(key, std::move(stored), incoming.payload, state_.now);
-  ResultGroup::Member& member = *state_.group.find(key);
-  member.is_checked = picked;
-  member.senders.insert(worker.peer);
+  result.clear_lease();
+  *result.mutable_given_by() = worker.provenance;
+  result.set_steps(static_cast<std::uint32_t>(plan.stepsOf(transition)));
+  result.clear_start_parent();
+  if (!result.start_id().empty())
+    *result.mutable_start_parent() =
+        toWire(plan.positions().point(plan.points().parent(transition.parent)));
+  const bool picked = seconds_.pick(key, outcome);
+  state_.group.add(key,
+                   {.result = std::move(result),
+                    .outcome = std::move(outcome),
+                    .payload = std::move(incoming.payload),
+                    .senders = {worker.peer},
+                    .is_checked = picked},
+                   state_.now);
 }
 
 bool Intake::isFull() const {
@@ -128,21 +130,19 @@ ServiceState::Time Intake::deadline() const {
 void Intake::commit() {
   // Before they are durable, or one that is killed in between would never be checked.
   for (const auto& [key, member] : state_.group.members())
-    if (member.is_checked) seconds_.note(keyOf(member.result.header), member.is_disputed);
+    if (member.is_checked) seconds_.note(key, member.is_disputed);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
-    for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result.header);
+    const Outcome& outcome = member.outcome;
+    for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result);
     SpacePlan& plan = state_.plans[key.space];
-    plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
+    plan.record(*plan.find(key), outcome, fieldsOf(member.result));
     ++recorded_;
-    handouts_.noteSolve(member.result.outcome.cost.seconds);
-    converged_ += member.result.outcome.converged();
-    if (!member.result.outcome.converged())
-      state_.chronicle.failed(key, plan, member.result.outcome.failure(),
-                              member.result.header.given_by());
-    goOn(settle(state_.plans, key.space, spare_,
-                [this](const ResultKey& spare) { return state_.store.read(spare); }));
+    handouts_.noteSolve(outcome.cost.seconds);
+    converged_ += outcome.converged();
+    if (!outcome.converged()) state_.chronicle.failed(key, outcome.failure(), member.result.given_by());
+    goOn(settle(plan, spare_, [this](const ResultKey& spare) { return state_.store.read(spare); }));
     state_.chronicle.wentOn(key.space, plan);
   }
 }

@@ -13,8 +13,9 @@ class Intake {
   /// Puts what is recorded into the plans, and asks for what is missing.
   Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts);
 
-  /// A result that came in. Returns whether a check ended with it (SecondSolves::compare).
-  bool take(Worker& worker, const Incoming& incoming);
+  /// A result that came in; what is to be recorded is moved out of it. Returns whether a check
+  /// ended with it (SecondSolves::compare).
+  bool take(Worker& worker, Incoming& incoming);
   /// The group is as large as it may be.
   bool isFull() const;
   /// The group has waited long enough. `all_read`: nothing more has come.
@@ -31,9 +32,9 @@ class Intake {
   std::int64_t converged() const { return converged_; }
 
  private:
-  void takeFirst(Worker& worker, const TransitionKey& key, const Incoming& incoming);
+  void takeFirst(Worker& worker, const Transition& transition, Incoming& incoming, Outcome outcome);
   void takeAgain(const Worker& worker, ResultGroup::Member& waiting, const wire::Result& message);
-  bool takeRecorded(Worker& worker, const TransitionKey& key, const wire::Result& message);
+  bool takeRecorded(Worker& worker, const wire::Result& message);
   void refuseUnwanted(const Worker& worker, const wire::Result& result);
   void goOn(const Settled& settled);
 

@@ -69,26 +69,33 @@ ResultCheck::ResultCheck(const Problem& problem, const ContentId& build)
       lattice_(uniformLattice(problem.scene)),
       diameter_(boundingBox(problem.mesh).diagonal().norm()) {}
 
-std::string ResultCheck::objectionTo(const wire::Result& result, const std::string& payload,
+ResultCheck::Judged ResultCheck::judge(const wire::Result& result, const std::string& payload,
+                                       const std::string& kernel_family) const {
+  std::optional<Outcome> outcome = fromWire(result);
+  if (!outcome) return {"a result that makes no sense", {}};
+  std::string objection = objectionTo(result, *outcome, payload, kernel_family);
+  return {std::move(objection), std::move(*outcome)};
+}
+
+std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& outcome,
+                                     const std::string& payload,
                                      const std::string& kernel_family) const {
   if (result.build() != build_.bytes()) return "a result of another build";
-  const auto outcome = fromWire(result);
-  if (!outcome) return "a result that makes no sense";
   if (result.payload_bytes() != payload.size())
     return "a result whose payload has another length than it says";
   if (result.kernel_family() != kernel_family) return "a result of other kernels than its worker's";
   if (result.space() >= problem_->active.size()) return "a result of a space that does not exist";
-  if (!isPlausible(outcome->cost)) return "a result with impossible costs";
-  if (!outcome->converged()) {
+  if (!isPlausible(outcome.cost)) return "a result with impossible costs";
+  if (!outcome.converged()) {
     if (!payload.empty() || !result.fields_id().empty()) return "a failure with fields";
     // Its step is shown to people and ranks its cause.
-    return objectionToFailure(outcome->failure(), problem_->mesh);
+    return objectionToFailure(outcome.failure(), problem_->mesh);
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
     return "a result whose payload has another content id";
   try {
     return objectionTo(
-        result, *outcome,
+        result, outcome,
         NodalFields::decode(payload, problem_->mesh.nodes.size(), problem_->pressures.count()));
   } catch (const Error& error) {
     return error.what();
@@ -145,7 +152,7 @@ bool ResultCheck::agree(const wire::Result& first, const wire::Result& second) {
   return reproducibleBytes(first) == reproducibleBytes(second);
 }
 
-double oddnessBeside(const Equilibrium& parent, const Equilibrium& found,
+double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found,
                      const Eigen::Vector3d& way) {
   const double force = parent.force.norm() + found.force.norm();
   const double work = -(parent.force + found.force).dot(way) / 2 +

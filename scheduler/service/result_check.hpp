@@ -14,15 +14,19 @@ class ResultCheck {
  public:
   ResultCheck(const Problem& problem, const ContentId& build);
 
-  /// Why this is no result of this build, computed with `kernel_family`; empty when it may be one:
-  /// whether the transition was asked for is for the plans to say, and by whom for LeaseSeal.
+  struct Judged {
+    std::string objection;  ///< why it is no result of this build; empty when it may be one
+    Outcome outcome;        ///< what it says, without fields; valid without objection
+  };
+  /// Judges a result that is to be computed with `kernel_family`. Whether the transition was asked
+  /// for is for the plans to say, and by whom for LeaseSeal.
   ///
   /// Of an equilibrium: all numbers finite; det F > 0 where the scene wants it; a residual as small
   /// as the solver leaves it; symmetric derivatives; only fingers are driven; fixed nodes and the
   /// tool are where they have to be; at rest nothing is displaced, stored or exerted, and the
   /// stiffness holds the tool back.
-  std::string objectionTo(const wire::Result& result, const std::string& payload,
-                          const std::string& kernel_family) const;
+  Judged judge(const wire::Result& result, const std::string& payload,
+               const std::string& kernel_family) const;
 
   /// Whether two results of one transition agree in every bit of what is reproducible.
   static bool agree(const wire::Result& first, const wire::Result& second);
@@ -31,6 +35,8 @@ class ResultCheck {
   static std::string reproducibleBytes(wire::Result result);
 
  private:
+  std::string objectionTo(const wire::Result& result, const Outcome& outcome,
+                          const std::string& payload, const std::string& kernel_family) const;
   std::string objectionTo(const wire::Result& result, const Outcome& outcome,
                           const NodalFields& fields) const;
 
@@ -48,7 +54,7 @@ class ResultCheck {
 ///
 /// 1: as badly as the worst of 666 honest results on the shipped liver, by 0.3 % of the work or 5 %
 /// of the force. Honest ones may be worse, where tissue snaps to another branch or the way is long.
-double oddnessBeside(const Equilibrium& parent, const Equilibrium& found,
+double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found,
                      const Eigen::Vector3d& way);
 
 }  // namespace palpate

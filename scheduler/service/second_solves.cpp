@@ -28,17 +28,17 @@ SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
       checks_(state.settings.spot_checks, state.tables.secret()),
       due_(state.tables.checks()) {}
 
-bool SecondSolves::pick(const TransitionKey& key, const Outcome& outcome) {
-  const SpacePlan& plan = state_.plans[key.space];
+bool SecondSolves::pick(const ResultKey& key, const Outcome& outcome) {
   SpotChecks::Look look = {.failed = !outcome.converged()};
   // The rest state was judged by itself (ResultCheck).
   if (outcome.converged() && key.target != key.parent) {
+    const SpacePlan& plan = state_.plans[key.space];
     const Lattice& positions = plan.positions();
     look.oddness =
-        oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium(),
-                      positions.displacement(key.target) - positions.displacement(key.parent));
+        oddnessBeside(plan.points().equilibrium(plan.find(key)->parent), outcome.equilibrium(),
+                      positions.displacementOf(key.target) - positions.displacementOf(key.parent));
   }
-  return checks_.pick(keyOf(state_.plans, key), look);
+  return checks_.pick(key, look);
 }
 
 void SecondSolves::note(const ResultKey& key, bool disputed) {
@@ -69,15 +69,14 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
   if (first.has_start_parent()) start.solved_by = solverOfStart(first);
   checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);
-  workers_.leases.addCheck(*transitionOf(state_.plans, key));
+  workers_.leases.addCheck(key);
   return true;
 }
 
 bool SecondSolves::isRecordedInPlan(const ResultKey& key) const {
-  const auto known = transitionOf(state_.plans, key);
+  const std::optional<Transition> known = findIn(state_.plans, key);
   // In work once more, since what was recorded is lost: then it is checked when it comes.
-  return known && state_.plans[known->space].isRecorded({known->target, known->parent}) &&
-         !state_.group.has(*known);
+  return known && state_.plans[key.space].isRecorded(*known) && !state_.group.has(key);
 }
 
 void SecondSolves::forgetUnneeded() {
@@ -90,43 +89,42 @@ void SecondSolves::forgetUnneeded() {
   });
 }
 
-bool SecondSolves::compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
-                           const wire::Result& second) {
-  const ResultKey name = keyOf(state_.plans, key);
+bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire::Result& second) {
+  const ResultKey key = keyOf(second);
   const Opinion opinion = opinionOf(second, worker.provenance);
-  const bool was_open = checks_.isOpen(name);
-  if (!was_open || checks_.apart(name, worker.provenance) == Apart::same_process) {
+  const bool was_open = checks_.isOpen(key);
+  if (!was_open || checks_.apart(key, worker.provenance) == Apart::same_process) {
     if (isSame(worker, first, second)) {
       // Others were given it meanwhile.
       if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
       return false;
     }
     if (state_.complete) return false;
-    if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(name, opinion)))
+    if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(key, opinion)))
       contradict(worker, second);
     if (was_open || !state_.liars.empty()) return false;
-    note(name, true);
+    note(key, true);
     openDue();
-    if (!checks_.isOpen(name)) return false;
+    if (!checks_.isOpen(key)) return false;
   }
   workers_.leases.finish(key);
   workers_.allotment.noteDelivery(worker, state_.now);
-  const auto verdict = checks_.hear(name, opinion);
+  const auto verdict = checks_.hear(key, opinion);
   if (!verdict) {
     if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second);
     workers_.leases.addCheck(key);
-    state_.tables.writeCheck(name, true);
+    state_.tables.writeCheck(key, true);
     return false;
   }
   ++state_.counters["checked_results"];
   if (verdict->wrong.empty()) {
-    state_.tables.forgetCheck(name);
+    state_.tables.forgetCheck(key);
     return true;
   }
   // The check stays in the tables: what is computed again is checked again, and should the liars
   // not be kept out, because this is killed, somebody finds them once more.
-  findLiars(*verdict, fmt::format("its result of {} differs from what {} others found",
-                                  textOf(name), verdict->right.size()));
+  findLiars(*verdict, fmt::format("its result of {} differs from what {} others found", textOf(key),
+                                  verdict->right.size()));
   return false;
 }
 
@@ -143,8 +141,7 @@ void SecondSolves::differs(const Worker& worker, const wire::Result& first,
   ++state_.counters["divergent_results"];
   state_.peer_log.error("{}: {} found other bits than {}: others are asked who is right",
                         textOf(keyOf(second)), nameOf(worker.provenance), nameOf(first.given_by()));
-  if (const auto key = transitionOf(state_.plans, keyOf(second)))
-    state_.chronicle.disputed(*key, state_.plans[key->space], first.given_by(), worker.provenance);
+  state_.chronicle.disputed(keyOf(second), first.given_by(), worker.provenance);
 }
 
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
@@ -172,21 +169,21 @@ bool SecondSolves::othersMayCome() const {
   return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
 }
 
-std::map<TransitionKey, Apart> SecondSolves::wanted() const {
-  std::map<TransitionKey, Apart> wanted;
+std::map<ResultKey, Apart> SecondSolves::wanted() const {
+  std::map<ResultKey, Apart> wanted;
   if (workers_.leases.waitingChecks().empty()) return wanted;
   Crowd at_work;
   for (const auto& [id, worker] : workers_.registry.all())
     if (workers_.asksForWork(worker))
       at_work.add(worker.provenance.key(), worker.provenance.host());
   const Crowd& may_come = othersMayCome() ? workers_.heard : at_work;
-  for (const TransitionKey& key : workers_.leases.waitingChecks())
-    wanted.emplace(key, checks_.wanted(keyOf(state_.plans, key), at_work, may_come));
+  for (const ResultKey& key : workers_.leases.waitingChecks())
+    wanted.emplace(key, checks_.wanted(key, at_work, may_come));
   return wanted;
 }
 
-bool SecondSolves::mayTake(const Worker& worker, const TransitionKey& key, Apart wanted) const {
-  const Apart apart = checks_.apart(keyOf(state_.plans, key), worker.provenance);
+bool SecondSolves::mayTake(const Worker& worker, const ResultKey& key, Apart wanted) const {
+  const Apart apart = checks_.apart(key, worker.provenance);
   return apart != Apart::same_process && apart >= wanted;
 }
 
@@ -207,11 +204,10 @@ void SecondSolves::watch() {
 bool SecondSolves::giveUp() {
   if (othersMayCome() || state_.complete) return false;
   bool some = false;
-  for (const auto& [check, apart] : wanted()) {
-    if (!isHopeless(check, apart)) continue;
-    const ResultKey key = keyOf(state_.plans, check);
+  for (const auto& [key, apart] : wanted()) {
+    if (!isHopeless(key, apart)) continue;
     checks_.close(key);
-    workers_.leases.finish(check);
+    workers_.leases.finish(key);
     state_.tables.forgetCheck(key);
     ++state_.counters["unchecked_results"];
     some = true;
@@ -219,10 +215,10 @@ bool SecondSolves::giveUp() {
   return some;
 }
 
-bool SecondSolves::isHopeless(const TransitionKey& check, Apart wanted) const {
-  if (checks_.isDisputed(keyOf(state_.plans, check))) return false;
+bool SecondSolves::isHopeless(const ResultKey& key, Apart wanted) const {
+  if (checks_.isDisputed(key)) return false;
   return hopeless_ || std::ranges::none_of(workers_.registry.all(), [&](const auto& other) {
-           return workers_.asksForWork(other.second) && mayTake(other.second, check, wanted);
+           return workers_.asksForWork(other.second) && mayTake(other.second, key, wanted);
          });
 }
 

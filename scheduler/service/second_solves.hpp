@@ -13,7 +13,7 @@ class SecondSolves {
   SecondSolves(ServiceState& state, Workers& workers);
 
   /// Whether the first result of a transition is to be solved again. To be asked once of each.
-  bool pick(const TransitionKey& key, const Outcome& outcome);
+  bool pick(const ResultKey& key, const Outcome& outcome);
   /// Whatever happens from now on, it is solved again once it is recorded.
   void note(const ResultKey& key, bool disputed);
   /// Begins those that are recorded and for which there is room.
@@ -28,8 +28,7 @@ class SecondSolves {
   /// A second result of what is recorded: because it was asked for as a check, or its
   /// acknowledgement was lost, or a worker taken for dead finished after all. Whether a check came
   /// to its end, and nobody lied.
-  bool compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
-               const wire::Result& second);
+  bool compare(Worker& worker, const wire::Result& first, const wire::Result& second);
   /// Counts a result of a transition that has one, and tells when it is another. Whether it is the
   /// same.
   bool isSame(const Worker& worker, const wire::Result& first, const wire::Result& second);
@@ -37,8 +36,8 @@ class SecondSolves {
   void contradict(const Worker& worker, const wire::Result& result);
 
   /// How independent the next worker has to be for each that waits.
-  std::map<TransitionKey, Apart> wanted() const;
-  bool mayTake(const Worker& worker, const TransitionKey& key, Apart wanted) const;
+  std::map<ResultKey, Apart> wanted() const;
+  bool mayTake(const Worker& worker, const ResultKey& key, Apart wanted) const;
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
@@ -59,7 +58,7 @@ class SecondSolves {
   void differs(const Worker& worker, const wire::Result& first, const wire::Result& second);
   void findLiars(const SpotChecks::Verdict& verdict, const std::string& reason);
   bool othersMayCome() const;
-  bool isHopeless(const TransitionKey& key, Apart wanted) const;
+  bool isHopeless(const ResultKey& key, Apart wanted) const;
 
   ServiceState& state_;
   Workers& workers_;

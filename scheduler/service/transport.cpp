@@ -36,8 +36,8 @@ std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
 Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now) {
   bool all_read = false;
   for (int n = 0; n < messages_per_turn && !all_read; ++n) {
-    if (const auto incoming = transport.receive())
-      incoming->refusal.empty() ? coordinator.receive(*incoming, now)
+    if (auto incoming = transport.receive())
+      incoming->refusal.empty() ? coordinator.receive(std::move(*incoming), now)
                                 : coordinator.refuse(*incoming, now);
     else
       all_read = true;

@@ -24,7 +24,7 @@ struct Worker {
   std::uint32_t credit = 0;  ///< jobs it can take now; grows by WorkerRegistry::addCredit() only
   Time heard;                ///< when its last message came
   /// As its last heartbeat said; nothing when it solves none of what it was given.
-  std::optional<TransitionKey> solving;
+  std::optional<ResultKey> solving;
   /// When it was last asked for a sign of life, because it was silent.
   std::optional<Time> probed;
   /// Since when its heartbeats say that it solves nothing, although it holds leases.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/bytes32.hpp"
 #include "common/base/text.hpp"
 
@@ -95,9 +96,8 @@ void Workers::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat) {
   worker.solving.reset();
   if (heartbeat.solving()) {
     worker.idle_since.reset();
-    for (const TransitionKey& key : leases.openOf(worker.id, heartbeat.job()))
-      if (state_.plans[key.space].positions().point(key.target) == fromWire(heartbeat.target()))
-        worker.solving = key;
+    for (const ResultKey& key : leases.openOf(worker.id, heartbeat.job()))
+      if (key.target == fromWire(heartbeat.target())) worker.solving = key;
   } else if (leases.leasedTo(worker.id) > 0 && !worker.idle_since) {
     worker.idle_since = state_.now;
     silence_due_ = std::min(silence_due_, state_.now + state_.settings.idle_with_leases);
@@ -275,13 +275,15 @@ void Workers::processEnded(const std::string& worker_id) {
 
 void Workers::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases.blame(suspects)) {
-    state_.tables.writeLosses(key, losses);
+    const std::optional<Transition> transition = findIn(state_.plans, key);
+    PALPATE_ASSERT(transition, "a plan asks for transitions between its own points");
+    state_.tables.writeLosses({key.space, *transition}, losses);
     if (losses.deaths != deaths_before_aside) continue;
-    state_.chronicle.setAside(key, state_.plans[key.space], losses.deaths);
+    state_.chronicle.setAside(key, losses.deaths);
     spdlog::error(
         "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without "
         "it",
-        textOf(keyOf(state_.plans, key)), losses.deaths);
+        textOf(key), losses.deaths);
   }
 }
 
@@ -289,9 +291,12 @@ void Workers::drainAll() {
   for (const auto& [id, worker] : registry.all()) state_.drain(worker.peer);
 }
 
-void Workers::addReady(const std::vector<TransitionKey>& keys) {
-  for (const TransitionKey& key : keys) {
-    const auto known = losses_.find(key);
+void Workers::addReady(const std::vector<ResultKey>& keys) {
+  for (const ResultKey& key : keys) {
+    const std::optional<Transition> transition = findIn(state_.plans, key);
+    PALPATE_ASSERT(transition && state_.plans[key.space].isOpen(*transition),
+                   "what is handed out is what a plan waits for");
+    const auto known = losses_.find({key.space, *transition});
     leases.add(key, known == losses_.end() ? Losses() : known->second);
   }
 }

@@ -51,7 +51,7 @@ class Workers {
   void drainAll();
 
   /// Transitions that are to be solved now.
-  void addReady(const std::vector<TransitionKey>& keys);
+  void addReady(const std::vector<ResultKey>& keys);
   /// What is set aside waits again.
   void retryAside();
 
@@ -73,8 +73,8 @@ class Workers {
   void blame(const Leases::Suspects& suspects);
 
   ServiceState& state_;
-  std::string incarnation_;                 ///< 16 random bytes
-  std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
+  std::string incarnation_;                              ///< 16 random bytes
+  std::map<Tables::NumberedTransition, Losses> losses_;  ///< of earlier runs
   /// Of workers that went without a word and did not come back, the latest last: their processes
   /// may prove to have ended.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;

@@ -124,9 +124,10 @@ class Inspector {
                                   journal_.segmentPath(where.segment).string(), where.offset, what),
                       key});
     };
-    const std::optional<StoredResult> result = storedResult(header_bytes);
-    if (!result) return add(found_.damage, "a result that makes no sense", std::nullopt);
-    const wire::Result& header = result->header;
+    wire::Result header;
+    if (!header.ParseFromArray(header_bytes.data(), static_cast<int>(header_bytes.size())) ||
+        !fromWire(header))
+      return add(found_.damage, "a result that makes no sense", std::nullopt);
     const ResultKey key = keyOf(header);
     if (!found_.build) found_.build = ContentId::fromBytes(header.build());
     if (!found_.build || header.build() != found_.build->bytes())
@@ -178,7 +179,8 @@ class Inspector {
     const auto read = [&](const ResultKey& key) { return readRecorded(journal_, recorded_, key); };
     Replay replayed(*found_.problem);
     for (const ResultKey& key : in_order_)
-      if (const auto result = read(key)) replayed.take(key, *result);
+      if (const auto result = read(key))
+        if (const auto outcome = fromWire(*result)) replayed.take(key, *result, *outcome);
     replayed.finish(read);
     found_.spare = replayed.spare.size();
     for (const JournalDamage& damage : found_.damage)

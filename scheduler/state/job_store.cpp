@@ -15,7 +15,8 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
       // The tables first: they know best what the directory of another build is about.
       tables_(directory, problem),
       kept_out_(tables_.keptOut()),
-      found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_)),
+      found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_,
+                           tables_.progress().value_or(Progress()).recorded)),
       journal_(directory.path(), found_.recorded.end, segment_bytes),
       kernel_family_(found_.kernel_family) {
   journal_.dropAll(std::exchange(found_.recorded.torn, {}));
@@ -69,7 +70,7 @@ std::optional<JournalRecord> JobStore::find(const ResultKey& key) const {
   return journal_.read(where->second);
 }
 
-std::optional<StoredResult> JobStore::read(const ResultKey& key) const {
+std::optional<wire::Result> JobStore::read(const ResultKey& key) const {
   return readRecorded(journal_, found_.recorded.where, key);
 }
 

@@ -50,7 +50,7 @@ class JobStore {
   std::optional<JournalRecord> find(const ResultKey& key) const;
   /// One that is recorded, without its payload; nothing when it cannot be read any more, which is
   /// told (log).
-  std::optional<StoredResult> read(const ResultKey& key) const;
+  std::optional<wire::Result> read(const ResultKey& key) const;
   /// The next scheduler computes this record again.
   void drop(const JournalPosition& damaged);
   /// Recorded results that are to be computed again: they are not recorded any more.

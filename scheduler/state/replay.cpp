@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
@@ -23,18 +24,20 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   return damage;
 }
 
-/// Into one that is there already, whose strings have room.
-bool readInto(StoredResult& result, std::string_view header) {
-  if (!result.header.ParseFromArray(header.data(), static_cast<int>(header.size()))) return false;
-  std::optional<Outcome> outcome = fromWire(result.header);
-  if (!outcome) return false;
-  result.outcome = std::move(*outcome);
-  return true;
+/// A count in the tables is only believed as far as the journal has room for so many.
+std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
+  constexpr std::uint64_t smallest_record = 100;
+  const std::uint64_t bytes =
+      JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max());
+  return std::min<std::size_t>(expected, bytes / smallest_record);
 }
 
-/// Whether it was solved from what the plan has as its start.
-bool startsThere(const SpacePlan& plan, const Transition& transition, const wire::Result& result) {
-  return result.start_id() == startIdOf(plan, transition);
+/// Into the plan, unless it was solved from something else than the plan has as its start.
+bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
+              const Outcome& outcome) {
+  if (result.start_id() != startIdOf(plan, transition)) return false;
+  plan.record(transition, outcome, fieldsOf(result));
+  return true;
 }
 
 void append(Settled& all, const Settled& more) {
@@ -48,32 +51,30 @@ ContentId fieldsOf(const wire::Result& result) {
   return ContentId::fromBytes(result.fields_id()).value_or(ContentId());
 }
 
-std::optional<StoredResult> storedResult(std::string_view header) {
-  StoredResult result;
-  return readInto(result, header) ? std::optional(std::move(result)) : std::nullopt;
-}
-
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
-                            const TakeResult& take) {
+                            const TakeResult& take, std::size_t expected) {
   RecordedResults recorded;
+  // Growing would hash and link all of them again, several times.
+  recorded.where.reserve(atMostIn(directory, expected));
   std::vector<std::string> senseless;
-  StoredResult result;
+  wire::Result result;  // one for all: its strings have room
   const auto readRecord = [&](const JournalPosition& where, std::string_view header) {
-    if (!readInto(result, header)) {
+    const bool readable = result.ParseFromArray(header.data(), static_cast<int>(header.size()));
+    const std::optional<Outcome> outcome = readable ? fromWire(result) : std::nullopt;
+    if (!outcome) {
       // Its checksum is right: another version of the program wrote it, or this one did wrongly.
       senseless.push_back(fmt::format("segment {}, byte {}: a result that makes no sense",
                                       where.segment, where.offset));
       return;
     }
-    if (result.header.build() != build.bytes())
+    if (result.build() != build.bytes())
       throw badInput(
           "{}: holds results of another build ({}, not {}): use another --state directory",
-          directory.string(),
-          ContentId::fromBytes(result.header.build()).value_or(ContentId()).shortHex(),
+          directory.string(), ContentId::fromBytes(result.build()).value_or(ContentId()).shortHex(),
           build.shortHex());
-    const ResultKey key = keyOf(result.header);
+    const ResultKey key = keyOf(result);
     if (!recorded.where.emplace(key, where).second) return;
-    take(key, result);
+    take(key, result, *outcome);
   };
   JournalScan scan = JournalReader(directory).scan(readRecord);
   recorded.end = scan.end;
@@ -83,16 +84,17 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
   return recorded;
 }
 
-std::optional<StoredResult> readRecorded(const JournalReader& journal, const ResultIndex& where,
+std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key) {
   const auto position = where.find(key);
   PALPATE_ASSERT(position != where.end(), "callers know that it is recorded");
   try {
-    return storedResult(journal.readHeader(position->second));
+    wire::Result result;
+    if (result.ParseFromString(journal.readHeader(position->second))) return result;
   } catch (const DamagedRecord& damage) {
     spdlog::warn("{}: it is computed again", damage.what());
-    return std::nullopt;
   }
+  return std::nullopt;
 }
 
 std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
@@ -103,37 +105,19 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
-ResultKey keyOf(const std::vector<SpacePlan>& plans, const TransitionKey& key) {
-  const Lattice& positions = plans[key.space].positions();
-  return {key.space, positions.point(key.target), positions.point(key.parent)};
-}
-
-std::optional<TransitionKey> transitionOf(const std::vector<SpacePlan>& plans,
-                                          const ResultKey& key) {
-  if (key.space >= plans.size()) return std::nullopt;
-  const Lattice& positions = plans[key.space].positions();
-  const auto to = positions.indexOf(key.target), from = positions.indexOf(key.parent);
-  return to && from ? std::optional(TransitionKey{key.space, *to, *from}) : std::nullopt;
-}
-
-Settled settle(std::vector<SpacePlan>& plans, std::uint32_t space, SpareResults& spare,
-               const ReadSpare& read) {
-  SpacePlan& plan = plans[space];
+Settled settle(SpacePlan& plan, SpareResults& spare, const ReadSpare& read) {
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
       // Recorded meanwhile.
       if (!plan.isOpen(transition)) continue;
-      const TransitionKey missing = {space, transition.target, transition.parent};
-      const ResultKey key = keyOf(plans, missing);
+      const ResultKey key = plan.keyOf(transition);
       const bool known = spare.erase(key) > 0;
-      const std::optional<StoredResult> result = known ? read(key) : std::nullopt;
-      if (result && startsThere(plan, transition, result->header)) {
-        plan.record(transition, result->outcome, fieldsOf(result->header));
-        continue;
-      }
+      const std::optional<wire::Result> result = known ? read(key) : std::nullopt;
+      const std::optional<Outcome> outcome = result ? fromWire(*result) : std::nullopt;
+      if (outcome && recordIn(plan, transition, *result, *outcome)) continue;
       if (known) settled.stale.push_back(key);
-      settled.missing.push_back(missing);
+      settled.missing.push_back(key);
     }
   return settled;
 }
@@ -144,41 +128,38 @@ Replay::Replay(const Problem& problem) {
     plans.emplace_back(problem, space);
 }
 
-void Replay::take(const ResultKey& key, const StoredResult& result) {
-  const std::optional<TransitionKey> known = transitionOf(plans, key);
-  const Transition transition = known ? Transition{known->target, known->parent} : Transition();
-  if (!known || !plans[key.space].isOpen(transition)) {
+void Replay::take(const ResultKey& key, const wire::Result& result, const Outcome& outcome) {
+  const std::optional<Transition> transition = findIn(plans, key);
+  if (!transition || !plans[key.space].isOpen(*transition))
     spare.insert(key);
-  } else if (SpacePlan& plan = plans[key.space]; startsThere(plan, transition, result.header)) {
-    plan.record(transition, result.outcome, fieldsOf(result.header));
-  } else {
+  else if (!recordIn(plans[key.space], *transition, result, outcome))
     settled.stale.push_back(key);
-  }
 }
 
 void Replay::finish(const ReadSpare& read) {
-  for (std::uint32_t space = 0; space < plans.size(); ++space) {
-    append(settled, settle(plans, space, spare, read));
-    PALPATE_ASSERT(plans[space].complete() || plans[space].openCount() > 0,
+  for (SpacePlan& plan : plans) {
+    append(settled, settle(plan, spare, read));
+    PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }
 }
 
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
-                              const ContentId& build, const std::vector<KeptOut>& liars) {
+                              const ContentId& build, const std::vector<KeptOut>& liars,
+                              std::size_t expected) {
   ReplayedJournal found(problem);
-  const auto take = [&](const ResultKey& key, const StoredResult& result) {
-    const wire::Provenance& giver = result.header.given_by();
+  const auto take = [&](const ResultKey& key, const wire::Result& result, const Outcome& outcome) {
+    const wire::Provenance& giver = result.given_by();
     if (std::ranges::any_of(liars, [&](const KeptOut& liar) { return liar.covers(giver); })) {
       found.of_liars.push_back(key);
       return;
     }
-    if (found.results++ == 0) found.kernel_family = result.header.kernel_family();
-    found.longest_solve = std::max(found.longest_solve, result.outcome.cost.seconds);
+    if (found.results++ == 0) found.kernel_family = result.kernel_family();
+    found.longest_solve = std::max(found.longest_solve, outcome.cost.seconds);
     found.givers.emplace(giver.key(), giver.host());
-    found.replay.take(key, result);
+    found.replay.take(key, result, outcome);
   };
-  found.recorded = readResults(directory, build, take);
+  found.recorded = readResults(directory, build, take, expected);
   const JournalReader journal(directory);
   found.replay.finish(
       [&](const ResultKey& key) { return readRecorded(journal, found.recorded.where, key); });
@@ -187,13 +168,10 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
 
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause) {
   std::vector<ResultKey> keys;
-  for (std::uint32_t space = 0; space < plans.size(); ++space) {
-    const SpacePlan& plan = plans[space];
+  for (const SpacePlan& plan : plans)
     for (std::int32_t n = 0; n < plan.size(); ++n)
       for (const FailedAttempt& attempt : plan.attempts(n))
-        if (attempt.failure.cause == cause)
-          keys.push_back(keyOf(plans, {space, n, attempt.parent}));
-  }
+        if (attempt.failure.cause == cause) keys.push_back(plan.keyOf({n, attempt.parent}));
   return keys;
 }
 

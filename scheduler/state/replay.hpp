@@ -5,21 +5,11 @@
 #include <unordered_map>
 
 #include "common/space/configuration.hpp"
-#include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/journal.hpp"
 #include "scheduler/state/kept_out.hpp"
-#include "scheduler/state/result_key.hpp"
 
 namespace palpate {
-
-/// One result: its header as the worker sent it, less the lease, and who gave it.
-struct StoredResult {
-  wire::Result header;
-  Outcome outcome;  ///< of the header; without fields
-};
-/// What a header says; nothing when it makes no sense.
-std::optional<StoredResult> storedResult(std::string_view header);
 
 /// The id of a result's nodal fields; all zero of a failure.
 ContentId fieldsOf(const wire::Result& result);
@@ -37,30 +27,26 @@ struct RecordedResults {
   std::vector<std::string> damage;
 };
 
-using TakeResult = std::function<void(const ResultKey&, const StoredResult&)>;
+/// A result as the worker sent it, less the lease, and with who gave it; and what it says, without
+/// fields.
+using TakeResult = std::function<void(const ResultKey&, const wire::Result&, const Outcome&)>;
 /// Reads it, and calls `take` with the first result of each key, in the order of recording: all of
-/// them may not fit into memory. Error (bad input) when it is the journal of another build.
+/// them may not fit into memory. There is room at once for `expected`; it grows by itself. Error
+/// (bad input) when it is the journal of another build.
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
-                            const TakeResult& take);
+                            const TakeResult& take, std::size_t expected = 0);
 
-/// One that is in the index, without its payload; nothing when it cannot be read any more, which is
-/// told (log).
-std::optional<StoredResult> readRecorded(const JournalReader& journal, const ResultIndex& where,
+/// One that is in the index; nothing when it cannot be read any more, which is told (log).
+std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key);
 
 /// What a transition of a plan starts from, as jobs and results name it: the id of its parent's
 /// fields; empty when that is the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
-/// A transition by the names that results give it.
-ResultKey keyOf(const std::vector<SpacePlan>& plans, const TransitionKey& key);
-/// By the numbers of its plan; nothing when no plan has both points.
-std::optional<TransitionKey> transitionOf(const std::vector<SpacePlan>& plans,
-                                          const ResultKey& key);
-
 /// What becomes of results when they are put into a plan.
 struct Settled {
-  std::vector<TransitionKey> missing;  ///< ready, and not known: to be solved
+  std::vector<ResultKey> missing;  ///< ready, and not known: to be solved
   /// Known, but from another start than the plan has: what their parent was, is no more. Or they
   /// cannot be read any more. They are among the missing.
   std::vector<ResultKey> stale;
@@ -68,11 +54,10 @@ struct Settled {
 /// Recorded results that no plan has asked for yet. They will, where what led there was lost.
 using SpareResults = std::set<ResultKey>;
 /// One of them; nothing when it cannot be read any more.
-using ReadSpare = std::function<std::optional<StoredResult>(const ResultKey&)>;
-/// Records in the plan of `space` those of the spare ones whose transitions are ready, and those
-/// that this makes ready, and so on; takes them out.
-Settled settle(std::vector<SpacePlan>& plans, std::uint32_t space, SpareResults& spare,
-               const ReadSpare& read);
+using ReadSpare = std::function<std::optional<wire::Result>(const ResultKey&)>;
+/// Records in the plan those of the spare ones whose transitions are ready, and those that this
+/// makes ready, and so on; takes them out.
+Settled settle(SpacePlan& plan, SpareResults& spare, const ReadSpare& read);
 
 /// Puts recorded results into fresh plans, one after the other, in the order in which they were
 /// recorded: then each is asked for when it comes, unless something was lost before it.
@@ -82,7 +67,7 @@ class Replay {
   explicit Replay(const Problem& problem);
 
   /// A result that is recorded. Each key once.
-  void take(const ResultKey& key, const StoredResult& result);
+  void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
   /// After the last of them.
   void finish(const ReadSpare& read);
 
@@ -103,9 +88,11 @@ struct ReplayedJournal {
   double longest_solve = 0;                              ///< s
   std::set<std::pair<std::string, std::string>> givers;  ///< their machines: key and host
 };
-/// Reads the journal in `directory`. Errors are those of readResults().
+/// Reads the journal in `directory`, which holds some `expected` results. Errors are those of
+/// readResults().
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
-                              const ContentId& build, const std::vector<KeptOut>& liars);
+                              const ContentId& build, const std::vector<KeptOut>& liars,
+                              std::size_t expected = 0);
 
 /// The results of all attempts that failed with this cause.
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);

@@ -4,24 +4,21 @@
 
 namespace palpate {
 
-void ResultGroup::add(const TransitionKey& key, StoredResult result, std::string payload,
-                      Time now) {
-  bytes_ += payload.size();
-  const bool fresh =
-      members_.try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false})
-          .second;
+void ResultGroup::add(const ResultKey& key, Member member, Time now) {
+  bytes_ += member.payload.size();
+  const bool fresh = members_.try_emplace(key, std::move(member)).second;
   PALPATE_ASSERT(fresh, "a second result of a transition is a duplicate of the first");
   if (!since_) since_ = now;
 }
 
-ResultGroup::Member* ResultGroup::find(const TransitionKey& key) {
+ResultGroup::Member* ResultGroup::find(const ResultKey& key) {
   const auto found = members_.find(key);
   return found == members_.end() ? nullptr : &found->second;
 }
 
 ResultGroup::Members ResultGroup::commit() {
   PALPATE_ASSERT(since_.has_value() == !members_.empty(), "the first member starts the clock");
-  for (const auto& [key, member] : members_) store_->append(member.result.header, member.payload);
+  for (const auto& [key, member] : members_) store_->append(member.result, member.payload);
   store_->commit();
   since_.reset();
   bytes_ = 0;

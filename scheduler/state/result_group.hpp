@@ -16,21 +16,22 @@ class ResultGroup {
   using Time = std::chrono::steady_clock::time_point;
 
   struct Member {
-    StoredResult result;
+    wire::Result result;  ///< as it is to be recorded
+    Outcome outcome;      ///< what it says, without fields
     std::string payload;
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
     bool is_checked = false;        ///< others solve it again
     bool is_disputed = false;       ///< another found something else
   };
-  using Members = std::map<TransitionKey, Member>;
+  using Members = std::map<ResultKey, Member>;
 
   explicit ResultGroup(JobStore& store) : store_(&store) {}
 
   /// A transition that is not in the group yet.
-  void add(const TransitionKey& key, StoredResult result, std::string payload, Time now);
+  void add(const ResultKey& key, Member member, Time now);
   /// Null when the transition is not in the group.
-  Member* find(const TransitionKey& key);
-  bool has(const TransitionKey& key) const { return members_.contains(key); }
+  Member* find(const ResultKey& key);
+  bool has(const ResultKey& key) const { return members_.contains(key); }
   const Members& members() const { return members_; }
   std::size_t size() const { return members_.size(); }
   /// Of payloads.

@@ -335,22 +335,23 @@ void Tables::writeCounters(const Counters& counters) {
   });
 }
 
-void Tables::writeLosses(const TransitionKey& key, const Losses& losses) {
-  inTransaction(database_, [&] {
-    Statement(database_, "INSERT OR REPLACE INTO losses VALUES (?, ?, ?, ?, ?, ?)")
-        .run(key.space, key.target, key.parent, losses.attempts, losses.suspected, losses.deaths);
-  });
+void Tables::writeLosses(const NumberedTransition& which, const Losses& losses) {
+  const auto& [space, transition] = which;
+  Statement(database_, "INSERT OR REPLACE INTO losses VALUES (?, ?, ?, ?, ?, ?)")
+      .run(space, transition.target, transition.parent, losses.attempts, losses.suspected,
+           losses.deaths);
 }
 
-std::map<TransitionKey, Losses> Tables::losses() {
-  std::map<TransitionKey, Losses> losses;
+std::map<Tables::NumberedTransition, Losses> Tables::losses() {
+  std::map<NumberedTransition, Losses> losses;
   Statement query(database_,
                   "SELECT space, target, parent, attempts, suspected, deaths FROM losses");
   using Number = std::int32_t;
   while (query.step())
-    losses[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
-        {wholeNumber<std::uint32_t>(query, 3), wholeNumber<int>(query, 4),
-         wholeNumber<int>(query, 5)};
+    losses[{query.integer<std::uint32_t>(0),
+            {query.integer<Number>(1), query.integer<Number>(2)}}] = {
+        wholeNumber<std::uint32_t>(query, 3), wholeNumber<int>(query, 4),
+        wholeNumber<int>(query, 5)};
   return losses;
 }
 

@@ -8,7 +8,6 @@
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/kept_out.hpp"
-#include "scheduler/state/result_key.hpp"
 #include "scheduler/state/sqlite.hpp"
 #include "scheduler/state/state_directory.hpp"
 
@@ -92,9 +91,11 @@ class Tables : public StoredTables {
   void writeServers(std::span<const wire::WorkerStatus> servers);
   void writeCounters(const Counters& counters);
 
-  /// What is known of workers that ended while they solved a transition, which outlives a run.
-  void writeLosses(const TransitionKey& key, const Losses& losses);
-  std::map<TransitionKey, Losses> losses();
+  /// What is known of workers that ended while they solved a transition, which outlives a run. The
+  /// tables name it by its space and the numbers of its plan.
+  using NumberedTransition = std::pair<std::uint32_t, Transition>;
+  void writeLosses(const NumberedTransition& which, const Losses& losses);
+  std::map<NumberedTransition, Losses> losses();
   /// Returns how many transitions were set aside.
   std::int64_t forgetLosses();
 

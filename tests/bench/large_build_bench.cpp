@@ -115,7 +115,7 @@ class LinearBody {
 /// Records what the plans ask for, in turns of all spaces, as workers would, until all is there but
 /// so many results.
 std::int64_t record(const Problem& problem, JobStore& store, std::vector<SpacePlan>& plans,
-                    const std::vector<TransitionKey>& asked, std::int64_t but) {
+                    const std::vector<ResultKey>& asked, std::int64_t but) {
   LinearBody body(problem);
   std::int64_t left = 0;
   for (const SpacePlan& plan : plans)
@@ -128,7 +128,7 @@ std::int64_t record(const Problem& problem, JobStore& store, std::vector<SpacePl
     constexpr int group = 16384;
     if (++results % group == 0) store.commit();
   };
-  for (const auto& [space, target, parent] : asked) solve(space, {target, parent});
+  for (const ResultKey& key : asked) solve(key.space, plans[key.space].find(key).value());
   for (bool some = true; some;) {
     some = false;
     for (std::uint32_t space = 0; space < plans.size(); ++space)
@@ -149,8 +149,8 @@ Json make(const Problem& problem, const std::filesystem::path& directory) {
   std::vector<SpacePlan> plans = store.takeReplay().plans;
   constexpr std::int64_t held_back = 64;
   // The first of each is asked for by the replay.
-  std::vector<TransitionKey> origins;
-  for (std::uint32_t space = 0; space < plans.size(); ++space) origins.push_back({space, 0, 0});
+  std::vector<ResultKey> origins;
+  for (std::uint32_t space = 0; space < plans.size(); ++space) origins.push_back({space, {}, {}});
   const std::int64_t results = record(problem, store, plans, origins, held_back);
   return {{"results", results},
           {"journal_bytes", store.journalBytes()},

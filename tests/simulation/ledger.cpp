@@ -12,10 +12,8 @@ bool isCovered(const std::vector<KeptOut>& kept_out, const wire::Provenance& who
 }
 
 bool isIn(const std::vector<SpacePlan>& plans, const ResultKey& key) {
-  const SpacePlan& plan = plans.at(key.space);
-  const auto target = plan.positions().indexOf(key.target);
-  const auto parent = plan.positions().indexOf(key.parent);
-  return target && parent && plan.isRecorded({*target, *parent});
+  const std::optional<Transition> transition = findIn(plans, key);
+  return transition && plans[key.space].isRecorded(*transition);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "common/space/result_key.hpp"
 #include "proto/palpate.pb.h"
-#include "scheduler/state/result_key.hpp"
 #include "tests/simulation/random.hpp"
 
 namespace palpate::simulation {

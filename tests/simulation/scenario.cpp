@@ -79,24 +79,22 @@ const Scenario& Scenarios::of(std::uint64_t seed) const {
 std::string Scenario::sealedWith(const FalseResults& instead,
                                  const std::filesystem::path& folder) const {
   std::vector<SpacePlan> plans;
-  std::map<TransitionKey, std::string> fields;
+  std::map<ResultKey, std::string> fields;
   for (std::uint32_t space = 0; space < problem.active.size(); ++space) {
     SpacePlan& plan = plans.emplace_back(problem, space);
     for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
       for (const Transition& transition : ready) {
-        const ResultKey key = {space, plan.positions().point(transition.target),
-                               plan.positions().point(transition.parent)};
+        const ResultKey key = plan.keyOf(transition);
         auto [result, payload] = solve(problem, space, key.target, key.parent);
         result.mutable_cost()->set_steps(plan.stepsOf(transition));
         if (const auto other = instead.find(key); other != instead.end()) result = other->second;
         plan.record(transition, *fromWire(result), fieldsOf(result));
-        fields[{space, transition.target, transition.parent}] = std::move(payload);
+        fields[key] = std::move(payload);
       }
   }
   const std::filesystem::path file = folder / "undisturbed.h5";
   sealDataset(file, problem, rowsOf(plans), "baseline", [&](std::size_t space, std::int32_t point) {
-    const TransitionKey key = {static_cast<std::uint32_t>(space), point,
-                               plans[space].points().parent(point)};
+    const ResultKey key = plans[space].keyOf({point, plans[space].points().parent(point)});
     return NodalFields::decode(fields.at(key), problem.mesh.nodes.size(),
                                problem.pressures.count());
   });

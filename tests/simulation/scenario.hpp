@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/problem/problem.hpp"
-#include "scheduler/state/result_key.hpp"
+#include "common/space/result_key.hpp"
 
 namespace palpate::simulation {
 

@@ -308,7 +308,7 @@ class Fleet : private Transport {
     const wire::Job& job = worker.jobs.front();
     wire::Message message;
     wire::Result& result = *message.mutable_result();
-    result = solve.result.header;
+    result = solve.result;
     test::answer(job, job.targets(worker.target), result);
     say(n, message, &solve.payload);
     if (!result.fields_id().empty()) worker.starts.insert(result.fields_id());

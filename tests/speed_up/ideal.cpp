@@ -9,8 +9,7 @@ namespace palpate::speed_up {
 namespace {
 
 /// The waves of a plan whose lattice is complete.
-std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
-                                        const Recording& recording) {
+std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, const Recording& recording) {
   std::vector<Dependencies::Wave> waves;
   std::vector<Transition> ready = plan.takeReady();
   while (!plan.complete()) {
@@ -18,10 +17,9 @@ std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
     for (const Transition& first : std::exchange(ready, {})) wave.chains.push_back({first});
     for (std::vector<Transition>& chain : wave.chains)
       for (std::size_t n = 0; n < chain.size(); ++n) {
-        const StoredResult& result =
-            recording.find(plan, {space, chain[n].target, chain[n].parent}).result;
+        const Recording::Solve& solve = recording.find(plan.keyOf(chain[n]));
         const int begun = plan.stagesBegun();
-        plan.record(chain[n], result.outcome, fieldsOf(result.header));
+        plan.record(chain[n], solve.outcome, fieldsOf(solve.result));
         const std::vector<Transition> next = plan.takeReady();
         // The last one of a wave makes the next wave ready, others the next parent of their target.
         std::vector<Transition>& goes_on = plan.stagesBegun() == begun ? chain : ready;
@@ -46,11 +44,10 @@ Dependencies::Dependencies(const Recording& of) : recording(&of) {
     space.ready = space.frontier.takeReady();
     while (plan.stage() == Stage::lattice)
       for (const Transition& transition : plan.takeReady()) {
-        const StoredResult& result =
-            of.find(plan, {number, transition.target, transition.parent}).result;
-        plan.record(transition, result.outcome, fieldsOf(result.header));
+        const Recording::Solve& solve = of.find(plan.keyOf(transition));
+        plan.record(transition, solve.outcome, fieldsOf(solve.result));
       }
-    space.waves = wavesOf(plan, number, of);
+    space.waves = wavesOf(plan, of);
     for (std::int32_t n = 0; n < plan.size(); ++n)
       space.points.push_back(plan.positions().point(n));
     spaces.push_back(std::move(space));
@@ -66,7 +63,7 @@ class Schedule {
     for (const Dependencies::Space& space : dependencies.spaces) {
       progress_.push_back({space.frontier, 0, 0});
       for (const Transition& first : space.ready)
-        add({static_cast<std::uint32_t>(progress_.size() - 1), first.target, first.parent}, {});
+        add(static_cast<std::uint32_t>(progress_.size() - 1), first, {});
     }
   }
 
@@ -86,7 +83,8 @@ class Schedule {
   /// A transition, which of its chain it is, and how many had to end one after the other before it
   /// did.
   struct Task {
-    TransitionKey key;
+    std::uint32_t space = 0;
+    Transition transition = {};
     std::size_t chain = 0, link = 0;
     int depth = 0;
     auto operator<=>(const Task&) const = default;
@@ -102,28 +100,27 @@ class Schedule {
     while (running_.size() < workers_ && !ready_.empty()) {
       const Task task = ready_.begin()->second;
       ready_.erase(ready_.begin());
-      running_.emplace(now_ + solveOf(task.key).seconds, task);
+      running_.emplace(now_ + solveOf(task).seconds, task);
     }
   }
 
   void end(const Task& task) {
-    const std::uint32_t number = task.key.space;
+    const std::uint32_t number = task.space;
     Progress& progress = progress_[number];
     if (progress.waves == 0) {
-      const Outcome& outcome = solveOf(task.key).result.outcome;
+      const Outcome& outcome = solveOf(task).outcome;
       progress.frontier.record(
-          {task.key.target, task.key.parent},
+          task.transition,
           outcome.converged() ? std::optional(outcome.equilibrium().force.norm()) : std::nullopt);
       for (const Transition& next : progress.frontier.takeReady())
-        add({number, next.target, next.parent}, {{}, 0, 0, task.depth});
+        add(number, next, {{}, {}, 0, 0, task.depth});
       if (progress.frontier.complete()) beginWave(number, task.depth);
       return;
     }
     const Dependencies::Wave& wave = dependencies_.spaces[number].waves[progress.waves - 1];
     const std::vector<Transition>& chain = wave.chains[task.chain];
     if (task.link + 1 < chain.size()) {
-      const Transition& next = chain[task.link + 1];
-      return add({number, next.target, next.parent}, {{}, task.chain, task.link + 1, task.depth});
+      return add(number, chain[task.link + 1], {{}, {}, task.chain, task.link + 1, task.depth});
     }
     if (--progress.open == 0) beginWave(number, task.depth);
   }
@@ -135,23 +132,24 @@ class Schedule {
     const Dependencies::Wave& wave = waves[progress.waves - 1];
     progress.open = wave.chains.size();
     for (std::size_t chain = 0; chain < wave.chains.size(); ++chain) {
-      const Transition& first = wave.chains[chain].front();
-      add({number, first.target, first.parent}, {{}, chain, 0, depth});
+      add(number, wave.chains[chain].front(), {{}, {}, chain, 0, depth});
     }
   }
 
-  void add(const TransitionKey& key, Task task) {
-    task.key = key;
+  void add(std::uint32_t space, const Transition& transition, Task task) {
+    task.space = space;
+    task.transition = transition;
     ++task.depth;
-    ready_.emplace(Rank(key.parent, key.space), task);
+    ready_.emplace(Rank(transition.parent, space), task);
   }
 
   const LatticePoint& point(std::uint32_t space, std::int32_t n) const {
     return dependencies_.spaces[space].points[static_cast<std::size_t>(n)];
   }
-  const Recording::Solve& solveOf(const TransitionKey& key) const {
+  const Recording::Solve& solveOf(const Task& task) const {
+    const auto& [target, parent] = task.transition;
     return dependencies_.recording->find(
-        {key.space, point(key.space, key.target), point(key.space, key.parent)});
+        {task.space, point(task.space, target), point(task.space, parent)});
   }
 
   const Dependencies& dependencies_;

@@ -7,15 +7,15 @@ namespace palpate::speed_up {
 Recording::Recording(const std::filesystem::path& directory)
     : directory_(directory), tables_(directory), problem_(decodeProblem(tables_.build().problem)) {
   const JournalReader journal(directory);
-  const auto take = [&](const ResultKey& key, StoredResult result) {
-    kernel_family_ = result.header.kernel_family();
+  const auto take = [&](const ResultKey& key, wire::Result result, const Outcome& outcome) {
+    kernel_family_ = result.kernel_family();
     // What the scheduler added, and adds again.
-    result.header.clear_given_by();
-    result.header.clear_steps();
-    result.header.clear_start_parent();
-    const double seconds = result.outcome.cost.seconds;
+    result.clear_given_by();
+    result.clear_steps();
+    result.clear_start_parent();
+    const double seconds = outcome.cost.seconds;
     seconds_ += seconds;
-    solves_[key] = {std::move(result), "", seconds};
+    solves_[key] = {std::move(result), outcome, "", seconds};
   };
   const RecordedResults recorded = readResults(directory, tables_.build().build, take);
   if (solves_.empty()) throw badInput("{}: nothing is recorded there", directory.string());
@@ -48,11 +48,6 @@ const Recording::Solve& Recording::find(const ResultKey& key) const {
   throw failure(
       "{}: {} is not recorded: let palpate build come to its end there, with this version",
       directory_.string(), textOf(key));
-}
-
-const Recording::Solve& Recording::find(const SpacePlan& plan, const TransitionKey& key) const {
-  const Lattice& positions = plan.positions();
-  return find({key.space, positions.point(key.target), positions.point(key.parent)});
 }
 
 }  // namespace palpate::speed_up

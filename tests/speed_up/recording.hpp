@@ -14,7 +14,8 @@ namespace palpate::speed_up {
 class Recording {
  public:
   struct Solve {
-    StoredResult result;  ///< as its worker said it
+    wire::Result result;  ///< as its worker said it
+    Outcome outcome;      ///< what that says
     std::string payload;
     double seconds = 0;  ///< of a worker
   };
@@ -37,8 +38,6 @@ class Recording {
   /// Error when the build did not come to that transition: it is not the recording of one that went
   /// to its end, or of another version.
   const Solve& find(const ResultKey& key) const;
-  /// Solve of a transition that `plan`, the one of `space`, asks for.
-  const Solve& find(const SpacePlan& plan, const TransitionKey& key) const;
 
  private:
   std::filesystem::path directory_;

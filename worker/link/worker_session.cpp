@@ -28,12 +28,6 @@ constexpr std::chrono::milliseconds own_gap{3000};
 
 using Seconds = std::chrono::duration<double>;
 
-/// (space, target, parent): the key of a result.
-template <class ResultOrAck>
-auto keyOf(const ResultOrAck& message) {
-  return std::tuple(message.space(), fromWire(message.target()), fromWire(message.parent()));
-}
-
 }  // namespace
 
 WorkerSession::WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now)

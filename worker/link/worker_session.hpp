@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <list>
-#include <tuple>
 
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
@@ -71,9 +70,6 @@ class WorkerSession {
   std::size_t unacknowledged() const { return unacknowledged_.size(); }
 
  private:
-  /// (space, target, parent): the key of a result.
-  using ResultKey = std::tuple<std::uint32_t, LatticePoint, LatticePoint>;
-
   void sayHello(Time now);
   void requestJobs(std::uint32_t credit, bool afresh, Time now);
   void handleWelcome(const wire::Welcome& welcome, Time now);

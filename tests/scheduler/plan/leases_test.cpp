@@ -8,21 +8,35 @@ namespace {
 
 using testing::ElementsAre;
 
+/// The transition between points of the first axis, so far from the origin.
+ResultKey way(std::uint32_t space, std::int32_t target, std::int32_t parent) {
+  return {space, {target, 0, 0}, {parent, 0, 0}};
+}
+
+/// How far from the origin the targets of a job are.
+std::vector<std::int32_t> targetsOf(const Handout& job) {
+  std::vector<std::int32_t> targets;
+  for (const ResultKey& key : job.targets) targets.push_back(key.target[0]);
+  return targets;
+}
+std::int32_t parentOf(const Handout& job) { return job.targets.front().parent[0]; }
+std::uint32_t spaceOf(const Handout& job) { return job.targets.front().space; }
+
 struct LeasesTest : testing::Test {
   Leases leases;
 
   void addTargets(std::int32_t parent, std::int32_t first, std::int32_t count,
                   std::uint32_t space = 0) {
-    for (std::int32_t n = 0; n < count; ++n) leases.add({space, first + n, parent});
+    for (std::int32_t n = 0; n < count; ++n) leases.add(way(space, first + n, parent));
   }
   Handout handOut(const std::string& worker, std::size_t workers = 1) {
     return leases.handOut(worker, workers).value();
   }
   /// The worker's process ended; returns what that speaks against.
-  std::vector<TransitionKey> die(const std::string& worker, std::optional<TransitionKey> solving) {
+  std::vector<ResultKey> die(const std::string& worker, std::optional<ResultKey> solving) {
     const Leases::Suspects suspects = leases.suspectsOf(worker, solving);
     leases.giveBack(worker);
-    std::vector<TransitionKey> keys;
+    std::vector<ResultKey> keys;
     for (const auto& [key, losses] : leases.blame(suspects)) keys.push_back(key);
     return keys;
   }
@@ -37,10 +51,10 @@ TEST_F(LeasesTest, AJobHoldsTargetsAroundTheStartNearestToTheOrigin) {
   addTargets(5, 20, 2);
   addTargets(3, 10, 2);
   const Handout job = handOut("a");
-  EXPECT_EQ(job.parent, 3);
-  EXPECT_THAT(job.targets, ElementsAre(10, 11));
-  EXPECT_EQ(handOut("a").parent, 5);
-  EXPECT_EQ(handOut("a").parent, 5);
+  EXPECT_EQ(parentOf(job), 3);
+  EXPECT_THAT(targetsOf(job), ElementsAre(10, 11));
+  EXPECT_EQ(parentOf(handOut("a")), 5);
+  EXPECT_EQ(parentOf(handOut("a")), 5);
   EXPECT_FALSE(leases.handOut("a", 1));
 }
 
@@ -56,13 +70,13 @@ TEST_F(LeasesTest, WorkIsSplitSoThatEveryWorkerGetsSome) {
 TEST_F(LeasesTest, SpacesDoNotMix) {
   addTargets(0, 1, 3, 0);
   addTargets(0, 1, 3, 1);
-  EXPECT_EQ(handOut("a").space, 0u);
-  EXPECT_EQ(handOut("a").space, 1u);
+  EXPECT_EQ(spaceOf(handOut("a")), 0u);
+  EXPECT_EQ(spaceOf(handOut("a")), 1u);
 }
 
 TEST_F(LeasesTest, JobNumbersGoOnAfterTheFirst) {
   Leases later(7ull << 32);
-  later.add({0, 0, 0});
+  later.add(way(0, 0, 0));
   EXPECT_EQ(later.handOut("a", 1)->job, (7ull << 32) + 1);
 }
 
@@ -78,11 +92,11 @@ TEST_F(LeasesTest, AFinishedTargetIsNotHandedOutAgainWhoeverHadIt) {
   addTargets(0, 1, 2);
   handOut("a");
   handOut("a");
-  leases.finish({0, 1, 0});
+  leases.finish(way(0, 1, 0));
   EXPECT_EQ(leases.leasedTo("a"), 1u);
   leases.giveBack("a");
   EXPECT_EQ(leases.waiting(), 1u);
-  leases.finish({0, 2, 0});
+  leases.finish(way(0, 2, 0));
   EXPECT_EQ(leases.waiting(), 0u);
   EXPECT_TRUE(leases.empty());
 }
@@ -91,12 +105,12 @@ TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
   addTargets(0, 1, 3);
   for (const char* worker : {"a", "b"}) {
     EXPECT_EQ(handOut(worker).targets.size(), 2u);
-    die(worker, TransitionKey{0, 2, 0});
+    die(worker, way(0, 2, 0));
   }
   // Target 1 was next in order at both deaths and target 2 was named.
-  EXPECT_THAT(handOut("c").targets, ElementsAre(1));
-  EXPECT_THAT(handOut("c").targets, ElementsAre(2));
-  EXPECT_THAT(handOut("c").targets, ElementsAre(3));
+  EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(1));
+  EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(2));
+  EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(3));
 }
 
 TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsSetAsideUntilItIsRetried) {
@@ -104,10 +118,10 @@ TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsSetAsideUntilItIsRetried) {
   for (int death = 1; death <= deaths_before_aside; ++death) {
     EXPECT_FALSE(leases.stuck());
     handOut("a");
-    EXPECT_THAT(die("a", TransitionKey{0, 1, 0}), ElementsAre(TransitionKey{0, 1, 0}));
+    EXPECT_THAT(die("a", way(0, 1, 0)), ElementsAre(way(0, 1, 0)));
   }
   EXPECT_EQ(leases.waiting(), 0u);
-  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_THAT(leases.aside(), ElementsAre(way(0, 1, 0)));
   EXPECT_TRUE(leases.stuck());
   EXPECT_FALSE(leases.handOut("a", 1));
   leases.retry();
@@ -119,19 +133,19 @@ TEST_F(LeasesTest, ALateResultOfWhatIsSetAsideIsWelcome) {
   addTargets(0, 1, 1);
   for (int death = 0; death < deaths_before_aside; ++death) {
     handOut("a");
-    die("a", TransitionKey{0, 1, 0});
+    die("a", way(0, 1, 0));
   }
-  leases.finish({0, 1, 0});
+  leases.finish(way(0, 1, 0));
   EXPECT_TRUE(leases.empty());
   EXPECT_FALSE(leases.stuck());
 }
 
 TEST_F(LeasesTest, WhatEarlierRunsKnowCounts) {
-  leases.add({0, 1, 0}, {.attempts = 9, .suspected = 5, .deaths = deaths_before_aside});
-  leases.add({0, 2, 0}, {.attempts = 3, .suspected = 0, .deaths = deaths_before_aside - 1});
+  leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 5, .deaths = deaths_before_aside});
+  leases.add(way(0, 2, 0), {.attempts = 3, .suspected = 0, .deaths = deaths_before_aside - 1});
   EXPECT_EQ(leases.aside().size(), 1u);
   EXPECT_EQ(attemptsOfNext("a"), 4u);
-  die("a", TransitionKey{0, 2, 0});
+  die("a", way(0, 2, 0));
   EXPECT_TRUE(leases.stuck());
 }
 
@@ -139,15 +153,15 @@ TEST_F(LeasesTest, BlameMayComeLaterThanTheLoss) {
   addTargets(0, 1, 1);
   for (int death = 0; death < deaths_before_aside; ++death) {
     handOut("a");
-    const Leases::Suspects suspects = leases.suspectsOf("a", TransitionKey{0, 1, 0});
+    const Leases::Suspects suspects = leases.suspectsOf("a", way(0, 1, 0));
     leases.giveBack("a");
     EXPECT_EQ(leases.waiting(), 1u);
     leases.blame(suspects);
   }
   EXPECT_EQ(leases.waiting(), 0u);
   EXPECT_TRUE(leases.stuck());
-  leases.finish({0, 1, 0});
-  EXPECT_TRUE(leases.blame({.named = TransitionKey{0, 1, 0}, .next = {}}).empty())
+  leases.finish(way(0, 1, 0));
+  EXPECT_TRUE(leases.blame({.named = way(0, 1, 0), .next = {}}).empty())
       << "what is finished is blamed on nobody";
 }
 
@@ -156,29 +170,29 @@ TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
   int deaths = 0;
   while (leases.aside().empty() && deaths < 100) {
     const Handout job = handOut("a");
-    if (job.targets.front() != 1) {
-      for (const std::int32_t target : job.targets) leases.finish({0, target, 0});
+    if (targetsOf(job).front() != 1) {
+      for (const ResultKey& key : job.targets) leases.finish(key);
       continue;
     }
     die("a", std::nullopt);
     ++deaths;
   }
-  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_THAT(leases.aside(), ElementsAre(way(0, 1, 0)));
   EXPECT_EQ(deaths, losses_before_alone + deaths_before_aside);
 }
 
 /// A worker that never got its first job dies on its second.
 TEST_F(LeasesTest, OneEndIsOneDeath) {
-  leases.add({0, 1, 0}, {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
-  leases.add({0, 2, 1}, {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});
-  EXPECT_THAT(handOut("a").targets, ElementsAre(1));
-  EXPECT_THAT(handOut("a").targets, ElementsAre(2));
-  die("a", TransitionKey{0, 2, 1});
+  leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
+  leases.add(way(0, 2, 1), {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});
+  EXPECT_THAT(targetsOf(handOut("a")), ElementsAre(1));
+  EXPECT_THAT(targetsOf(handOut("a")), ElementsAre(2));
+  die("a", way(0, 2, 1));
   EXPECT_TRUE(leases.aside().empty());
-  EXPECT_THAT(handOut("a").targets, ElementsAre(1));
-  EXPECT_THAT(handOut("a").targets, ElementsAre(2));
-  die("a", TransitionKey{0, 2, 1});
-  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 2, 1}));
+  EXPECT_THAT(targetsOf(handOut("a")), ElementsAre(1));
+  EXPECT_THAT(targetsOf(handOut("a")), ElementsAre(2));
+  die("a", way(0, 2, 1));
+  EXPECT_THAT(leases.aside(), ElementsAre(way(0, 2, 1)));
 }
 
 TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
@@ -193,7 +207,7 @@ TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
 TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
   addTargets(4, 9, 1, 2);
   const Handout job = handOut("a");
-  EXPECT_THAT(leases.openOf("a", job.job), ElementsAre(TransitionKey{2, 9, 4}));
+  EXPECT_THAT(leases.openOf("a", job.job), ElementsAre(way(2, 9, 4)));
   EXPECT_TRUE(leases.openOf("a", job.job + 1).empty());
   EXPECT_TRUE(leases.openOf("b", job.job).empty());
 }
@@ -207,7 +221,7 @@ TEST_F(LeasesTest, KnowsHowMuchIsHeldHoweverALeaseEnds) {
   EXPECT_EQ(leases.leasedTo("a"), 2u);
   EXPECT_EQ(leases.leasedTo("b"), 2u);
   EXPECT_EQ(leases.leasedTo("nobody"), 0u);
-  leases.finish({0, 1, 0});
+  leases.finish(way(0, 1, 0));
   EXPECT_EQ(leases.leasedTo("a"), 1u) << "finished by whoever";
   leases.giveBackLast("b");
   EXPECT_EQ(leases.leasedTo("b"), 1u);
@@ -217,31 +231,31 @@ TEST_F(LeasesTest, KnowsHowMuchIsHeldHoweverALeaseEnds) {
 }
 
 TEST_F(LeasesTest, KnowsWhenOnlyChecksAreLeftAndWhenNobodySolves) {
-  const auto anybody = [](const TransitionKey&) { return true; };
-  leases.add({0, 1, 0});
-  leases.addCheck({0, 2, 0});
+  const auto anybody = [](const ResultKey&) { return true; };
+  leases.add(way(0, 1, 0));
+  leases.addCheck(way(0, 2, 0));
   EXPECT_FALSE(leases.onlyChecksLeft()) << "something else waits";
   handOut("a");
   ASSERT_TRUE(leases.handOutCheck("b", anybody));
   EXPECT_FALSE(leases.onlyChecksLeft()) << "somebody solves something else";
-  leases.finish({0, 1, 0});
+  leases.finish(way(0, 1, 0));
   EXPECT_TRUE(leases.onlyChecksLeft());
   EXPECT_FALSE(leases.stuck()) << "the check is being solved";
   leases.giveBack("b");
   EXPECT_TRUE(leases.onlyChecksLeft());
   EXPECT_TRUE(leases.stuck());
   ASSERT_TRUE(leases.handOutCheck("a", anybody));
-  leases.finish({0, 2, 0});
+  leases.finish(way(0, 2, 0));
   EXPECT_FALSE(leases.stuck()) << "nothing is left";
 }
 
 TEST_F(LeasesTest, HandsOutASpaceOfHigherPriorityFirstWhateverWaitedBefore) {
-  for (const std::uint32_t space : {0u, 1u, 2u}) leases.add({space, 1, 0});
+  for (const std::uint32_t space : {0u, 1u, 2u}) leases.add(way(space, 1, 0));
   leases.setPriority(1, -1);
   leases.setPriority(2, 5);
-  leases.add({2, 9, 8});
+  leases.add(way(2, 9, 8));
   std::vector<std::uint32_t> order;
-  while (const auto handout = leases.handOut("w", 1)) order.push_back(handout->space);
+  while (const auto handout = leases.handOut("w", 1)) order.push_back(spaceOf(*handout));
   EXPECT_THAT(order, ElementsAre(2, 2, 0, 1));
   EXPECT_EQ(leases.waiting(), 0u);
 }

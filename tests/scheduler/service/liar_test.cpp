@@ -267,9 +267,10 @@ TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
   EXPECT_EQ(world.counter("divergent_results"), 0);
   EXPECT_GT(world.counter("checked_results"), world.coordinator().recorded() / 2);
   int in_steps = 0;
-  readResults(
-      world.directory / "state", problemId(world.problem),
-      [&](const ResultKey&, const StoredResult& result) { in_steps += result.header.steps() > 1; });
+  readResults(world.directory / "state", problemId(world.problem),
+              [&](const ResultKey&, const wire::Result& result, const Outcome&) {
+                in_steps += result.steps() > 1;
+              });
   EXPECT_GT(in_steps, 10) << "or nothing was tried";
 }
 

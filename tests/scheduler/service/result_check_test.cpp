@@ -19,7 +19,7 @@ TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
   result.set_kernel_family("baseline");
   for (const Cause cause : test::allCauses()) {
     result.mutable_failure()->set_cause(static_cast<std::uint32_t>(cause));
-    EXPECT_EQ(check.objectionTo(result, "", "baseline").empty(), stopsTransitions(cause))
+    EXPECT_EQ(check.judge(result, "", "baseline").objection.empty(), stopsTransitions(cause))
         << name(cause);
   }
 }
@@ -38,7 +38,7 @@ struct JudgedResult : testing::Test {
     if (change) change(outcome);
     payload = outcome.configuration().fields.encode();
     toWire(outcome, payload, result);
-    return check.objectionTo(result, payload, "baseline");
+    return check.judge(result, payload, "baseline").objection;
   }
 };
 
@@ -110,7 +110,7 @@ TEST(ResultCheck, RefusesFailuresThatCannotBe) {
     result.set_kernel_family("baseline");
     result.mutable_failure()->set_cause(1);
     change(*result.mutable_failure());
-    return check.objectionTo(result, "", "baseline");
+    return check.judge(result, "", "baseline").objection;
   };
   EXPECT_EQ(objectionTo([](wire::Failure&) {}), "");
   EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_step_reached(1.5); }), "");

@@ -80,7 +80,7 @@ TEST_F(WorkerRegistryTest, AWorkerThatComesBackKeepsItsResultsAndNothingElse) {
   Worker& worker = admit("before", "a");
   registry.addCredit(worker, 3);
   worker.results = 7;
-  worker.solving = TransitionKey{0, 1, 0};
+  worker.solving = ResultKey{0, {1, 0, 0}, {}};
   const Worker& again = admit("after", "a");
   EXPECT_EQ(registry.all().size(), 1u);
   EXPECT_EQ(again.results, 7);

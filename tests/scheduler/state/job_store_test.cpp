@@ -67,8 +67,8 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
   ASSERT_EQ(store.found(), 1u);
   const auto found = store.read({0, {}, {}});
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->header.SerializeAsString(), header.SerializeAsString());
-  EXPECT_TRUE(std::signbit(found->outcome.equilibrium().energy));
+  EXPECT_EQ(found->SerializeAsString(), header.SerializeAsString());
+  EXPECT_TRUE(std::signbit(fromWire(*found)->equilibrium().energy));
   EXPECT_TRUE(std::signbit(store.takeReplay().plans[0].points().equilibrium(0).energy));
   EXPECT_EQ(store.find({0, {}, {}})->payload, payload);
   EXPECT_FALSE(store.find({0, {1, 0, 0}, {}}));
@@ -182,9 +182,10 @@ TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamage) {
 TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   recordThree();
   std::map<ResultKey, std::string> whole;
-  readResults(state, problemId(problem), [&](const ResultKey& key, const StoredResult& result) {
-    whole[key] = result.header.SerializeAsString();
-  });
+  readResults(state, problemId(problem),
+              [&](const ResultKey& key, const wire::Result& result, const Outcome&) {
+                whole[key] = result.SerializeAsString();
+              });
   const std::filesystem::path file = StateDirectory::databaseIn(state);
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
@@ -208,7 +209,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
     JobStore store = open(held);
     for (const auto& [key, header] : whole) {
       ASSERT_TRUE(store.knows(key));
-      EXPECT_EQ(store.read(key)->header.SerializeAsString(), header);
+      EXPECT_EQ(store.read(key)->SerializeAsString(), header);
     }
   }
 }
@@ -228,7 +229,7 @@ TEST_F(JobStoreTest, ForgetsHowFarItWasWhenSomethingIsDropped) {
 }
 
 TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
-  const TransitionKey key{1, 5, 2};
+  const Tables::NumberedTransition key{1, {5, 2}};
   {
     const StateDirectory held(state);
     open(held).tables().writeLosses(key, {7, 4, 5});
@@ -257,7 +258,7 @@ TEST_F(JobStoreTest, CanCountOnFromAnythingThatTheTablesSay) {
     EXPECT_GE(value, 0) << name;
     EXPECT_LT(value, std::numeric_limits<std::int32_t>::max()) << name;
   }
-  const Losses losses = store.tables().losses().at({0, 1, 0});
+  const Losses losses = store.tables().losses().at({0, {1, 0}});
   EXPECT_LT(losses.attempts, 4294967295u);
   EXPECT_GT(losses.suspected, 0);
   EXPECT_LT(losses.suspected, 2147483647);

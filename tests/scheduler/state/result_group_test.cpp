@@ -17,32 +17,32 @@ struct ResultGroupTest : testing::Test {
   ResultGroup group{store};
   const ResultGroup::Time now = std::chrono::steady_clock::now();
 
-  TransitionKey addOrigin(std::uint32_t space, ResultGroup::Time when) {
+  ResultKey addOrigin(std::uint32_t space, ResultGroup::Time when) {
     auto [header, payload] = test::solve(problem, space, {0, 0, 0}, {0, 0, 0});
-    const TransitionKey key{space, 0, 0};
-    group.add(key, {header, *fromWire(header)}, payload, when);
+    const ResultKey key{space, {}, {}};
+    group.add(key, {header, *fromWire(header), payload, {}}, when);
     return key;
   }
 };
 
 TEST_F(ResultGroupTest, NothingInItIsRecordedBeforeItIsCommitted) {
-  const TransitionKey key = addOrigin(0, now);
+  const ResultKey key = addOrigin(0, now);
   EXPECT_NE(group.find(key), nullptr);
   EXPECT_FALSE(store.knows({0, {}, {}}));
 }
 
 TEST_F(ResultGroupTest, CommittedResultsAreRecordedAndTheGroupIsEmpty) {
-  const TransitionKey first = addOrigin(0, now), second = addOrigin(1, now + 5ms);
+  const ResultKey first = addOrigin(0, now), second = addOrigin(1, now + 5ms);
   group.find(first)->senders = {"a", "b"};
   EXPECT_EQ(group.since(), now) << "the oldest decides when the group is due";
   const ResultGroup::Members durable = group.commit();
   ASSERT_EQ(durable.size(), 2u);
   EXPECT_EQ(durable.at(first).senders.size(), 2u);
-  for (const TransitionKey& key : {first, second}) {
-    const auto recorded = store.find({key.space, {}, {}});
+  for (const ResultKey& key : {first, second}) {
+    const auto recorded = store.find(key);
     ASSERT_TRUE(recorded);
     EXPECT_EQ(recorded->payload, durable.at(key).payload);
-    EXPECT_EQ(recorded->header, durable.at(key).result.header.SerializeAsString());
+    EXPECT_EQ(recorded->header, durable.at(key).result.SerializeAsString());
   }
   EXPECT_EQ(group.size(), 0u);
   EXPECT_FALSE(group.since());

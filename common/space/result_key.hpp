@@ -1,22 +1,22 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "common/space/lattice.hpp"
-#include "proto/palpate.pb.h"
 
 namespace palpate {
 
-/// What names a result within a build, as results say it themselves. Unlike a TransitionKey it
-/// needs no plan to be read.
+/// A transition of a build, and its result: which configuration space, to which point, from which
+/// one. The origin is its own parent: it is solved from the rest state. Means the same in every
+/// process and needs no plan to be read.
 struct ResultKey {
   std::uint32_t space = 0;
   LatticePoint target = {}, parent = {};
   auto operator<=>(const ResultKey&) const = default;
 };
-ResultKey keyOf(const wire::Result& result);
 std::string textOf(const ResultKey& key);  ///< for people
 
 /// For unordered containers. Not noexcept: the standard library keeps hashes beside the keys then,

@@ -1,12 +1,8 @@
-#include "scheduler/state/result_key.hpp"
+#include "common/space/result_key.hpp"
 
-#include "common/wire/wire.hpp"
+#include <fmt/core.h>
 
 namespace palpate {
-
-ResultKey keyOf(const wire::Result& result) {
-  return {result.space(), fromWire(result.target()), fromWire(result.parent())};
-}
 
 std::string textOf(const ResultKey& key) {
   const auto& [space, target, parent] = key;
