@@ -7,47 +7,39 @@
 
 namespace palpate {
 
-Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
-    : lattice_(std::move(lattice)),
-      max_force_(max_force),
-      max_attempts_(max_attempts),
-      points_(lattice_.size()),
-      unsettled_(lattice_.size()) {
+Frontier::Frontier(const Known& known, int max_attempts)
+    : max_attempts_(max_attempts), points_(known.lattice.size()), unsettled_(known.lattice.size()) {
   // Points near the origin wait for the origin, farther ones for those; so nothing but the origin
   // is ready.
-  for (std::int32_t n = 1; n < lattice_.size(); ++n) advance(n);
+  for (std::int32_t n = 1; n < known.lattice.size(); ++n) advance(n, known);
   makeReady(0, 0);
 }
 
 bool Frontier::isOpen(const Transition& transition) const {
-  if (transition.target < 0 || transition.target >= lattice_.size()) return false;
+  if (transition.target < 0 || transition.target >= std::ssize(points_)) return false;
   const Point& point = points_[transition.target];
   return point.phase == Phase::open && point.blocker == transition.parent;
 }
 
-void Frontier::record(const Transition& transition, std::optional<double> force) {
+void Frontier::record(const Transition& transition, const Known& known) {
   if (!isOpen(transition))
     throw failure("transition to point {} from point {} is recorded but was not asked for",
                   transition.target, transition.parent);
   Point& point = points_[transition.target];
   PALPATE_ASSERT(open_count_ > 0, "an open transition is counted");
   --open_count_;
-  if (force) {
+  if (isSolved(known.points.tag(transition.target))) {
     point.phase = Phase::reached;
-    point.tag = tagOf(*force, max_force_);
     point.round_reached = round_;
     settle(transition.target);
   } else {
-    failed_parents_[transition.target].push_back(transition.parent);
-    advance(transition.target);
+    PALPATE_ASSERT(!known.points.attempts(transition.target).empty() &&
+                       known.points.attempts(transition.target).back().parent == transition.parent,
+                   "how a transition failed is recorded before the frontier goes on from it");
+    advance(transition.target, known);
   }
-  releaseWaiting();
-  if (unsettled_ == 0) beginRound();
-}
-
-Tag Frontier::tag(std::int32_t point) const {
-  const Point& p = points_[point];
-  return complete_ && p.phase == Phase::unreached ? Tag::failed : p.tag;
+  releaseWaiting(known);
+  if (unsettled_ == 0) beginRound(known);
 }
 
 void Frontier::makeReady(std::int32_t target, std::int32_t parent) {
@@ -64,20 +56,17 @@ void Frontier::settle(std::int32_t point) {
   if (round_ == 0) newly_settled_.push_back(point);
 }
 
-void Frontier::advance(std::int32_t point) {
+void Frontier::advance(std::int32_t point, const Known& known) {
   Point& p = points_[point];
   // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
-  const std::int64_t norm = squaredNorm(lattice_.point(point));
-  static const std::vector<std::int32_t> none;
-  const auto failures = failed_parents_.find(point);
-  const std::vector<std::int32_t>& failed =
-      failures == failed_parents_.end() ? none : failures->second;
-  const bool found = failed.size() < budget && lattice_.visitNeighbours(point, [&](auto candidate) {
+  const std::int64_t norm = squaredNorm(known.lattice.point(point));
+  const std::vector<FailedAttempt>& failed = known.points.attempts(point);
+  const auto isReady = [&](std::int32_t candidate) {
     const Point& c = points_[candidate];
     if (round_ == 0) {
       // Strictly nearer to the origin: two points never wait for each other.
-      if (squaredNorm(lattice_.point(candidate)) >= norm) return false;
+      if (squaredNorm(known.lattice.point(candidate)) >= norm) return false;
       if (c.phase == Phase::waiting || c.phase == Phase::open) {
         p.phase = Phase::waiting;
         p.blocker = candidate;
@@ -86,38 +75,39 @@ void Frontier::advance(std::int32_t point) {
     } else if (c.round_reached == round_) {
       return false;  // does not count yet: which comes first would depend on timing
     }
-    const bool tried = std::ranges::find(failed, candidate) != failed.end();
-    if (c.tag != Tag::expandable || tried) return false;
+    const bool tried = std::ranges::find(failed, candidate, &FailedAttempt::parent) != failed.end();
+    if (known.points.tag(candidate) != Tag::expandable || tried) return false;
     makeReady(point, candidate);
     return true;
-  });
-  if (found) return;
+  };
+  if (failed.size() < budget && known.lattice.visitNeighbours(point, isReady)) return;
   p.phase = Phase::unreached;
   settle(point);
 }
 
 /// With a stack and not by recursion: a chain of waiting points may cross the whole lattice.
-void Frontier::releaseWaiting() {
+void Frontier::releaseWaiting(const Known& known) {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
     newly_settled_.pop_back();
-    lattice_.visitNeighbours(settled, [&](std::int32_t neighbour) {
+    known.lattice.visitNeighbours(settled, [&](std::int32_t neighbour) {
       const Point& n = points_[neighbour];
-      if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour);
+      if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour, known);
       return false;
     });
   }
 }
 
-void Frontier::beginRound() {
+void Frontier::beginRound(const Known& known) {
   ++round_;
-  for (std::int32_t n = 0; n < lattice_.size(); ++n) {
+  for (std::int32_t n = 0; n < std::ssize(points_); ++n) {
     // Those that were given up get another chance, from what was reached meanwhile.
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
-    advance(n);
+    advance(n, known);
   }
   complete_ = open_count_ == 0;
+  if (complete_) points_ = {};  // of ten million points a good deal of memory
 }
 
 }  // namespace palpate

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <unordered_map>
 #include <utility>
 
-#include "common/space/active_patch.hpp"
-#include "common/space/lattice.hpp"
-#include "common/space/tag.hpp"
+#include "scheduler/plan/compact_points.hpp"
 
 namespace palpate {
 
@@ -36,10 +33,10 @@ constexpr int maxAttempts(const ActivePatch& patch) {
   return patch.finger ? max_attempts_of_finger : max_attempts_per_point;
 }
 
-/// Decides which transitions of one uniform lattice are ready, from the lattice and the recorded
-/// endings alone: no clock, no workers, no order of arrival. So tags, parents and attempts are a
-/// function of what the transitions give, and a restart that records the known endings again is
-/// exactly where the last run was.
+/// Decides which transitions of one uniform lattice are ready, from the lattice and what is
+/// recorded of its points alone: no clock, no workers, no order of arrival. So tags, parents and
+/// attempts are a function of what the transitions give, and a restart that records the known
+/// endings again is exactly where the last run was.
 ///
 /// - The origin is solved first.
 /// - Round 0: the candidates of point x are its neighbours with a smaller squared norm, in the
@@ -51,25 +48,28 @@ constexpr int maxAttempts(const ActivePatch& patch) {
 ///   tried one after the other until one succeeds or the attempts are spent.
 /// - It is over when a round has nothing to try. Then unreached points are failed.
 ///
-/// Copyable value, one thread at a time.
+/// It keeps neither the lattice nor tags and attempts: its owner has them, and says so with each
+/// call. Copyable value, one thread at a time.
 class Frontier {
  public:
-  /// Points whose |force| exceeds `max_force` (N) are terminating.
-  Frontier(Lattice lattice, double max_force, int max_attempts = max_attempts_per_point);
+  /// A uniform lattice, and what is recorded of its points.
+  struct Known {
+    const Lattice& lattice;
+    const CompactPoints& points;
+  };
+  /// Nothing is recorded yet.
+  explicit Frontier(const Known& known, int max_attempts = max_attempts_per_point);
 
   /// The transitions that became ready since the last call. Each stays open until it is recorded.
   std::vector<Transition> takeReady() { return std::exchange(ready_, {}); }
   /// True for a transition that is ready and not recorded.
   bool isOpen(const Transition& transition) const;
-  /// How an open transition ended: the |force| (N) of its equilibrium, nothing when it failed.
-  /// Error when it is not open.
-  void record(const Transition& transition, std::optional<double> force);
+  /// An open transition ended, and `points` say how: its target is solved, or has one failed
+  /// attempt more. Error when it is not open.
+  void record(const Transition& transition, const Known& known);
 
+  /// Points that are unknown then are failed.
   bool complete() const { return complete_; }
-  /// expandable or terminating as soon as that is recorded; failed only when complete.
-  Tag tag(std::int32_t point) const;
-
-  const Lattice& lattice() const { return lattice_; }
   /// Transitions that are ready and not recorded.
   std::int32_t openCount() const { return open_count_; }
 
@@ -78,23 +78,18 @@ class Frontier {
   enum class Phase : std::uint8_t { waiting, open, reached, unreached };
   struct Point {
     Phase phase = Phase::waiting;
-    Tag tag = Tag::unknown;
     std::int32_t round_reached = 0;
     std::int32_t blocker = -1;  ///< open: the parent being tried; waiting: the point it waits for
   };
 
   void makeReady(std::int32_t target, std::int32_t parent);
   void settle(std::int32_t point);
-  void advance(std::int32_t point);
-  void releaseWaiting();
-  void beginRound();
+  void advance(std::int32_t point, const Known& known);
+  void releaseWaiting(const Known& known);
+  void beginRound(const Known& known);
 
-  Lattice lattice_;
-  double max_force_;
   std::size_t max_attempts_;
   std::vector<Point> points_;
-  /// By point, in the order of trying; of most points none.
-  std::unordered_map<std::int32_t, std::vector<std::int32_t>> failed_parents_;
   std::vector<Transition> ready_;
   /// In round 0: those whose waiting neighbours are to be looked at.
   std::vector<std::int32_t> newly_settled_;

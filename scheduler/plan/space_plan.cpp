@@ -74,10 +74,9 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
     : problem_(&problem),
       space_(space),
-      frontier_(uniformLattice(problem.scene, problem.active[space]),
-                problem.scene.workspace.max_force, maxAttempts(problem.active[space])),
-      positions_(frontier_.lattice()),
+      positions_(uniformLattice(problem.scene, problem.active[space])),
       points_(positions_.size()),
+      frontier_({positions_, points_}, maxAttempts(problem.active[space])),
       may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].probe) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
@@ -142,9 +141,7 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
     found = solvedPoint(transition.parent, outcome, fields, problem_->scene.workspace.max_force);
   if (stage_ == Stage::lattice) {
     if (outcome.converged()) points_.solve(transition.target, found);
-    frontier_.record(transition, outcome.converged()
-                                     ? std::optional(outcome.equilibrium().force.norm())
-                                     : std::nullopt);
+    frontier_.record(transition, {positions_, points_});
   } else {
     recordInPursuit(transition, outcome.converged(), std::move(found));
   }
@@ -221,8 +218,8 @@ void SpacePlan::advanceStage() {
   switch (stage_) {
     case Stage::lattice:
       PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");
-      for (std::int32_t n = 0; n < frontier_.lattice().size(); ++n)
-        if (frontier_.tag(n) == Tag::failed) giveUp(n);
+      for (std::int32_t n = 0; n < size(); ++n)
+        if (points_.tag(n) == Tag::unknown) giveUp(n);
       stage_ = Stage::branches;
       return beginBranches();
     case Stage::branches:

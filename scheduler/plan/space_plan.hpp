@@ -122,11 +122,11 @@ class SpacePlan {
 
   const Problem* problem_;
   std::uint32_t space_;
-  Frontier frontier_;
   Lattice positions_;
   std::int32_t first_probe_ = -1;  ///< -1 before there are probes
   std::vector<LatticeCell> splits_;
   CompactPoints points_;
+  Frontier frontier_;  ///< of the lattice stage
   /// Other equilibria of points, found in this round of branches.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
   /// Recorded, and neither a failed attempt nor what a point has its equilibrium from.

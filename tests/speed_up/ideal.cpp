@@ -37,7 +37,9 @@ Dependencies::Dependencies(const Recording& of) : recording(&of) {
   for (std::uint32_t number = 0; number < problem.active.size(); ++number) {
     SpacePlan plan(problem, number);
     const ActivePatch& patch = problem.active[number];
-    Space space{Frontier(plan.positions(), problem.scene.workspace.max_force, maxAttempts(patch)),
+    Space space{plan.positions(),
+                plan.points(),
+                Frontier({plan.positions(), plan.points()}, maxAttempts(patch)),
                 {},
                 {},
                 {}};
@@ -49,7 +51,7 @@ Dependencies::Dependencies(const Recording& of) : recording(&of) {
       }
     space.waves = wavesOf(plan, of);
     for (std::int32_t n = 0; n < plan.size(); ++n)
-      space.points.push_back(plan.positions().point(n));
+      space.positions.push_back(plan.positions().point(n));
     spaces.push_back(std::move(space));
   }
 }
@@ -61,7 +63,7 @@ class Schedule {
   Schedule(const Dependencies& dependencies, std::size_t workers)
       : dependencies_(dependencies), workers_(workers) {
     for (const Dependencies::Space& space : dependencies.spaces) {
-      progress_.push_back({space.frontier, 0, 0});
+      progress_.push_back({space.points, space.frontier, 0, 0});
       for (const Transition& first : space.ready)
         add(static_cast<std::uint32_t>(progress_.size() - 1), first, {});
     }
@@ -91,6 +93,7 @@ class Schedule {
   };
   using Rank = std::pair<std::int32_t, std::uint32_t>;  ///< parent, space; as Leases does it
   struct Progress {
+    CompactPoints points;
     Frontier frontier;
     std::size_t waves = 0;  ///< begun
     std::size_t open = 0;   ///< chains of the last one
@@ -108,10 +111,15 @@ class Schedule {
     const std::uint32_t number = task.space;
     Progress& progress = progress_[number];
     if (progress.waves == 0) {
+      const auto& [target, parent] = task.transition;
       const Outcome& outcome = solveOf(task).outcome;
-      progress.frontier.record(
-          task.transition,
-          outcome.converged() ? std::optional(outcome.equilibrium().force.norm()) : std::nullopt);
+      const double max_force = dependencies_.recording->problem().scene.workspace.max_force;
+      if (outcome.converged())
+        progress.points.solve(target, solvedPoint(parent, outcome, {}, max_force));
+      else
+        progress.points.addAttempt({target, parent, outcome.failure()});
+      progress.frontier.record(task.transition,
+                               {dependencies_.spaces[number].lattice, progress.points});
       for (const Transition& next : progress.frontier.takeReady())
         add(number, next, {{}, {}, 0, 0, task.depth});
       if (progress.frontier.complete()) beginWave(number, task.depth);
@@ -144,7 +152,7 @@ class Schedule {
   }
 
   const LatticePoint& point(std::uint32_t space, std::int32_t n) const {
-    return dependencies_.spaces[space].points[static_cast<std::size_t>(n)];
+    return dependencies_.spaces[space].positions[static_cast<std::size_t>(n)];
   }
   const Recording::Solve& solveOf(const Task& task) const {
     const auto& [target, parent] = task.transition;

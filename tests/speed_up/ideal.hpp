@@ -16,9 +16,11 @@ struct Dependencies {
     std::vector<std::vector<Transition>> chains;
   };
   struct Space {
-    Frontier frontier;                 ///< before its first transition
-    std::vector<Transition> ready;     ///< of it
-    std::vector<LatticePoint> points;  ///< by number
+    Lattice lattice;                      ///< uniform
+    CompactPoints points;                 ///< of it, before its first transition
+    Frontier frontier;                    ///< likewise
+    std::vector<Transition> ready;        ///< of it
+    std::vector<LatticePoint> positions;  ///< of all points and probes, by number
     std::vector<Wave> waves;
   };
   /// `recording` must outlive this.

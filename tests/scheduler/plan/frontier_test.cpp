@@ -34,6 +34,31 @@ Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
   };
 }
 
+/// A frontier and what it goes by.
+struct Front {
+  explicit Front(const Lattice& of, int budget = max_attempts_per_point)
+      : lattice(of), points(of.size()), frontier({lattice, points}, budget) {}
+
+  void record(const Transition& transition, std::optional<double> force) {
+    PointRecord found;
+    found.tag = tagOf(force.value_or(0), max_force);
+    found.parent = transition.parent;
+    if (force)
+      points.solve(transition.target, found);
+    else
+      points.addAttempt({transition.target, transition.parent, {}});
+    frontier.record(transition, {lattice, points});
+  }
+  Tag tag(std::int32_t point) const {
+    const Tag known = points.tag(point);
+    return known == Tag::unknown && frontier.complete() ? Tag::failed : known;
+  }
+
+  Lattice lattice;
+  CompactPoints points;
+  Frontier frontier;
+};
+
 /// Everything that reaches a dataset.
 struct Answer {
   std::vector<Tag> tags;
@@ -43,13 +68,12 @@ struct Answer {
 };
 
 /// `recorded`: all transitions, those of a point in the order in which they were tried.
-Answer answerOf(const Frontier& frontier, const std::vector<Transition>& recorded,
+Answer answerOf(const Front& front, const std::vector<Transition>& recorded,
                 const Physics& physics) {
-  const auto size = static_cast<std::size_t>(frontier.lattice().size());
+  const auto size = static_cast<std::size_t>(front.lattice.size());
   Answer answer{
       {}, std::vector<std::int32_t>(size, -1), std::vector<std::vector<std::int32_t>>(size)};
-  for (std::int32_t n = 0; n < frontier.lattice().size(); ++n)
-    answer.tags.push_back(frontier.tag(n));
+  for (std::int32_t n = 0; n < front.lattice.size(); ++n) answer.tags.push_back(front.tag(n));
   for (const Transition& t : recorded)
     if (physics(t))
       answer.parents[t.target] = t.parent;
@@ -106,44 +130,45 @@ Answer solve(const Lattice& lattice, const Physics& physics, std::size_t in_flig
              bool restarts, int budget = max_attempts_per_point) {
   std::mt19937 random(seed);
   std::vector<Transition> recorded;
-  Frontier frontier(lattice, max_force, budget);
-  std::vector<Transition> ready = frontier.takeReady();
+  Front front(lattice, budget);
+  std::vector<Transition> ready = front.frontier.takeReady();
   const auto pick = [&](std::size_t size) { return random() % size; };
-  while (!frontier.complete()) {
+  while (!front.frontier.complete()) {
     const std::size_t n = pick(std::min(ready.size(), in_flight));
     const Transition done = ready[n];
     ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(n));
-    frontier.record(done, physics(done));
+    front.record(done, physics(done));
     recorded.push_back(done);
     if (restarts && random() % 40 == 0) {
-      frontier = Frontier(lattice, max_force, budget);
+      front = Front(lattice, budget);
       ready.clear();
       std::vector<Transition> left = recorded;
       while (!left.empty()) {
-        const auto known = std::find_if(left.begin(), left.end(),
-                                        [&](const Transition& t) { return frontier.isOpen(t); });
+        const auto known = std::find_if(left.begin(), left.end(), [&](const Transition& t) {
+          return front.frontier.isOpen(t);
+        });
         if (known == left.end())
           throw failure("a recorded transition is not asked for after a restart");
-        frontier.record(*known, physics(*known));
+        front.record(*known, physics(*known));
         std::swap(*known, left.back());
         left.pop_back();
       }
-      for (const Transition& t : frontier.takeReady())
-        if (frontier.isOpen(t)) ready.push_back(t);
+      for (const Transition& t : front.frontier.takeReady())
+        if (front.frontier.isOpen(t)) ready.push_back(t);
     }
-    for (const Transition& t : frontier.takeReady()) ready.push_back(t);
+    for (const Transition& t : front.frontier.takeReady()) ready.push_back(t);
     if (random() % 3 == 0) std::shuffle(ready.begin(), ready.end(), random);
   }
-  return answerOf(frontier, recorded, physics);
+  return answerOf(front, recorded, physics);
 }
 
 TEST(Frontier, BeginsWithTheOriginAloneAndThenOffersItsNeighbours) {
   const Lattice lattice(3, 1);
-  Frontier frontier(lattice, max_force);
-  EXPECT_EQ(frontier.takeReady(), (std::vector<Transition>{{0, 0}}));
-  EXPECT_TRUE(frontier.takeReady().empty());
-  frontier.record({0, 0}, 0);
-  const auto ready = frontier.takeReady();
+  Front front(lattice);
+  EXPECT_EQ(front.frontier.takeReady(), (std::vector<Transition>{{0, 0}}));
+  EXPECT_TRUE(front.frontier.takeReady().empty());
+  front.record({0, 0}, 0);
+  const auto ready = front.frontier.takeReady();
   EXPECT_EQ(ready.size(), 6u) << "the axis neighbours; a diagonal one waits for its nearer "
                                  "neighbour, which is closer to it";
   for (const Transition& t : ready) EXPECT_EQ(t.parent, 0);
@@ -235,23 +260,23 @@ TEST(Frontier, LeavesAHoleThatEveryNeighbourFailedToReach) {
 
 TEST(Frontier, EndsAtOnceWhenTheOriginFails) {
   const Lattice lattice(3, 1);
-  Frontier frontier(lattice, max_force);
-  EXPECT_EQ(frontier.tag(1), Tag::unknown) << "nothing is unreachable before the end";
-  frontier.record({0, 0}, std::nullopt);
-  EXPECT_TRUE(frontier.complete());
-  for (std::int32_t n = 0; n < lattice.size(); ++n) EXPECT_EQ(frontier.tag(n), Tag::failed);
+  Front front(lattice);
+  EXPECT_EQ(front.tag(1), Tag::unknown) << "nothing is unreachable before the end";
+  front.record({0, 0}, std::nullopt);
+  EXPECT_TRUE(front.frontier.complete());
+  for (std::int32_t n = 0; n < lattice.size(); ++n) EXPECT_EQ(front.tag(n), Tag::failed);
 }
 
 TEST(Frontier, RefusesWhatWasNotAskedFor) {
   const Lattice lattice(3, 1);
-  Frontier frontier(lattice, max_force);
+  Front front(lattice);
   test::expectError(ExitCode::failed,
                     [&] {
-                      frontier.record({3, 0}, 1);
+                      front.record({3, 0}, 1);
                     },
                     {"point 3", "not asked for"});
-  frontier.record({0, 0}, 0);
-  test::expectError(ExitCode::failed, [&] { frontier.record({0, 0}, 0); }, {"not asked for"});
+  front.record({0, 0}, 0);
+  test::expectError(ExitCode::failed, [&] { front.record({0, 0}, 0); }, {"not asked for"});
 }
 
 }  // namespace
