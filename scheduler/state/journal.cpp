@@ -60,7 +60,8 @@ std::uint32_t placeCrcOf(std::uint32_t segment, std::uint64_t offset) {
   return crcOf(place);
 }
 
-/// A segment, open for reading.
+}  // namespace
+
 class SegmentFile {
  public:
   SegmentFile(std::filesystem::path path, std::uint32_t number)
@@ -74,6 +75,8 @@ class SegmentFile {
   }
 
   bool exists() const { return static_cast<bool>(file_); }
+  /// What is read from now on is as it is on the disk now, within the size() that it had.
+  void lookAgain() const { window_.clear(); }
   std::uint64_t size() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
   std::uint32_t number() const { return number_; }
@@ -167,6 +170,8 @@ class SegmentFile {
   mutable std::string window_;  ///< what was read last
   mutable std::uint64_t window_at_ = 0, ahead_ = 0;
 };
+
+namespace {
 
 std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
 
@@ -307,8 +312,18 @@ JournalScan JournalReader::scan(const Visit& visit) const {
   return found;
 }
 
+/// Most records lie in the segment of the one before: they are read in the order of points, which
+/// were recorded from rest outward.
+const SegmentFile& JournalReader::fileWith(const JournalPosition& position) const {
+  const std::uint64_t end = position.offset + position.length;
+  if (!latest_ || latest_->number() != position.segment || latest_->size() < end)
+    latest_ = std::make_shared<SegmentFile>(segmentPath(position.segment), position.segment);
+  latest_->lookAgain();
+  return *latest_;
+}
+
 JournalRecord JournalReader::read(const JournalPosition& position) const {
-  const SegmentFile file(segmentPath(position.segment), position.segment);
+  const SegmentFile& file = fileWith(position);
   auto record = file.headAt(position.offset);
   const auto damaged = [&](const char* what) {
     return DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged ({})",
@@ -326,7 +341,7 @@ JournalRecord JournalReader::read(const JournalPosition& position) const {
 }
 
 std::string JournalReader::readHeader(const JournalPosition& position) const {
-  const SegmentFile file(segmentPath(position.segment), position.segment);
+  const SegmentFile& file = fileWith(position);
   auto record = file.headAt(position.offset);
   if (!record || !record->first.is(Head::whole) || record->first.recordBytes() != position.length)
     throw DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged",

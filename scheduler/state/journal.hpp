@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -76,11 +77,14 @@ struct JournalScan {
   JournalEnd end;  ///< behind the last record
 };
 
+class SegmentFile;  // of one segment, open for reading
+
 /// The journal in a directory, for reading: DIRECTORY/segment-000001.dat and so on. Layout of a
 /// record (docs/state.md): "PJR3", header bytes u32, payload bytes u32, CRC-32 u32 over the
 /// record's place, the two lengths and the header, CRC-32 u32 over the payload; header; payload.
 ///
-/// Reading depends on nothing but these files. It may go on while a scheduler appends.
+/// Reading depends on nothing but these files. It may go on while a scheduler appends. The segment
+/// that was read last stays open. One thread.
 class JournalReader {
  public:
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -104,6 +108,11 @@ class JournalReader {
 
  protected:
   std::filesystem::path directory_;
+
+ private:
+  const SegmentFile& fileWith(const JournalPosition& position) const;
+
+  mutable std::shared_ptr<const SegmentFile> latest_;
 };
 
 /// Every result, append-only. A record counts once sync() has returned. One thread. Every failure
