@@ -39,7 +39,8 @@ class Inspector {
                      found_.tables_text.empty() ? "no state.db" : found_.tables_text);
     if (!found_.problem) salvageProblem();
     if (found_.problem) replay();
-    if (tables_ && !found_.scheduler) count();
+    if (!found_.scheduler && told_ > recorded_.size())
+      found_.lost_results = told_ - recorded_.size();
     listLeftovers();
     return std::move(found_);
   }
@@ -54,36 +55,22 @@ class Inspector {
     }
     try {
       // Beside a scheduler its index of the log is there anyway.
-      tables_.emplace(directory_, found_.scheduler ? Database::Access::read_only
-                                                   : Database::Access::read_untouched);
-      tables_->verify();
-      takeBuild(tables_->build());
-    } catch (const DamagedDatabase& damage) {
-      tablesAreDamaged(damage.what());
-    }
-  }
-
-  /// Unless the tables' word about their own build cannot be right.
-  void takeBuild(const StoredBuild& build) {
-    try {
-      Problem problem = decodeProblem(build.problem);
-      if (problemId(problem) != build.build)
-        throw failure("the problem in them is not that of their build id");
+      StoredTables tables(directory_, found_.scheduler ? Database::Access::read_only
+                                                       : Database::Access::read_untouched);
+      tables.verify();
+      const StoredBuild& build = tables.build();
+      std::optional<Problem> problem = problemOf(build);
+      if (!problem)
+        throw DamagedDatabase(file, "the problem in them is not that of their build id");
       found_.build = build.build;
       found_.scene_name = build.scene_name;
       found_.problem = std::move(problem);
-    } catch (const Error& error) {
-      tablesAreDamaged(fmt::format("{}: damaged: {}", pathOfTables(), error.what()));
+      told_ = tables.progress().value_or(Progress()).recorded;
+    } catch (const DamagedDatabase& damage) {
+      found_.tables = Inspection::TableState::damaged;
+      found_.tables_text = damage.what();
     }
   }
-
-  void tablesAreDamaged(std::string text) {
-    found_.tables = Inspection::TableState::damaged;
-    found_.tables_text = std::move(text);
-    tables_.reset();
-  }
-
-  std::string pathOfTables() const { return StateDirectory::databaseIn(directory_).string(); }
 
   void readJournal() {
     JournalScan scan = journal_.scan(
@@ -164,7 +151,8 @@ class Inspector {
   /// From tables that are damaged elsewhere, or were put aside.
   void salvageProblem() {
     for (const char* part : {"", ".damaged"}) {
-      std::optional<Problem> problem = problemIn(pathOfTables() + part);
+      std::optional<Problem> problem =
+          problemIn(StateDirectory::databaseIn(directory_).string() + part);
       if (!problem) continue;
       const ContentId id = problemId(*problem);
       if (found_.build.value_or(id) != id) continue;
@@ -191,12 +179,6 @@ class Inspector {
                              replayed.plans[space].positions().divisions()});
   }
 
-  void count() {
-    const auto progress = tables_->progress();
-    if (progress && progress->recorded > recorded_.size())
-      found_.lost_results = progress->recorded - recorded_.size();
-  }
-
   void listLeftovers() {
     const std::set<std::string> known = {"state.db.damaged", "lock.tmp", "endpoint.tmp"};
     for (const auto& entry : std::filesystem::directory_iterator(directory_))
@@ -207,7 +189,7 @@ class Inspector {
 
   std::filesystem::path directory_;
   JournalReader journal_;
-  std::optional<StoredTables> tables_;
+  std::size_t told_ = 0;  ///< results, by the tables
   ResultIndex recorded_;
   std::vector<ResultKey> in_order_;  ///< of recording
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;

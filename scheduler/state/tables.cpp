@@ -115,15 +115,6 @@ std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
   return file;
 }
 
-/// Whether the build id is that of the problem beside it.
-bool isOfItsProblem(Database& database, const ContentId& build) {
-  try {
-    return problemId(decodeProblem(meta(database, "problem"))) == build;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 /// DamagedDatabase unless SQLite finds it whole by this pragma.
 void requireWhole(Database& database, const char* pragma) {
   Statement check(database, pragma);
@@ -142,7 +133,7 @@ void checkPages(Database& database, const ContentId& wanted) {
   checkVersion(database);
   const auto build = ContentId::fromHex(meta(database, "build"));
   if (!build) throw DamagedDatabase(database.file(), "no build id in it");
-  if (*build != wanted && !isOfItsProblem(database, *build))
+  if (*build != wanted && !problemOf({*build, "", meta(database, "problem")}))
     throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
 }
 
@@ -167,6 +158,16 @@ Database openForWriting(const StateDirectory& directory, const ContentId& wanted
 }
 
 }  // namespace
+
+std::optional<Problem> problemOf(const StoredBuild& build) {
+  try {
+    Problem problem = decodeProblem(build.problem);
+    if (problemId(problem) == build.build) return problem;
+  } catch (const Error&) {
+    // Damaged.
+  }
+  return std::nullopt;
+}
 
 void putTablesAside(const StateDirectory& directory) {
   const std::string file = directory.database().string();

@@ -19,6 +19,8 @@ struct StoredBuild {
   std::string scene_name;
   std::string problem;  ///< encodeProblem
 };
+/// Its problem; nothing when that is damaged, or not the one of the build id.
+std::optional<Problem> problemOf(const StoredBuild& build);
 
 /// How far a build is, as its scheduler says now and then.
 struct Progress {
