@@ -8,49 +8,43 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t seal_bytes = crypto_generichash_BYTES_MIN;
-
-/// Unambiguous: only the worker's id and the last part differ in length, and the id's is told.
-std::string textOf(const Leased& leased) {
-  std::string text;
-  const auto add = [&](std::int64_t number) {
-    text.append(reinterpret_cast<const char*>(&number), sizeof number);
-  };
-  add(std::ssize(leased.worker));
-  text += leased.worker;
-  add(leased.transition.space);
-  for (const LatticePoint& point : {leased.transition.target, leased.transition.parent})
-    for (const std::int32_t coordinate : point) add(coordinate);
-  text += leased.start_id;
-  return text;
-}
-
-const unsigned char* bytesOf(std::string_view text) {
-  return reinterpret_cast<const unsigned char*>(text.data());
+std::string bytesOfNumber(std::int64_t number) {
+  return {reinterpret_cast<const char*>(&number), sizeof number};
 }
 
 }  // namespace
 
-LeaseSeal::LeaseSeal(std::string secret) : secret_(std::move(secret)) {
-  startSodium();
-  PALPATE_ASSERT(secret_.size() >= crypto_generichash_KEYBYTES_MIN &&
-                     secret_.size() <= crypto_generichash_KEYBYTES_MAX,
-                 "a secret of the length that BLAKE2b takes");
+std::string keyedHash(std::string_view text, std::string_view secret) {
+  const auto bytes = [](std::string_view of) {
+    return reinterpret_cast<const unsigned char*>(of.data());
+  };
+  std::string hash(crypto_generichash_BYTES_MIN, '\0');
+  const int failed = crypto_generichash(reinterpret_cast<unsigned char*>(hash.data()), hash.size(),
+                                        bytes(text), text.size(), bytes(secret), secret.size());
+  PALPATE_ASSERT(failed == 0, "a secret of a length that BLAKE2b takes");
+  return hash;
 }
 
+std::string bytesOf(const ResultKey& key) {
+  std::string bytes = bytesOfNumber(key.space);
+  for (const LatticePoint& point : {key.target, key.parent})
+    for (const std::int32_t coordinate : point) bytes += bytesOfNumber(coordinate);
+  return bytes;
+}
+
+LeaseSeal::LeaseSeal(std::string secret) : secret_(std::move(secret)) { startSodium(); }
+
 std::string LeaseSeal::sealOf(const Leased& leased) const {
-  const std::string text = textOf(leased);
-  std::string seal(seal_bytes, '\0');
-  const int failed =
-      crypto_generichash(reinterpret_cast<unsigned char*>(seal.data()), seal.size(), bytesOf(text),
-                         text.size(), bytesOf(secret_), secret_.size());
-  PALPATE_ASSERT(failed == 0, "the lengths are right");
-  return seal;
+  const auto& [worker, transition, start_id] = leased;
+  // Unambiguous: only the worker's id and the last part differ in length, and the id's is told.
+  std::string text = bytesOfNumber(std::ssize(worker));
+  text.append(worker).append(bytesOf(transition)).append(start_id);
+  return keyedHash(text, secret_);
 }
 
 bool LeaseSeal::isSealOf(const Leased& leased, std::string_view seal) const {
-  return seal.size() == seal_bytes &&
-         sodium_memcmp(sealOf(leased).data(), seal.data(), seal_bytes) == 0;
+  const std::string own = sealOf(leased);
+  return seal.size() == own.size() && sodium_memcmp(own.data(), seal.data(), own.size()) == 0;
 }
 
 }  // namespace palpate

@@ -1,8 +1,17 @@
 #pragma once
 
-#include "scheduler/state/job_store.hpp"
+#include <string>
+#include <string_view>
+
+#include "common/space/result_key.hpp"
 
 namespace palpate {
+
+/// 16 bytes that nobody can make, or tell beforehand, without the secret, which has 16 to 64 bytes:
+/// keyed BLAKE2b.
+std::string keyedHash(std::string_view text, std::string_view secret);
+/// For it: 8 bytes of each number.
+std::string bytesOf(const ResultKey& key);
 
 /// A transition in the hands of a worker.
 struct Leased {

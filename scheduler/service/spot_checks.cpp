@@ -1,12 +1,10 @@
 #include "scheduler/service/spot_checks.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 #include "common/base/assertion.hpp"
+#include "scheduler/service/lease_seal.hpp"
 #include "scheduler/service/result_check.hpp"
 
 namespace palpate {
@@ -34,22 +32,8 @@ bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenan
 
 /// Between 0 and 1, from the secret and the transition alone.
 double lotOf(const ResultKey& key, const std::string& secret) {
-  std::string text;
-  const auto add = [&](std::int64_t number) {
-    text.append(reinterpret_cast<const char*>(&number), sizeof number);
-  };
-  add(key.space);
-  for (const LatticePoint& point : {key.target, key.parent})
-    for (const std::int32_t coordinate : point) add(coordinate);
-  std::array<unsigned char, crypto_generichash_BYTES_MIN> hash{};
-  const auto bytes = [](const std::string& of) {
-    return reinterpret_cast<const unsigned char*>(of.data());
-  };
-  const int failed = crypto_generichash(hash.data(), hash.size(), bytes(text), text.size(),
-                                        bytes(secret), secret.size());
-  PALPATE_ASSERT(failed == 0, "the lengths are right");
   std::uint64_t number = 0;
-  std::memcpy(&number, hash.data(), sizeof number);
+  std::memcpy(&number, keyedHash(bytesOf(key), secret).data(), sizeof number);
   return static_cast<double>(number >> 11) * 0x1p-53;
 }
 
