@@ -53,6 +53,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
 void Leases::lease(const ResultKey& key, const std::string& worker, std::uint64_t job) {
   takeFromWaiting(key);
   Entry& entry = entries_.at(key);
+  PALPATE_ASSERT(entry.worker.empty(), "what waits is with nobody");
   entry.worker = worker;
   entry.job = job;
   ++entry.losses.attempts;
@@ -202,6 +203,7 @@ void Leases::takeFromWaiting(const ResultKey& key) {
 }
 
 void Leases::noteEnd(Held& held, const Entry& entry) {
+  PALPATE_ASSERT(held.targets > 0 && leased_count_ > 0, "a lease that ends was counted");
   --held.targets;
   --leased_count_;
   leased_checks_ -= entry.is_check;

@@ -187,6 +187,8 @@ void SpacePlan::giveUp(std::int32_t target) {
 std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
   points_.add();
+  PALPATE_ASSERT(positions_.size() == points_.size(),
+                 "a position and what is known of it have one number");
   return positions_.size() - 1;
 }
 
@@ -318,6 +320,7 @@ void PlanRows::eachAttempt(const VisitAttempt& visit) const {
 }
 
 Probe PlanRows::probe(std::int32_t n) const {
+  PALPATE_ASSERT(n >= 0 && n < probes(), "probes follow the points");
   const std::int32_t number = points() + n;
   return {lattice().displacement(number), plan_.point(number)};
 }

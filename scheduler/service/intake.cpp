@@ -64,6 +64,7 @@ bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   if (const auto recorded = state_.store.find(keyOf(message))) {
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
+    PALPATE_ASSERT(keyOf(first) == keyOf(message), "it is recorded under what it is of");
     if (message.start_id() == first.start_id()) {
       state_.acknowledge(worker.peer, message);
       return seconds_.compare(worker, first, message);
@@ -135,6 +136,7 @@ void Intake::commit() {
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;
+    PALPATE_ASSERT(state_.store.knows(key), "what is acknowledged is recorded");
     for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result);
     SpacePlan& plan = state_.plans[key.space];
     plan.record(*plan.find(key), outcome, fieldsOf(member.result));

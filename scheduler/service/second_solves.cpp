@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "scheduler/service/result_check.hpp"
 
 namespace palpate {
@@ -66,6 +67,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   }
   wire::Result first;
   if (!record || !first.ParseFromString(record->header)) return false;
+  PALPATE_ASSERT(keyOf(first) == key, "a result is recorded under what it is of");
   SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
   if (first.has_start_parent()) start.solved_by = solverOfStart(first);
   checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);

@@ -1,5 +1,7 @@
 #include "scheduler/service/service_state.hpp"
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 
 wire::Message& ServiceState::send(const std::string& peer,
@@ -9,6 +11,7 @@ wire::Message& ServiceState::send(const std::string& peer,
 }
 
 wire::ResultAck& ServiceState::acknowledge(const std::string& peer, const wire::Result& result) {
+  PALPATE_ASSERT(!turns_since_retry, "plans that hold what was dropped take no result");
   wire::ResultAck& ack = *send(peer).mutable_result_ack();
   ack.set_space(result.space());
   *ack.mutable_target() = result.target();

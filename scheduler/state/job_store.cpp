@@ -54,13 +54,17 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
 void JobStore::append(const wire::Result& header, std::string_view payload) {
   const ResultKey key = keyOf(header);
   PALPATE_ASSERT(!knows(key), "the first result of a transition is the recorded one");
+  PALPATE_ASSERT(header.lease().empty(), "a lease is its worker's, and not recorded");
   appended_.emplace_back(key, journal_.append(header.SerializeAsString(), payload));
   kernel_family_ = header.kernel_family();
 }
 
 void JobStore::commit() {
   journal_.sync();
-  for (const auto& [key, where] : appended_) found_.recorded.where.emplace(key, where);
+  for (const auto& [key, where] : appended_) {
+    const bool fresh = found_.recorded.where.emplace(key, where).second;
+    PALPATE_ASSERT(fresh, "a transition is in a group once");
+  }
   appended_.clear();
 }
 

@@ -35,6 +35,8 @@ std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expecte
 /// Into the plan, unless it was solved from something else than the plan has as its start.
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
+  PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition),
+                 "a result is found by the transition that it is of");
   if (result.start_id() != startIdOf(plan, transition)) return false;
   plan.record(transition, outcome, fieldsOf(result));
   return true;
