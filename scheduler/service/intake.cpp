@@ -12,9 +12,9 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
       check_(state.problem, state.store.build()) {
   Replay replayed = state_.store.takeReplay();
   state_.plans = std::move(replayed.plans);
-  spare_ = std::move(replayed.spare);
+  unclaimed_ = std::move(replayed.unclaimed);
   // Where something was lost, what it led to is asked for again in time.
-  if (!state_.store.damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
+  if (!state_.store.damaged() && replayed.settled.outdated.empty()) refuseUnclaimed(unclaimed_);
   PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
                  "every active node has its plan");
   state_.chronicle.begin(state_.plans);
@@ -144,13 +144,14 @@ void Intake::commit() {
     handouts_.noteSolve(outcome.cost.seconds);
     converged_ += outcome.converged();
     if (!outcome.converged()) state_.chronicle.failed(key, outcome.failure(), member.result.given_by());
-    goOn(settle(plan, spare_, [this](const ResultKey& spare) { return state_.store.read(spare); }));
+    goOn(settle(plan, unclaimed_,
+                [this](const ResultKey& unclaimed) { return state_.store.read(unclaimed); }));
     state_.chronicle.wentOn(key.space, plan);
   }
 }
 
 void Intake::goOn(const Settled& settled) {
-  state_.store.drop(settled.stale);
+  state_.store.drop(settled.outdated);
   workers_.addReady(settled.missing);
 }
 

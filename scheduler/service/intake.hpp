@@ -43,7 +43,7 @@ class Intake {
   SecondSolves& seconds_;
   Handouts& handouts_;
   ResultCheck check_;
-  SpareResults spare_;  ///< recorded, and not asked for yet (Replay)
+  UnclaimedResults unclaimed_;  ///< recorded, and not asked for yet (Replay)
   std::int64_t recorded_ = 0, converged_ = 0;
 };
 

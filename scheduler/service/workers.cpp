@@ -31,7 +31,7 @@ Workers::Workers(ServiceState& state)
       incarnation_(randomBytes(16)),
       losses_(state.tables.losses()) {
   // They may come back any moment.
-  for (const auto& [key, host] : state.store.givers()) heard.add(key, host);
+  for (const auto& [key, host] : state.store.machines()) heard.add(key, host);
 }
 
 bool Workers::hello(const Incoming& incoming) {

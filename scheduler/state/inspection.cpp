@@ -170,7 +170,7 @@ class Inspector {
       if (const auto result = read(key))
         if (const auto outcome = fromWire(*result)) replayed.take(key, *result, *outcome);
     replayed.finish(read);
-    found_.spare = replayed.spare.size();
+    found_.spare = replayed.unclaimed.size();
     for (const JournalDamage& damage : found_.damage)
       if (damage.key && damage.key->space < found_.problem->active.size())
         lost_.emplace(damage.key->space, damage.key->target);
@@ -244,9 +244,9 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
     putTablesAside(held);
     done.push_back(fmt::format("{0} put aside as {0}.damaged", tables.string()));
   }
-  const bool stale =
+  const bool outdated =
       found.tables != TableState::whole || found.lost_results > 0 || !found.damage.empty();
-  if (!stale || !found.problem) return done;
+  if (!outdated || !found.problem) return done;
   Tables(held, *found.problem).forgetProgress();
   if (found.tables != TableState::whole) done.push_back(fmt::format("{} made", tables.string()));
   if (found.lost_results > 0)

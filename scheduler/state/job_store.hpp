@@ -27,7 +27,7 @@ class JobStore {
   Replay takeReplay() { return std::move(found_.replay); }
   std::size_t found() const { return found_.results; }  ///< so many
   /// The machines of those who gave them: key and host.
-  const auto& givers() const { return found_.givers; }
+  const auto& machines() const { return found_.machines; }
   double longestSolve() const { return found_.longest_solve; }  ///< of them, s
   /// Some of what earlier runs left was lost or dropped.
   bool damaged() const { return !found_.recorded.damage.empty(); }

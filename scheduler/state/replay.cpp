@@ -44,7 +44,7 @@ bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result&
 
 void append(Settled& all, const Settled& more) {
   all.missing.insert(all.missing.end(), more.missing.begin(), more.missing.end());
-  all.stale.insert(all.stale.end(), more.stale.begin(), more.stale.end());
+  all.outdated.insert(all.outdated.end(), more.outdated.begin(), more.outdated.end());
 }
 
 }  // namespace
@@ -107,18 +107,18 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
-Settled settle(SpacePlan& plan, SpareResults& spare, const ReadSpare& read) {
+Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read) {
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
       // Recorded meanwhile.
       if (!plan.isOpen(transition)) continue;
       const ResultKey key = plan.keyOf(transition);
-      const bool known = spare.erase(key) > 0;
+      const bool known = unclaimed.erase(key) > 0;
       const std::optional<wire::Result> result = known ? read(key) : std::nullopt;
       const std::optional<Outcome> outcome = result ? fromWire(*result) : std::nullopt;
       if (outcome && recordIn(plan, transition, *result, *outcome)) continue;
-      if (known) settled.stale.push_back(key);
+      if (known) settled.outdated.push_back(key);
       settled.missing.push_back(key);
     }
   return settled;
@@ -133,14 +133,14 @@ Replay::Replay(const Problem& problem) {
 void Replay::take(const ResultKey& key, const wire::Result& result, const Outcome& outcome) {
   const std::optional<Transition> transition = findIn(plans, key);
   if (!transition || !plans[key.space].isOpen(*transition))
-    spare.insert(key);
+    unclaimed.insert(key);
   else if (!recordIn(plans[key.space], *transition, result, outcome))
-    settled.stale.push_back(key);
+    settled.outdated.push_back(key);
 }
 
-void Replay::finish(const ReadSpare& read) {
+void Replay::finish(const ReadUnclaimed& read) {
   for (SpacePlan& plan : plans) {
-    append(settled, settle(plan, spare, read));
+    append(settled, settle(plan, unclaimed, read));
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }
@@ -158,7 +158,7 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
     }
     if (found.results++ == 0) found.kernel_family = result.kernel_family();
     found.longest_solve = std::max(found.longest_solve, outcome.cost.seconds);
-    found.givers.emplace(giver.key(), giver.host());
+    found.machines.emplace(giver.key(), giver.host());
     found.replay.take(key, result, outcome);
   };
   found.recorded = readResults(directory, build, take, expected);
@@ -177,13 +177,13 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
   return keys;
 }
 
-void refuseSpare(const SpareResults& spare) {
-  if (spare.empty()) return;
+void refuseUnclaimed(const UnclaimedResults& unclaimed) {
+  if (unclaimed.empty()) return;
   throw failure(
       "the state directory holds {} results that nobody asked for (the first: {}): another version "
       "of palpate began it, which asked for others; go on with that one, or remove the directory "
       "to compute everything again",
-      spare.size(), textOf(*spare.begin()));
+      unclaimed.size(), textOf(*unclaimed.begin()));
 }
 
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans) {

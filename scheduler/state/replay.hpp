@@ -49,15 +49,15 @@ struct Settled {
   std::vector<ResultKey> missing;  ///< ready, and not known: to be solved
   /// Known, but from another start than the plan has: what their parent was, is no more. Or they
   /// cannot be read any more. They are among the missing.
-  std::vector<ResultKey> stale;
+  std::vector<ResultKey> outdated;
 };
 /// Recorded results that no plan has asked for yet. They will, where what led there was lost.
-using SpareResults = std::set<ResultKey>;
+using UnclaimedResults = std::set<ResultKey>;
 /// One of them; nothing when it cannot be read any more.
-using ReadSpare = std::function<std::optional<wire::Result>(const ResultKey&)>;
-/// Records in the plan those of the spare ones whose transitions are ready, and those that this
+using ReadUnclaimed = std::function<std::optional<wire::Result>(const ResultKey&)>;
+/// Records in the plan those of the unclaimed ones whose transitions are ready, and those that this
 /// makes ready, and so on; takes them out.
-Settled settle(SpacePlan& plan, SpareResults& spare, const ReadSpare& read);
+Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read);
 
 /// Puts recorded results into fresh plans, one after the other, in the order in which they were
 /// recorded: then each is asked for when it comes, unless something was lost before it.
@@ -69,11 +69,11 @@ class Replay {
   /// A result that is recorded. Each key once.
   void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
   /// After the last of them.
-  void finish(const ReadSpare& read);
+  void finish(const ReadUnclaimed& read);
 
   std::vector<SpacePlan> plans;  ///< one per active node of the problem
   Settled settled;               ///< of all of them, once it is finished
-  SpareResults spare;
+  UnclaimedResults unclaimed;
 };
 
 /// A journal whose results are in plans, but for those of liars.
@@ -84,9 +84,9 @@ struct ReplayedJournal {
   std::vector<ResultKey> of_liars;  ///< left out
   // Of all that was not left out.
   std::size_t results = 0;
-  std::string kernel_family;                             ///< empty without any
-  double longest_solve = 0;                              ///< s
-  std::set<std::pair<std::string, std::string>> givers;  ///< their machines: key and host
+  std::string kernel_family;                               ///< empty without any
+  double longest_solve = 0;                                ///< s
+  std::set<std::pair<std::string, std::string>> machines;  ///< that gave them: key and host
 };
 /// Reads the journal in `directory`, which holds some `expected` results. Errors are those of
 /// readResults().
@@ -99,7 +99,7 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
 
 /// Error when a replay of a journal that is whole left results that nobody asked for: another
 /// version of the program, which asked for others, began it.
-void refuseSpare(const SpareResults& spare);
+void refuseUnclaimed(const UnclaimedResults& unclaimed);
 
 /// The rows of a dataset.
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans);

@@ -212,7 +212,7 @@ Json replayAlone(const Problem& problem, const std::filesystem::path& directory)
   const auto found = replayJournal(directory, problem, problemId(problem), {});
   return {{"seconds", secondsSince(began)},
           {"peak_mb", megabytes("VmHWM")},
-          {"spare", found.replay.spare.size()}};
+          {"spare", found.replay.unclaimed.size()}};
 }
 
 /// The median of some.
