@@ -85,6 +85,17 @@ void expectEqual(const SpaceTable& a, const SpaceTable& b) {
     EXPECT_EQ(a.probes[n].record.parent, b.probes[n].record.parent);
 }
 
+TEST_F(SpacePlanTest, FindsItsTransitionsByTheirPoints) {
+  SpacePlan plan(problem, 0);
+  finish(plan, smooth);
+  const Transition transition{plan.size() - 1, 0};
+  const ResultKey key = plan.keyOf(transition);
+  EXPECT_EQ(plan.find(key), transition);
+  EXPECT_FALSE(plan.find({0, {1000000, 0, 0}, key.parent})) << "it has no such point";
+  EXPECT_EQ(findIn({plan}, key), transition);
+  EXPECT_FALSE(findIn({plan}, {1, key.target, key.parent})) << "there is no such space";
+}
+
 TEST_F(SpacePlanTest, AUniformSceneIsItsLatticeAndNothingElse) {
   const SpaceTable table = finished(smooth);
   EXPECT_EQ(table.points.size(), 33u);

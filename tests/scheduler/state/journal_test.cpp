@@ -131,6 +131,22 @@ TEST_F(JournalTest, CutAtEveryLengthItKeepsWhatIsWholeAndGoesOnThere) {
   }
 }
 
+/// The segment that was read last stays open.
+TEST_F(JournalTest, ReadsWhatWasAppendedSinceItsSegmentWasRead) {
+  Journal journal = open(100);
+  const JournalPosition a = journal.append("a", "payload");
+  journal.sync();
+  EXPECT_EQ(journal.read(a).header, "a");
+  const JournalPosition b = journal.append("b", std::string(200, 'b'));
+  const JournalPosition c = journal.append("c", "payload");
+  journal.sync();
+  ASSERT_EQ(b.segment, a.segment);
+  ASSERT_NE(c.segment, a.segment);
+  EXPECT_EQ(journal.read(b).header, "b");
+  EXPECT_EQ(journal.read(c).header, "c");
+  EXPECT_EQ(journal.read(a).header, "a");
+}
+
 /// The record in the middle costs itself, and the ones around it are found.
 TEST_F(JournalTest, NoticesEveryFlippedBitAndLosesThatRecordAlone) {
   Journal journal = open();
