@@ -1,6 +1,6 @@
 #include "common/keys/key_folder.hpp"
 
-#include <fcntl.h>
+#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,15 +16,13 @@
 namespace palpate {
 namespace {
 
-struct RoleWord {
-  std::string_view word;
-  Roles role;
-};
-
 /// An operator before what else he is.
-constexpr std::array<RoleWord, 3> role_words = {{{"worker", Roles::worker},
-                                                 {"operator", Roles::system_operator},
-                                                 {"observer", Roles::observer}}};
+constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
+    {{"worker", Roles::worker},
+     {"operator", Roles::system_operator},
+     {"observer", Roles::observer}}};
+
+constexpr std::chrono::seconds read_again_after{1};
 
 /// Error unless nobody but this user and root could read or change it. False when it is not there.
 bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
@@ -83,10 +81,6 @@ std::string lineOf(const KeyPair& own) { return own.secret().hex() + '\n'; }
 
 std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
 
-void writeNewKey(const std::filesystem::path& file) {
-  writePrivate(file, [] { return lineOf(KeyPair::make()); });
-}
-
 /// Writes what `change` makes of the keys that are let in.
 void changeAllowed(const KeyFolder& folder,
                    const std::function<void(std::vector<AllowedKey>& keys)>& change) {
@@ -104,16 +98,16 @@ void changeAllowed(const KeyFolder& folder,
 
 Roles rolesOf(std::string_view words) {
   Roles roles = Roles::none;
-  for (std::size_t at = 0; at <= words.size();) {
-    const std::size_t end = std::min(words.find(',', at), words.size());
+  for (std::size_t at = 0, end = 0; end != std::string_view::npos; at = end + 1) {
+    end = words.find(',', at);
     const std::string_view word = words.substr(at, end - at);
-    const auto* const known = std::ranges::find(role_words, word, &RoleWord::word);
+    const auto* const known =
+        std::ranges::find(role_words, word, [](const auto& entry) { return entry.first; });
     if (known == role_words.end())
       throw badInput(
           "\"{}\" is no role: worker, observer, operator, or several with commas between them",
           word);
-    roles = roles | known->role;
-    at = end + 1;
+    roles = roles | known->second;
   }
   return roles;
 }
@@ -144,22 +138,14 @@ KeyPair KeyFolder::own() const {
 }
 
 KeyPair KeyFolder::ownOrNew() const {
-  if (hasOwn()) return own();
-  // A name that a second one who makes a key does not take.
-  const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
-  writeNewKey(aside);
-  const bool first = link(aside.c_str(), ownFile(folder_).c_str()) == 0;
-  const int reason = errno;
-  std::error_code ignored;
-  std::filesystem::remove(aside, ignored);
-  if (!first && reason != EEXIST)
-    throw failure("{}: cannot make: {}", ownFile(folder_).string(), std::strerror(reason));
-  syncFolder(folder_);
+  // Another process may make one meanwhile.
+  if (!hasOwn())
+    writePrivate(ownFile(folder_), [this] { return lineOf(hasOwn() ? own() : KeyPair::make()); });
   return own();
 }
 
 KeyPair KeyFolder::replaceOwn() const {
-  writeNewKey(ownFile(folder_));
+  writePrivate(ownFile(folder_), [] { return lineOf(KeyPair::make()); });
   return own();
 }
 
@@ -236,6 +222,32 @@ void KeyFolder::trust(const PublicKey& key, const std::string& endpoint) const {
     for (const auto& [where, of] : all) text += fmt::format("{} {}\n", of.hex(), where);
     return text;
   });
+}
+
+Admission::Admission(KeyFolder folder) : folder_(std::move(folder)), own_(folder_.own().open()) {
+  read();
+}
+
+void Admission::read() {
+  read_at_ = Clock::now();
+  std::map<PublicKey, Roles> roles;
+  for (const AllowedKey& key : folder_.allowed()) roles[key.key] = key.roles;
+  roles[own_] = Roles::all;
+  roles_ = std::move(roles);
+}
+
+Roles Admission::rolesOf(const PublicKey& key) {
+  const std::lock_guard lock(mutex_);
+  if (Clock::now() - read_at_ >= read_again_after) try {
+      read();
+      trouble_.clear();
+    } catch (const Error& error) {
+      if (trouble_ != error.what())
+        spdlog::warn("{}; those who were let in before still are", error.what());
+      trouble_ = error.what();
+    }
+  const auto found = roles_.find(key);
+  return found == roles_.end() ? Roles::none : found->second;
 }
 
 KeyFolder chosenKeyFolder(const std::string& option) {

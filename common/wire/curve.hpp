@@ -4,7 +4,7 @@
 #include <thread>
 #include <zmq.hpp>
 
-#include "common/keys/admission.hpp"
+#include "common/keys/key_folder.hpp"
 
 // Keys on sockets: CURVE (rfc.zeromq.org/spec/26) proves both sides to each other and encrypts what
 // they say; ZAP (rfc.zeromq.org/spec/27) asks whether a client is let in.

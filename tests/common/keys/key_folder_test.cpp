@@ -9,7 +9,6 @@
 #include <fstream>
 #include <thread>
 
-#include "common/keys/admission.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 
