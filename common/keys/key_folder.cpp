@@ -224,7 +224,8 @@ void KeyFolder::trust(const PublicKey& key, const std::string& endpoint) const {
   });
 }
 
-Admission::Admission(KeyFolder folder) : folder_(std::move(folder)), own_(folder_.own().open()) {
+Admission::Admission(KeyFolder folder)
+    : folder_(std::move(folder)), own_(folder_.ownOrNew().open()) {
   read();
 }
 

@@ -91,8 +91,8 @@ class KeyFolder {
 /// read again every second, so that keys are added and withdrawn while a build runs. Any thread.
 class Admission {
  public:
-  /// Error (bad input) when the list cannot be read. Later a list that cannot be read is told of,
-  /// and the last good one stays.
+  /// Makes the own key when there is none. Error (bad input) when the list cannot be read. Later a
+  /// list that cannot be read is told of, and the last good one stays.
   explicit Admission(KeyFolder folder);
 
   /// None: the key is not let in.

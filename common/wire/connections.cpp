@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <cstring>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -53,16 +51,7 @@ Connections::Connections(zmq::context_t& context, zmq::socket_t& router, const P
     : limits_(limits),
       most_connections_(limits.connections ? *limits.connections : mostConnections()),
       router_(&router),
-      events_(context, zmq::socket_type::pair) {
-  static std::atomic<int> count{0};
-  const std::string endpoint = fmt::format("inproc://connections-{}", ++count);
-  if (zmq_socket_monitor(router.handle(), endpoint.c_str(),
-                         ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_MONITOR_STOPPED) != 0)
-    throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
-  events_.set(zmq::sockopt::linger, 0);
-  // ZeroMQ's own thread would wait for room.
-  events_.set(zmq::sockopt::rcvhwm, 0);
-  events_.connect(endpoint);
+      events_(monitorOf(context, router, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_MONITOR_STOPPED)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
 
@@ -76,23 +65,11 @@ void Connections::watch(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     waitForMessages(events_, std::chrono::seconds(1));
     const std::lock_guard lock(mutex_);
-    takeEvents();
+    while (const auto event = nextEvent(events_))
+      if (event->kind == ZMQ_EVENT_ACCEPTED) of(event->value);
     const bool looks = Clock::now() - looked_ >= std::chrono::seconds(1);
     if (connections_.size() > most_connections_ || (looks && connections_.size() > limits_.silent))
       keepDescriptors();
-  }
-}
-
-void Connections::takeEvents() {
-  zmq::message_t event, endpoint;
-  while (repeatWhenInterrupted([&] { return events_.recv(event, zmq::recv_flags::dontwait); })) {
-    if (!event.more() || event.size() < 6) continue;
-    (void)repeatWhenInterrupted([&] { return events_.recv(endpoint, zmq::recv_flags::none); });
-    std::uint16_t kind = 0;
-    std::int32_t descriptor = -1;
-    std::memcpy(&kind, event.data(), sizeof kind);
-    std::memcpy(&descriptor, event.data<char>() + sizeof kind, sizeof descriptor);
-    if (kind == ZMQ_EVENT_ACCEPTED) of(descriptor);
   }
 }
 

@@ -59,7 +59,6 @@ class Connections {
   };
 
   void watch(const std::stop_token& stop);
-  void takeEvents();
   Connection& of(int descriptor);
   void keepDescriptors();
   void close(int descriptor, Connection& connection, const std::string& why);

@@ -1,11 +1,7 @@
 #include "common/wire/curve.hpp"
 
 #include <sys/eventfd.h>
-#include <unistd.h>
 #include <zmq.h>
-
-#include <atomic>
-#include <cstring>
 
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
@@ -27,30 +23,12 @@ void setKey(zmq::socket_t& socket, int option, const Bytes32& key) {
   setOption(socket, option, key.data(), key.size());
 }
 
-/// All frames of a message; nothing when there is none.
-std::vector<std::string> takeFrames(zmq::socket_t& socket) {
-  std::vector<std::string> frames;
-  zmq::message_t frame;
-  do {
-    if (!repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait); }))
-      break;
-    frames.push_back(frame.to_string());
-  } while (frame.more());
-  return frames;
-}
-
 void sendFrames(zmq::socket_t& socket, const std::vector<std::string>& frames) {
   for (std::size_t n = 0; n < frames.size(); ++n)
     repeatWhenInterrupted([&] {
       return socket.send(zmq::buffer(frames[n]),
                          n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
     });
-}
-
-/// With an own key.
-const KeyFolder& madeSure(const KeyFolder& keys) {
-  keys.ownOrNew();
-  return keys;
 }
 
 }  // namespace
@@ -69,9 +47,9 @@ void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::stri
 
 Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys)
     : questions_(context, zmq::socket_type::rep),
-      admission_(madeSure(keys)),
+      admission_(keys),
       wake_up_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (wake_up_ < 0) throw failure("eventfd: {}", errnoText());
+  if (!wake_up_) throw failure("eventfd: {}", errnoText());
   socket.set(zmq::sockopt::curve_server, true);
   setKey(socket, ZMQ_CURVE_SECRETKEY, keys.own().secret());
   constexpr std::string_view domain = "palpate";
@@ -80,7 +58,7 @@ Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const Key
   questions_.bind(zap_endpoint);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
-      waitForMessages(questions_, std::chrono::milliseconds(1000), wake_up_);
+      waitForMessages(questions_, std::chrono::milliseconds(1000), wake_up_.get());
       answer();
     }
   });
@@ -88,16 +66,15 @@ Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const Key
 
 Gatekeeper::~Gatekeeper() {
   thread_.request_stop();
-  eventfd_write(wake_up_, 1);  // should it fail, the thread looks within a second
+  eventfd_write(wake_up_.get(), 1);  // should it fail, the thread looks within a second
   thread_.join();
-  close(wake_up_);
   // At once: a socket that closes keeps its name for a moment.
   zmq_unbind(questions_.handle(), zap_endpoint);
 }
 
 void Gatekeeper::answer() {
   // version, request, domain, address, identity, mechanism, credentials
-  const std::vector<std::string> request = takeFrames(questions_);
+  const std::vector<std::string> request = receiveFrames(questions_);
   if (request.empty()) return;
   const auto key = request.size() == 7 && request[5] == "CURVE" ? PublicKey::fromBytes(request[6])
                                                                 : std::nullopt;
@@ -111,24 +88,14 @@ Roles Gatekeeper::rolesOf(const std::optional<PublicKey>& sender) {
 }
 
 HandshakeWatch::HandshakeWatch(zmq::context_t& context, zmq::socket_t& socket)
-    : events_(context, zmq::socket_type::pair) {
-  static std::atomic<int> count{0};
-  const std::string endpoint = fmt::format("inproc://handshakes-{}", ++count);
-  constexpr int wanted = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                         ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
-  if (zmq_socket_monitor(socket.handle(), endpoint.c_str(), wanted) != 0)
-    throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
-  events_.set(zmq::sockopt::linger, 0);
-  events_.connect(endpoint);
-}
+    : events_(monitorOf(context, socket,
+                        ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                            ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)) {}
 
 std::string HandshakeWatch::trouble() {
   std::string newest;
-  for (auto frames = takeFrames(events_); !frames.empty(); frames = takeFrames(events_)) {
-    std::uint16_t event = 0;
-    if (frames.front().size() < sizeof event) continue;
-    std::memcpy(&event, frames.front().data(), sizeof event);
-    switch (event) {
+  while (const auto event = nextEvent(events_)) {
+    switch (event->kind) {
       case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
         newest =
             "it does not let this key in (palpate key show prints it; palpate key allow, where "

@@ -4,6 +4,7 @@
 #include <thread>
 #include <zmq.hpp>
 
+#include "common/base/file_descriptor.hpp"
 #include "common/keys/key_folder.hpp"
 
 // Keys on sockets: CURVE (rfc.zeromq.org/spec/26) proves both sides to each other and encrypts what
@@ -39,7 +40,7 @@ class Gatekeeper {
 
   zmq::socket_t questions_;
   Admission admission_;
-  int wake_up_;
+  FileDescriptor wake_up_;
   std::jthread thread_;  ///< the last member: it ends before what it uses goes
 };
 

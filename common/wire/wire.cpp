@@ -9,38 +9,44 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <atomic>
+#include <cstring>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 namespace {
 
-zmq::send_flags flagsOf(bool more) {
-  return zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+/// What the frames of a message lie in, until the system has the last of them; none: they are
+/// copied.
+using Owner = std::shared_ptr<const void>;
+
+zmq::message_t frameOf(std::string_view bytes, const Owner& owner) {
+  if (!owner) return {bytes.data(), bytes.size()};
+  // ZeroMQ takes what it only reads for changeable, and gives it back from a thread of its own.
+  return {const_cast<char*>(bytes.data()), bytes.size(),
+          [](void*, void* held) { delete static_cast<Owner*>(held); }, new Owner(owner)};
 }
 
-bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
-  return repeatWhenInterrupted([&] {
-    return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flagsOf(more)).has_value();
-  });
+bool sendFrame(zmq::socket_t& socket, zmq::message_t frame, bool more) {
+  const zmq::send_flags flags =
+      zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  return repeatWhenInterrupted([&] { return socket.send(frame, flags).has_value(); });
 }
 
-/// `send` sends one frame of the message or the payload.
-template <class Send>
 Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view message,
-                  std::string_view payload, const Send& send) {
+                  std::string_view payload, const Owner& owner) {
   // Once the first frame was accepted, libzmq accepts the rest of the message too.
   try {
-    if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
-    if (!send(message, !payload.empty())) return Sent::full;
-    for (std::size_t at = 0; at < payload.size(); at += payload_frame_bytes) {
-      const bool more = at + payload_frame_bytes < payload.size();
-      if (!send(payload.substr(at, payload_frame_bytes), more))
+    if (!peer.empty() && !sendFrame(socket, frameOf(peer, nullptr), true)) return Sent::full;
+    if (!sendFrame(socket, frameOf(message, owner), !payload.empty())) return Sent::full;
+    for (; !payload.empty(); payload.remove_prefix(std::min(payload.size(), payload_frame_bytes)))
+      if (!sendFrame(socket, frameOf(payload.substr(0, payload_frame_bytes), owner),
+                     payload.size() > payload_frame_bytes))
         throw failure("ZeroMQ took the first frames of a message and then refused the next");
-    }
   } catch (const zmq::error_t& error) {
     if (error.num() == EHOSTUNREACH) return Sent::unroutable;
     throw failure("ZeroMQ send: {}", error.what());
@@ -93,13 +99,15 @@ HostAddress lookUp(const std::string& host) {
   return {.text = of_ipv6 ? fmt::format("[{}]", text.data()) : text.data()};
 }
 
-/// HOST and :PORT of tcp://HOST:PORT; the brackets of an address of IPv6 are left out.
+/// HOST and PORT of tcp://HOST:PORT, empty where they are missing; the brackets of an address of
+/// IPv6 are left out.
 std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
   const std::string address = endpoint.substr(std::string_view("tcp://").size());
   const std::size_t colon = address.rfind(':');
+  if (colon == std::string::npos) return {address, ""};
   std::string host = address.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return {host, address.substr(colon)};
+  return {host, address.substr(colon + 1)};
 }
 
 /// `endpoint` with the address of its host, which libzmq does not look up for those who listen.
@@ -111,40 +119,19 @@ std::string withAddress(const std::string& endpoint) {
   if (host == "*" || if_nametoindex(host.c_str()) != 0) return endpoint;
   const HostAddress found = lookUp(host);
   if (!found.trouble.empty()) throw failure("cannot listen on {}: {}", endpoint, found.trouble);
-  return "tcp://" + found.text + port;
+  return fmt::format("tcp://{}:{}", found.text, port);
 }
 
-/// What nobody of this protocol wrote, and would be kept and handed on.
-bool hasUnknownFields(const google::protobuf::Message& message) {
-  const google::protobuf::Reflection& fields = *message.GetReflection();
-  if (!fields.GetUnknownFields(message).empty()) return true;
-  std::vector<const google::protobuf::FieldDescriptor*> present;
-  fields.ListFields(message, &present);
-  return std::ranges::any_of(present, [&](const google::protobuf::FieldDescriptor* field) {
-    using google::protobuf::FieldDescriptor;
-    if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return false;
-    if (!field->is_repeated()) return hasUnknownFields(fields.GetMessage(message, field));
-    for (int n = 0; n < fields.FieldSize(message, field); ++n)
-      if (hasUnknownFields(fields.GetRepeatedMessage(message, field, n))) return true;
-    return false;
-  });
+/// Whether it says what nobody of this protocol wrote, and takes that away: it would be kept and
+/// handed on. No message of the protocol holds a map, whose unknown fields libraries leave there.
+bool dropUnknownFields(google::protobuf::Message& message) {
+  const std::size_t before = message.ByteSizeLong();
+  message.DiscardUnknownFields();
+  return message.ByteSizeLong() != before;
 }
 
-/// Of this message itself.
 bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
   return !message.GetReflection()->GetUnknownFields(message).empty();
-}
-
-/// A host and behind it a port; * is any free one, for those who listen.
-bool hasPort(std::string_view endpoint) {
-  const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) return false;
-  const std::string_view text = address.substr(colon + 1);
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return text == "*" ||
-         (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
 }
 
 /// Whether a process listens at the socket file. One that was killed leaves a file that refuses.
@@ -232,9 +219,7 @@ bool isOnThisMachineOnly(const std::string& endpoint) {
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
                  std::string_view payload) {
-  return sendInFrames(
-      socket, peer, message.SerializeAsString(), payload,
-      [&](std::string_view bytes, bool more) { return sendFrame(socket, bytes, more); });
+  return sendInFrames(socket, peer, message.SerializeAsString(), payload, nullptr);
 }
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
@@ -242,26 +227,20 @@ Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Messa
                  const std::shared_ptr<const void>& until_sent) {
   if (!payload && !until_sent) return sendMessage(socket, peer, message);
   struct Kept {
-    std::shared_ptr<const std::string> bytes;
+    std::string message;
+    std::shared_ptr<const std::string> payload;
     std::shared_ptr<const void> until_sent;
   };
-  const auto text = std::make_shared<const std::string>(message.SerializeAsString());
-  const auto send = [&](std::string_view part, bool more) {
-    auto* const kept = new Kept{part.data() == text->data() ? text : payload, until_sent};
-    // ZeroMQ takes what it only reads for changeable, and gives it back from a thread of its own.
-    zmq::message_t frame(
-        const_cast<char*>(part.data()), part.size(),
-        [](void*, void* owner) { delete static_cast<Kept*>(owner); }, kept);
-    return repeatWhenInterrupted([&] { return socket.send(frame, flagsOf(more)).has_value(); });
-  };
-  return sendInFrames(socket, peer, *text, payload ? *payload : std::string_view(), send);
+  const auto kept =
+      std::make_shared<const Kept>(Kept{message.SerializeAsString(), payload, until_sent});
+  return sendInFrames(socket, peer, kept->message, payload ? *payload : std::string_view(), kept);
 }
 
-bool isReadable(const wire::Message& message) {
+bool isReadable(wire::Message& message) {
   if (message.has_hello() || message.has_refused()) return true;
   return message.has_bundle()
              ? !hasUnknownFieldsHere(message) && !hasUnknownFieldsHere(message.bundle())
-             : !hasUnknownFields(message);
+             : !dropUnknownFields(message);
 }
 
 std::optional<PublicKey> senderOf(zmq::message_t& frame) {
@@ -327,10 +306,14 @@ zmq::socket_t makeDealer(zmq::context_t& context) {
 }
 
 void checkEndpoint(const std::string& endpoint) {
-  if (!endpoint.starts_with("tcp://") && !endpoint.starts_with("ipc://"))
-    throw badInput("endpoint \"{}\": write tcp://HOST:PORT or ipc://PATH", endpoint);
-  if (endpoint.starts_with("tcp://") && !hasPort(endpoint))
-    throw badInput("endpoint \"{}\": write tcp://HOST:PORT with a port from 1 to 65535", endpoint);
+  if (endpoint.starts_with("ipc://")) return;
+  if (endpoint.starts_with("tcp://")) {
+    const auto [host, port] = hostAndPort(endpoint);
+    if (!host.empty() && (port == "*" || numberIn<std::uint16_t>(port).value_or(0) > 0)) return;
+  }
+  throw badInput(
+      "endpoint \"{}\": write tcp://HOST:PORT with a port from 1 to 65535, or ipc://PATH",
+      endpoint);
 }
 
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
@@ -375,6 +358,42 @@ bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, i
     return false;
   }
   return true;
+}
+
+std::vector<std::string> receiveFrames(zmq::socket_t& socket) {
+  std::vector<std::string> frames;
+  zmq::message_t frame;
+  do {
+    if (!repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait); }))
+      break;
+    frames.push_back(frame.to_string());
+  } while (frame.more());
+  return frames;
+}
+
+zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kinds) {
+  static std::atomic<int> count{0};
+  const std::string endpoint = fmt::format("inproc://monitor-{}", ++count);
+  if (zmq_socket_monitor(socket.handle(), endpoint.c_str(), kinds) != 0)
+    throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
+  zmq::socket_t monitor(context, zmq::socket_type::pair);
+  monitor.set(zmq::sockopt::linger, 0);
+  // ZeroMQ's own thread would wait for room.
+  monitor.set(zmq::sockopt::rcvhwm, 0);
+  monitor.connect(endpoint);
+  return monitor;
+}
+
+std::optional<SocketEvent> nextEvent(zmq::socket_t& monitor) {
+  for (auto frames = receiveFrames(monitor); !frames.empty(); frames = receiveFrames(monitor)) {
+    std::uint16_t kind = 0;
+    std::int32_t value = 0;
+    if (frames[0].size() < sizeof kind + sizeof value) continue;
+    std::memcpy(&kind, frames[0].data(), sizeof kind);
+    std::memcpy(&value, frames[0].data() + sizeof kind, sizeof value);
+    return SocketEvent{kind, value};
+  }
+  return std::nullopt;
 }
 
 wire::Point toWire(const LatticePoint& point) {

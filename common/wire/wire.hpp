@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 #include <zmq.hpp>
 
 #include "common/keys/key_pair.hpp"
@@ -83,8 +84,9 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// Whether this program knows all that the message says, but for what another version of it says of
-/// itself. Of a bundle: less its messages, which are judged one by one.
-bool isReadable(const wire::Message& message);
+/// itself; what it does not know is dropped. Of a bundle: less its messages, which are judged one
+/// by one.
+bool isReadable(wire::Message& message);
 
 /// The next message without blocking, which may be a bundle: Inbox takes those apart. Nothing when
 /// there is none. A message that does not parse or is not readable, has an empty body, or too large
@@ -113,6 +115,19 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 /// Waits at most `longest` until a message is there, or the descriptor `wake_up` is readable. False
 /// when a signal came first. Error on any other ZeroMQ failure.
 bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up = -1);
+
+/// All frames of the next message without blocking; none when there is no message.
+std::vector<std::string> receiveFrames(zmq::socket_t& socket);
+
+/// The socket that tells events of these kinds (ZMQ_EVENT_...) of `socket`, which is not bound or
+/// connected yet: what ZeroMQ does in its own threads. nextEvent() reads them.
+zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kinds);
+struct SocketEvent {
+  int kind;
+  int value;  ///< a descriptor, where the kind has one
+};
+/// Without blocking; nothing when there is none.
+std::optional<SocketEvent> nextEvent(zmq::socket_t& monitor);
 
 /// Struct <-> message. The from... functions check meaning (sizes, finite numbers, known cause);
 /// nothing when it is not valid.
