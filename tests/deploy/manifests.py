@@ -116,9 +116,10 @@ def agreement_faults(objects, sources):
     if not host or host[1] != scheduler["spec"]["serviceName"]:
         yield "workers do not connect to the Service of the scheduler"
     # What the programs take for themselves, from their sources: a constant that is not found fails the test.
-    build_command = read(os.path.join(sources, "scheduler/verbs/build_command.cpp"))
-    drain = int(re.search(r"std::chrono::seconds drain_limit\{(\d+)\}", build_command)[1])
-    longest = 3600 * int(re.search(r"std::chrono::hours longest_pause\{(\d+)\}", build_command)[1])
+    served_build = read(os.path.join(sources, "scheduler/verbs/served_build.hpp"))
+    serve_command = read(os.path.join(sources, "scheduler/verbs/serve_command.cpp"))
+    drain = int(re.search(r"std::chrono::seconds drain_limit\{(\d+)\}", served_build)[1])
+    longest = 3600 * int(re.search(r"std::chrono::hours longest_pause\{(\d+)\}", serve_command)[1])
     for workload, least in (scheduler, drain + 30), (worker, int(after("--drain", words_of(work))) + 10):
         if pod_of(workload).get("terminationGracePeriodSeconds", 0) < least:
             yield f"{named(workload)}: it is killed before it had its {least} s"

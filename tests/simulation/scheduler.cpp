@@ -6,7 +6,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr Seconds turn_every = 0.5;
-/// How long `serve` waits for workers to leave (scheduler/verbs/build_command.cpp).
+/// How long `serve` waits for workers to leave (scheduler/verbs/served_build.hpp).
 constexpr Seconds drain_limit = 30;
 constexpr int most_damages = 200;
 

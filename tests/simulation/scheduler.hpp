@@ -13,7 +13,7 @@
 namespace palpate::simulation {
 
 /// A scheduler process: the real Build with everything in it, and the steps that `serve` makes
-/// around it (scheduler/verbs/build_command.cpp).
+/// around it (scheduler/verbs/served_build.cpp).
 class SchedulerProcess : private Transport {
  public:
   SchedulerProcess(Network& network, Disk& disk, Ledger& ledger, const Problem& problem,

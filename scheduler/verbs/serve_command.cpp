@@ -1,0 +1,111 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/keys/key_options.hpp"
+#include "scheduler/verbs/served_build.hpp"
+#include "scheduler/verbs/served_pages.hpp"
+#include "scheduler/verbs/service_manager.hpp"
+#include "scheduler/verbs/status_text.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate serve`: a scheduler for workers that connect from anywhere.
+
+namespace palpate {
+namespace {
+
+/// What a service manager is told that reading of results, or sealing, may take: no turn is made
+/// meanwhile.
+constexpr std::chrono::hours longest_pause{1};
+/// Before a build that begins anew.
+constexpr const char* going_over = "going over what is recorded";
+
+struct ServeOptions {
+  BuildOrder order;
+  std::string endpoint = default_endpoint;
+  KeyOptions keys;
+  PageOptions pages;
+};
+
+/// Whoever connects; the service manager and the pages are told how far they are.
+class RemoteWorkers : public Crew {
+ public:
+  RemoteWorkers(const Server& server, Build& build, ServiceManager& manager, ServedPages& pages)
+      : coordinator_(build.coordinator()), manager_(manager), pages_(pages) {
+    spdlog::info("listening on {}", server.endpoint());
+    manager_.ready();
+  }
+
+  void look() override {
+    const auto now = Clock::now();
+    pages_.offer(coordinator_);
+    manager_.alive(now, [&] { return progressLine(coordinator_.status(now)); });
+  }
+  void pause(Next why) override {
+    manager_.mayTake(longest_pause, why == Next::complete ? "sealing the dataset"
+                                    : why == Next::anew   ? going_over
+                                                          : "stopping");
+  }
+  bool isThere() override {
+    pages_.offer(coordinator_);
+    return !coordinator_.deserted(Clock::now());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const Coordinator& coordinator_;
+  ServiceManager& manager_;
+  ServedPages& pages_;
+};
+
+ExitCode serve(const ServeOptions& options) {
+  checkEndpoint(options.endpoint);
+  ServedPages pages(options.pages, options.order.state);
+  ServiceManager manager;
+  manager.mayTake(longest_pause, "reading what is recorded");
+  Serving serving;
+  serving.endpoint = options.endpoint;
+  serving.keys = options.keys.keys();
+  serving.when_stopped = ExitCode::done;
+  serving.anew = [&] { manager.mayTake(longest_pause, going_over); };
+  serving.crew = [&](Server& server, Build& build) {
+    return std::make_unique<RemoteWorkers>(server, build, manager, pages);
+  };
+  const ExitCode code = serveBuild(options.order, std::move(serving));
+  // Else it would count as failed: there was nothing to do.
+  manager.ready();
+  manager.stopping();
+  return code;
+}
+
+std::function<ExitCode()> prepareServe(CLI::App& app) {
+  auto options = std::make_shared<ServeOptions>();
+  options->order.addTo(app);
+  app.get_option("--state")->required()->description(
+      "Directory for unfinished work, on a local disk");
+  app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
+      ->capture_default_str();
+  options->order.spot_checks_percent = 100 * SpotCheckSettings{}.share;
+  app.add_option("--spot-checks", options->order.spot_checks_percent,
+                 "Percent of the results that another machine solves again; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+  options->keys.addTo(app,
+                      "Ask for no keys: whoever reaches the port takes and delivers work, and "
+                      "stops the build");
+  options->pages.addTo(app);
+  app.footer(
+      "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
+      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
+      "3 done but some points failed, 130 interrupted.");
+  return [options] { return serve(*options); };
+}
+
+}  // namespace
+
+const Verb serve_verb = {"serve",
+                         "Compute the dataset of a scene with workers that connect from anywhere",
+                         prepareServe};
+
+}  // namespace palpate
