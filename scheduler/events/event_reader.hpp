@@ -13,11 +13,7 @@ namespace palpate {
 /// Which events are wanted, by event_words; empty: all.
 using WantedEvents = std::set<std::string>;
 
-/// The event for people: "2026-11-24 20:17:59.123 worker_lost worker 0a1b2c3d, host node7, ...".
-/// Empty for what is no event.
-std::string textOfEvent(std::string_view line);
-
-/// The last `most` that are wanted, the latest last. Reads no more than it needs.
+/// The last `most` that are wanted, the latest last. Reads no more files than it needs.
 std::vector<std::string> lastEvents(const std::filesystem::path& directory,
                                     const WantedEvents& wanted, std::size_t most);
 
@@ -34,9 +30,6 @@ class EventReader {
   void readOn(const std::function<void(std::string_view line)>& take);
 
  private:
-  /// Of the file `number_`, from `offset_` on.
-  void readFile(const std::function<void(std::string_view line)>& take);
-
   std::filesystem::path directory_;
   WantedEvents wanted_;
   std::uint32_t number_ = 0;  ///< of the file that is read; 0: none yet

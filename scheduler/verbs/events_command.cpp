@@ -1,11 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <deque>
 #include <memory>
 #include <thread>
 
 #include "common/base/error.hpp"
-#include "common/base/text.hpp"
 #include "scheduler/events/event_log.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/state/state_directory.hpp"
@@ -23,49 +21,36 @@ struct EventsOptions {
   std::vector<std::string> words;
   std::optional<std::uint32_t> last;
   bool follow = false;
-  bool text = false;
 };
 
-void checkWords(const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    if (std::ranges::count(event_words, word) > 0) continue;
-    const std::string_view near = nearestWord(word, event_words);
-    throw badInput("--event: there is no \"{}\"{}: {}", word,
-                   near.empty() ? "" : fmt::format(", is it {}?", near), listed(event_words));
-  }
-}
-
-void show(std::string_view line, bool as_text) {
-  fmt::print("{}\n", as_text ? textOfEvent(line) : line);
-}
+void show(std::string_view line) { fmt::print("{}\n", line); }
 
 /// What there is by now: all of it, or the last so many.
-void showPast(EventReader& reader, const EventsOptions& options) {
+void showPast(EventReader& reader, const std::optional<std::uint32_t>& last) {
+  if (!last) return reader.readOn(show);
   std::deque<std::string> kept;
   reader.readOn([&](std::string_view line) {
-    if (!options.last) return show(line, options.text);
     kept.emplace_back(line);
-    if (kept.size() > *options.last) kept.pop_front();
+    if (kept.size() > *last) kept.pop_front();
   });
-  for (const std::string& line : kept) show(line, options.text);
+  for (const std::string& line : kept) show(line);
 }
 
 ExitCode showEvents(const EventsOptions& options) {
-  checkWords(options.words);
   // What is no state directory has no events, and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
     throw badInput("\"{}\" is no state directory: that is OUT.h5.state, or what --state said",
                    options.state);
   EventReader reader(options.state, {options.words.begin(), options.words.end()});
-  showPast(reader, options);
+  showPast(reader, options.last);
   if (!options.follow) return ExitCode::done;
   catchInterrupts();
   while (!interrupted()) {
     std::fflush(stdout);
     if (std::ferror(stdout) != 0) throw failure("cannot write to standard output");
     std::this_thread::sleep_for(look_every);
-    reader.readOn([&](std::string_view line) { show(line, options.text); });
+    reader.readOn(show);
   }
   return ExitCode::interrupted;
 }
@@ -78,8 +63,8 @@ std::function<ExitCode()> prepareEvents(CLI::App& app) {
   app.add_option("--last", options->last, "Of what happened so far, the last N")->type_name("N");
   app.add_option("--event", options->words, "Only these, separated by commas (docs/commands.md)")
       ->delimiter(',')
-      ->type_name("WORD,...");
-  app.add_flag("--text", options->text, "For people, instead of one JSON object per line");
+      ->type_name("WORD,...")
+      ->check(CLI::IsMember(std::vector<std::string>(event_words.begin(), event_words.end())));
   return [options] { return showEvents(*options); };
 }
 

@@ -55,8 +55,6 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   EXPECT_EQ(stages.back().at("stage"), "complete");
   EXPECT_THAT(eventsOf("out.h5.state --last 2"), SizeIs(2));
   EXPECT_THAT(eventsOf("out.h5.state --event paused"), SizeIs(0));
-  EXPECT_THAT(palpate("events out.h5.state --text").output,
-              HasSubstr("sealed         file out.h5"));
   EXPECT_EQ(palpate("events out.h5.state --event seald").exit_code, 2);
   EXPECT_EQ(palpate("events cube.toml").exit_code, 2);
   EXPECT_EQ(palpate("check out.h5.state").exit_code, 0) << "they are no damage";
