@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "common/base/text.hpp"
@@ -65,7 +66,7 @@ std::string nameOf(const Launches::Ended& end) {
 SlurmFleet::SlurmFleet(const SlurmFleetOptions& options)
     : options_(options),
       engine_(options.slurm),
-      watch_(options.asked),
+      watch_(options),
       launches_(seconds(2 * options.every_s)),
       refused_(seconds(2 * options.every_s)) {}
 
@@ -74,7 +75,7 @@ ExitCode SlurmFleet::run() {
     const auto status = watch_.look();
     if (interrupted()) return leave();
     if (status && status->state() == "complete") return finish("the build is complete");
-    if (!status && watch_.silence() > seconds(options_.give_up_s)) {
+    if (!status && watch_.gaveUp()) {
       finish("the scheduler does not answer any more");
       return ExitCode::failed;
     }
@@ -159,7 +160,7 @@ bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
                  ids.size(), options_.endpoint);
   // Where those may run that are queued was said when they were asked for.
   if (nodes_changed || launches_.mostUnproven(Clock::now()) == 0)
-    for (const SlurmJobs::Queued& job : jobs.queued) ids.push_back(job.id);
+    std::ranges::copy(idsOf(jobs.queued), std::back_inserter(ids));
   engine_.cancel(ids);
   return !ids.empty();
 }

@@ -2,20 +2,10 @@
 
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
-#include "scheduler/fleet/demand.hpp"
-#include "scheduler/fleet/fleet_watch.hpp"
+#include "scheduler/fleet/fleet.hpp"
 #include "scheduler/fleet/slurm.hpp"
 
 namespace palpate {
-
-/// What a fleet of any engine is told.
-struct FleetOptions {
-  Asked asked;
-  std::string endpoint;  ///< of the scheduler, as nodes reach it
-  int every_s = 30;
-  int give_up_s = 900;
-  bool dry_run = false;
-};
 
 struct SlurmFleetOptions : FleetOptions {
   FleetLimits limits;

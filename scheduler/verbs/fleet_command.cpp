@@ -28,8 +28,7 @@ constexpr int seconds_to_deliver = 25;
 
 /// What the scheduler says, and where nodes reach it. Error when it cannot be asked.
 wire::Status meet(FleetOptions& options) {
-  FleetWatch watch(options.asked);
-  const auto status = watch.look();
+  const auto status = FleetWatch(options).look();
   if (!status && interrupted()) throw Error(ExitCode::interrupted, "interrupted");
   if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
   // Then nobody is there to be reached, and nobody needs to.
@@ -87,7 +86,7 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
 ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
   // Theirs, and what a connection takes.
   constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
-  FleetWatch watch(options.asked);
+  FleetWatch watch(options);
   for (Clock::time_point next_look;;) {
     const auto now = Clock::now();
     hosts.keep(now);
@@ -101,7 +100,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
       next_look = now + std::chrono::seconds(options.every_s);
       const auto status = watch.look();
       if (status && status->state() == "complete") break;
-      if (!status && watch.silence() > std::chrono::seconds(options.give_up_s)) {
+      if (!status && watch.gaveUp()) {
         hosts.terminate(grace);
         throw failure("{}: does not answer any more; the workers are ended", options.asked.where);
       }

@@ -1,4 +1,4 @@
-#include "scheduler/fleet/demand.hpp"
+#include "scheduler/fleet/fleet.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,45 @@
+#include "scheduler/fleet/fleet.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+
+std::optional<wire::Status> FleetWatch::look() {
+  try {
+    wire::Status status = statusAt(options_.asked);
+    if (status.state() == "stopped")
+      throw failure(
+          "{}: no scheduler is working there now: start palpate serve again, or, when it moved, "
+          "this command with its new place",
+          options_.asked.where);
+    heard_ = Clock::now();
+    answered_ = true;
+    told_.clear();
+    return status;
+  } catch (const Error& error) {
+    // Where it was asked before, the directory was moved or removed, and may come back.
+    if (error.exitCode() == ExitCode::usage && !answered_) throw;
+    if (error.exitCode() == ExitCode::interrupted) return std::nullopt;
+    if (told_ != error.what()) spdlog::warn("{}", error.what());
+    told_ = error.what();
+    return std::nullopt;
+  }
+}
+
+int moreWorkers(const FleetView& view, const FleetLimits& limits) {
+  PALPATE_ASSERT(view.queued >= 0 && view.running >= 0 && limits.transitions_each > 0,
+                 "counts of jobs, and a command line that was checked");
+  std::int64_t worth = view.hands_out ? view.ready / limits.transitions_each : 0;
+  // The first transition is one, and the last ones are few.
+  if (view.hands_out && view.ready > 0) worth = std::max<std::int64_t>(worth, 1);
+  const int wanted = static_cast<int>(std::min<std::int64_t>(worth, limits.most));
+  const int missing = wanted - view.running - view.queued;
+  if (missing < 0) return -std::min(-missing, view.queued);
+  return std::min(missing, std::max(0, limits.most_queued - view.queued));
+}
+
+}  // namespace palpate
