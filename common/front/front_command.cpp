@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <iterator>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -17,39 +17,19 @@
 namespace palpate {
 namespace {
 
-struct Route {
-  std::string_view verb;
-  const char* program;
-  /// Where the verb is about a folder instead: a state directory is the scheduler's.
-  const char* program_of_directory = nullptr;
-};
+using Words = std::vector<std::string_view>;
 
-constexpr std::array<Route, 26> routes = {{{"mesh", "palpate-worker"},
-                                           {"new", "palpate-worker"},
-                                           {"check", "palpate-worker", "palpate-scheduler"},
-                                           {"build", "palpate-scheduler"},
-                                           {"query", "palpate-viewer"},
-                                           {"solve", "palpate-worker"},
-                                           {"serve", "palpate-scheduler"},
-                                           {"work", "palpate-worker"},
-                                           {"status", "palpate-scheduler"},
-                                           {"stop", "palpate-scheduler"},
-                                           {"fleet", "palpate-scheduler"},
-                                           {"pause", "palpate-scheduler"},
-                                           {"seal", "palpate-scheduler"},
-                                           {"resume", "palpate-scheduler"},
-                                           {"priority", "palpate-scheduler"},
-                                           {"retry", "palpate-scheduler"},
-                                           {"explain", "palpate-scheduler"},
-                                           {"events", "palpate-scheduler"},
-                                           {"key", "palpate-scheduler"},
-                                           {"verify", "palpate-verify"},
-                                           {"report", "palpate-viewer"},
-                                           {"share", "palpate-viewer"},
-                                           {"export", "palpate-viewer"},
-                                           {"doctor", "palpate-viewer"},
-                                           {"view", "palpate-viewer"},
-                                           {"device", "palpate-viewer"}}};
+/// The verbs of each program.
+const std::vector<std::pair<std::string, Words>>& programs() {
+  static const std::vector<std::pair<std::string, Words>> all = {
+      {"palpate-worker", {"mesh", "new", "check", "solve", "work"}},
+      {"palpate-scheduler",
+       {"build", "serve", "status", "stop", "fleet", "pause", "resume", "seal", "priority", "retry",
+        "explain", "events", "key"}},
+      {"palpate-verify", {"verify"}},
+      {"palpate-viewer", {"query", "report", "share", "export", "doctor", "view", "device"}}};
+  return all;
+}
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
@@ -121,8 +101,9 @@ say
 )";
 
 int refuseVerb(std::string_view verb) {
-  std::vector<std::string_view> verbs;
-  std::ranges::transform(routes, std::back_inserter(verbs), &Route::verb);
+  Words verbs;
+  for (const auto& [program, of_it] : programs())
+    verbs.insert(verbs.end(), of_it.begin(), of_it.end());
   const std::string_view nearest = nearestWord(verb, verbs);
   if (nearest.empty())
     tell("palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
@@ -136,18 +117,21 @@ bool namesDirectory(const std::string& argument) {
   return std::filesystem::is_directory(argument, none);
 }
 
-const char* programFor(const Route& route, const std::vector<std::string>& arguments) {
-  return route.program_of_directory != nullptr && std::ranges::any_of(arguments, namesDirectory)
-             ? route.program_of_directory
-             : route.program;
+/// The program that has the verb, which the arguments begin with; empty when none has.
+std::string programFor(const std::vector<std::string>& arguments) {
+  // A state directory is the scheduler's.
+  if (arguments[0] == "check" &&
+      std::any_of(arguments.begin() + 1, arguments.end(), namesDirectory))
+    return "palpate-scheduler";
+  for (const auto& [program, verbs] : programs())
+    if (std::ranges::find(verbs, arguments[0]) != verbs.end()) return program;
+  return "";
 }
 
 /// Whether the system grants what a program that solves takes before its first line: OpenBLAS asks
 /// again for ever, while it is loaded, where it is refused its 128 MiB.
-bool memorySuffices(const Route& route) {
-  const bool solves = std::string_view(route.program) == "palpate-worker" ||
-                      std::string_view(route.verb) == "build";
-  if (!solves) return true;
+bool memorySuffices(const std::string& program, const std::string& verb) {
+  if (program != "palpate-worker" && verb != "build") return true;
   constexpr std::size_t needed = 384u << 20;
   void* const room =
       mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -155,21 +139,21 @@ bool memorySuffices(const Route& route) {
   tell(
       "palpate {}: the system does not grant the {} MiB of memory that solving takes at least "
       "({}): raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
-      route.verb, needed >> 20, errnoText());
+      verb, needed >> 20, errnoText());
   return false;
 }
 
 /// Replaces this process by the program beside it. Returns only when that fails.
-int become(const Route& route, std::vector<std::string> arguments) {
-  if (!memorySuffices(route)) return static_cast<int>(ExitCode::failed);
+int become(const std::string& name, std::vector<std::string> arguments) {
+  const std::string verb = arguments[0];
+  if (!memorySuffices(name, verb)) return static_cast<int>(ExitCode::failed);
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {
     tell("palpate: cannot find where it is installed: /proc/self/exe: {}\n", error.message());
     return static_cast<int>(ExitCode::failed);
   }
-  const std::vector<std::string> of_verb(arguments.begin() + 1, arguments.end());
-  const std::string program = self.parent_path() / programFor(route, of_verb);
+  const std::string program = self.parent_path() / name;
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -182,7 +166,7 @@ int become(const Route& route, std::vector<std::string> arguments) {
                          ? "; install the package palpate-viewer, or build all programs with "
                            "`cmake --build --preset release`"
                          : "";
-  tell("palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
+  tell("palpate {}: cannot start {}: {}{}\n", verb, program, errnoText(), hint);
   return static_cast<int>(ExitCode::failed);
 }
 
@@ -199,8 +183,8 @@ int run(std::vector<std::string> arguments) {
                PALPATE_BUILT_WITH);
     return static_cast<int>(ExitCode::done);
   }
-  const auto* const route = std::ranges::find(routes, arguments[0], &Route::verb);
-  return route != routes.end() ? become(*route, std::move(arguments)) : refuseVerb(arguments[0]);
+  const std::string program = programFor(arguments);
+  return program.empty() ? refuseVerb(arguments[0]) : become(program, std::move(arguments));
 }
 
 }  // namespace
