@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 #include "common/base/assertion.hpp"
@@ -156,16 +157,15 @@ struct Step {
   int i, j, k;
 };
 
-/// The steps to a point's neighbours, by length, each length in lexicographic order.
-constexpr std::array<Step, 26> steps_outward = [] {
-  std::array<Step, 26> steps = {};
+/// The steps to a point's neighbours, in lexicographic order.
+constexpr std::array<Step, 26> steps = [] {
+  std::array<Step, 26> all = {};
   std::size_t n = 0;
-  for (int squared = 1; squared <= 3; ++squared)
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j)
-        for (int k = -1; k <= 1; ++k)
-          if (i * i + j * j + k * k == squared) steps[n++] = {i, j, k};
-  return steps;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k)
+        if (i != 0 || j != 0 || k != 0) all[n++] = {i, j, k};
+  return all;
 }();
 
 }  // namespace
@@ -178,31 +178,27 @@ Lattice::Neighbours Lattice::findNeighbours(std::int32_t index) const {
   const std::int64_t side = 2 * std::int64_t{extent_} + 1;
   const auto isInside = [&](std::int32_t x) { return std::abs(x) <= extent_; };
   Neighbours found;
-  std::size_t begin = 0;  // of those that are as far
-  for (std::size_t s = 0; s < steps_outward.size(); ++s) {
-    const auto [i, j, k] = steps_outward[s];
-    // Six steps along one axis, twelve along two, eight along three.
-    if (s == 6 || s == 18) begin = found.count;
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    const auto [i, j, k] = steps[s];
     if (!isInside(center[0] + i) || !isInside(center[1] + j) || !isInside(center[2] + k)) continue;
     const std::int32_t number =
         index_of_[static_cast<std::size_t>(place + (i * side + j) * side + k)];
     // Refined points have parents of their own (the plan's pursuits).
     if (number < 0 || number >= uniform_size_) continue;
+    const std::int64_t squared_length = i * i + j * j + k * k;
     // Of steps of one length the norm grows with the product.
     const std::int64_t along =
         std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
-    const Neighbour neighbour = {along * 32 + static_cast<std::int64_t>(s), number};
-    std::size_t at = found.count++;
-    for (; at > begin && found.sorted[at - 1].rank > neighbour.rank; --at)
-      found.sorted[at] = found.sorted[at - 1];
-    found.sorted[at] = neighbour;
+    found.sorted[found.count++] = {
+        (squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
   }
+  std::ranges::sort(std::span(found.sorted).first(found.count), {}, &Neighbour::rank);
   return found;
 }
 
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
   std::vector<std::int32_t> neighbours;
-  neighbours.reserve(steps_outward.size());
+  neighbours.reserve(steps.size());
   visitNeighbours(index, [&](std::int32_t n) {
     neighbours.push_back(n);
     return false;

@@ -104,7 +104,7 @@ class Lattice {
 
  private:
   struct Neighbour {
-    std::int64_t rank;  ///< norm, then coordinates, as far as those of one length of step differ
+    std::int64_t rank;  ///< the length of the step, then the point's norm, then its coordinates
     std::int32_t number;
   };
   struct Neighbours {
