@@ -12,9 +12,9 @@ namespace {
 // Of one source at most: energy, three slopes, six curvatures, ten third derivatives, in the order
 // of the first terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// Numbers of factorisations that are kept (4 MB), and as many that were used before those. The
-/// drives of a site share some 150 of them.
-constexpr Eigen::Index most_kept = 1 << 19;
+/// Numbers of factorisations that are kept (8 MB); then they are made anew. The drives of a site
+/// share some 150 of them.
+constexpr Eigen::Index most_kept = 1 << 20;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
 
@@ -181,13 +181,8 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
   }
   const auto found = factors_.find(key);
   if (found != factors_.end()) return found->second;
-  const auto older = older_.find(key);
-  if (older != older_.end()) {
-    kept_ += older->second.qr.matrixQR().size();
-    return factors_.insert(older_.extract(older)).position->second;
-  }
   if (kept_ > most_kept) {
-    older_ = std::exchange(factors_, {});
+    factors_.clear();
     kept_ = 0;
   }
   const WeightedSystem system(sources, edge, from, degree, kind_.known,

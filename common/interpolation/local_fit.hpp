@@ -95,8 +95,8 @@ class LocalFits {
                            int degree);
   double unit_;
   Kind kind_;
-  std::map<Key, Factors> factors_, older_;  ///< by the offsets of the sources
-  Eigen::Index kept_ = 0;                   ///< numbers in factors_
+  std::map<Key, Factors> factors_;  ///< by the offsets of the sources
+  Eigen::Index kept_ = 0;           ///< numbers in them
 };
 
 /// For the energies of fingers, whose third derivatives are known.
