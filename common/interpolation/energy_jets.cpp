@@ -165,15 +165,16 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   return jet;
 }
 
-/// Quintic Hermite basis on [0, 1] and its derivatives: [derivative][end 0..1][order 0..2].
-template <std::size_t n_derivatives>
-using Basis = std::array<std::array<std::array<double, 3>, 2>, n_derivatives>;
+/// Of one order of derivative: the factors of what is known at an end, [end 0..1][order 0..2].
+using AxisBasis = std::array<std::array<double, 3>, 2>;
+/// Quintic Hermite basis along an axis and its derivatives by the place, 0..1.
+using Basis = std::array<AxisBasis, 3>;
 
 /// f: value 1 at the end, g: slope 1, k: curvature 1; the upper end mirrors the lower one, odd
 /// orders change sign.
-Basis<3> quinticHermite(double t) {
+Basis quinticHermite(double t) {
   const double s = 1 - t;
-  Basis<3> basis;
+  Basis basis;
   const auto set = [&basis](std::size_t derivative, double f0, double f1, double g0, double g1,
                             double k0, double k1) {
     basis[derivative] = {{{f0, g0, k0}, {f1, g1, k1}}};
@@ -191,6 +192,35 @@ Basis<3> quinticHermite(double t) {
   set(1, df(t), -df(s), dg(t), dg(s), dk(t), -dk(s));
   set(2, ddf(t), ddf(s), ddg(t), -ddg(s), ddk(t), ddk(s));
   return basis;
+}
+
+/// For what is known in units of the spacing, along an axis of a leaf.
+Basis basisIn(double edge, double spacing, double local) {
+  Basis basis = quinticHermite(local);
+  if (edge == spacing) return basis;
+  const double scale = edge / spacing;
+  for (AxisBasis& derivative : basis)
+    for (auto& end : derivative) {
+      end[1] *= scale;
+      end[2] *= scale * scale;
+    }
+  return basis;
+}
+
+std::array<Basis, 3> basesIn(double edge, double spacing, const Eigen::Vector3d& local) {
+  return {basisIn(edge, spacing, local.x()), basisIn(edge, spacing, local.y()),
+          basisIn(edge, spacing, local.z())};
+}
+
+void addProduct(const AxisBasis& of_x, const AxisBasis& of_y, const AxisBasis& of_z, double factor,
+                LeafBasis& basis) {
+  for (std::size_t c = 0; c < 8; ++c) {
+    const auto &x = of_x[c & 1], &y = of_y[c >> 1 & 1], &z = of_z[c >> 2];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t i = 0; i < 3; ++i)
+          basis[c][i + 3 * j + 9 * k] += factor * x[i] * y[j] * z[k];
+  }
 }
 
 }  // namespace
@@ -256,54 +286,20 @@ AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& loca
   return factors;
 }
 
-namespace {
-
-/// Factors of the orders at both ends along an axis, in units of the spacing.
-using AxisBasis = std::array<std::array<double, 3>, 2>;
-
-/// Of a derivative of the quintic by the place in the leaf.
-AxisBasis axisBasis(double edge, double spacing, double local, std::size_t derivative) {
-  const double scale = edge / spacing;
-  AxisBasis axis = quinticHermite(local)[derivative];
-  for (auto& end : axis) {
-    end[1] *= scale;
-    end[2] *= scale * scale;
-  }
-  return axis;
-}
-
-void addProduct(const std::array<AxisBasis, 3>& axes, double factor, LeafBasis& basis) {
-  for (std::size_t c = 0; c < 8; ++c) {
-    const auto &x = axes[0][c & 1], &y = axes[1][c >> 1 & 1], &z = axes[2][c >> 2];
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t i = 0; i < 3; ++i)
-          basis[c][i + 3 * j + 9 * k] += factor * x[i] * y[j] * z[k];
-  }
-}
-
-std::array<AxisBasis, 3> valueAxes(double edge, double spacing, const Eigen::Vector3d& local) {
-  return {axisBasis(edge, spacing, local.x(), 0), axisBasis(edge, spacing, local.y(), 0),
-          axisBasis(edge, spacing, local.z(), 0)};
-}
-
-}  // namespace
-
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {
+  const auto [x, y, z] = basesIn(edge, spacing, local);
   LeafBasis basis{};
-  addProduct(valueAxes(edge, spacing, local), 1, basis);
+  addProduct(x[0], y[0], z[0], 1, basis);
   return basis;
 }
 
 LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
                      const Eigen::Vector3d& direction) noexcept {
+  const auto [x, y, z] = basesIn(edge, spacing, local);
   LeafBasis basis{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    std::array<AxisBasis, 3> axes = valueAxes(edge, spacing, local);
-    axes[axis] = axisBasis(edge, spacing, local[a], 1);
-    addProduct(axes, direction[a] / edge, basis);
-  }
+  addProduct(x[1], y[0], z[0], direction.x() / edge, basis);
+  addProduct(x[0], y[1], z[0], direction.y() / edge, basis);
+  addProduct(x[0], y[0], z[1], direction.z() / edge, basis);
   return basis;
 }
 
@@ -312,18 +308,7 @@ EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing
                             const Eigen::Vector3d& local) noexcept {
   using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
   using Line = Eigen::Array3d;               // orders a
-  Basis<3> x = quinticHermite(local.x()), y = quinticHermite(local.y()),
-           z = quinticHermite(local.z());
-  // Jets are in units of the spacing, the basis in those of the leaf.
-  if (edge != spacing) {
-    const double scale = edge / spacing;
-    for (Basis<3>* basis : {&x, &y, &z})
-      for (auto& derivative : *basis)
-        for (auto& end : derivative) {
-          end[1] *= scale;
-          end[2] *= scale * scale;
-        }
-  }
+  const auto [x, y, z] = basesIn(edge, spacing, local);
   // Derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2.
   double d[3][3][3] = {};
   for (std::size_t x_end = 0; x_end < 2; ++x_end) {
