@@ -125,6 +125,10 @@ class Lattice {
   std::map<LatticePoint, std::int32_t> added_;  ///< those that are not in the cube
 };
 
+/// The number of the lattice point that people name by its coordinates in spacings; refined ones
+/// have fractions. Error (bad input), naming the bounds, when it is not in the lattice.
+std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacings);
+
 /// A cube of the octree over a lattice. Its edge is divisions >> level coordinates: one spacing at
 /// level 0, half of it at level 1, and so on. At level 0 `lowest` is a multiple of the divisions.
 struct LatticeCell {

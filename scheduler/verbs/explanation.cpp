@@ -8,7 +8,7 @@
 #include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
-#include "common/space/named_point.hpp"
+#include "common/space/lattice.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/verbs/status_text.hpp"

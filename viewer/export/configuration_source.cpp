@@ -5,7 +5,7 @@
 #include "common/base/number_text.hpp"
 #include "common/base/text.hpp"
 #include "common/problem/finger.hpp"
-#include "common/space/named_point.hpp"
+#include "common/space/lattice.hpp"
 
 namespace palpate {
 

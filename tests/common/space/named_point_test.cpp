@@ -1,9 +1,8 @@
-#include "common/space/named_point.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "common/space/lattice.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace palpate {
