@@ -52,6 +52,12 @@ std::filesystem::path programBeside(const std::string& name);
 /// second: timeout(1) signals a process and then its group, and Ctrl-C in a terminal reaches
 /// children that are told to end by their parent too.
 bool interrupted();
+/// Error with the exit code of an interrupt, once interrupted(): for work that has replaced nothing
+/// yet.
+inline void endWhenInterrupted() {
+  if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; nothing was written");
+}
+
 /// Makes interrupted() see signals from now on; to be called once, by the main thread. Error when
 /// the system refuses.
 void catchInterrupts();

@@ -10,7 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
-#include "common/base/interruption.hpp"
+#include "common/base/program.hpp"
 #include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {

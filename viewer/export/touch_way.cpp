@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
-#include "common/base/interruption.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 namespace {
