@@ -1,7 +1,6 @@
 #include "common/mesh/bump_integrals.hpp"
 
 #include "common/base/assertion.hpp"
-#include "common/mesh/bump_quadrature.hpp"
 
 namespace palpate {
 namespace {

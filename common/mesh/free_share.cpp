@@ -5,7 +5,6 @@
 
 #include "common/base/assertion.hpp"
 #include "common/mesh/bump_integrals.hpp"
-#include "common/mesh/bump_quadrature.hpp"
 #include "common/mesh/surface_pieces.hpp"
 
 namespace palpate {

@@ -11,7 +11,6 @@
 #include "common/base/index.hpp"
 #include "common/base/joined_sets.hpp"
 #include "common/base/number_text.hpp"
-#include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {
 namespace {
@@ -284,6 +283,37 @@ void addMidEdgeNodes(Mesh& mesh) {
     for (const auto& [a, b] : mesh.edges)
       if (contains(vertices, a) && contains(vertices, b)) nodes.push_back(midEdgeNode(mesh, a, b));
   }
+}
+
+std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near) {
+  // Along a direction in which the nodes of a regular mesh lie apart.
+  const Eigen::Vector3d along = Eigen::Vector3d(0.5129, 0.6427, 0.5691).normalized();
+  std::vector<std::int32_t> order(nodes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<double> position;
+  for (const Eigen::Vector3d& node : nodes) position.push_back(along.dot(node));
+  std::ranges::sort(order, {}, [&](std::int32_t n) { return position[n]; });
+  JoinedSets places(nodes.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t k = i + 1; k < order.size() && position[order[k]] - position[order[i]] <= near;
+         ++k)
+      if ((nodes[order[k]] - nodes[order[i]]).norm() <= near) places.join(order[i], order[k]);
+  std::vector<Edge> coincident;
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes.size()); ++n)
+    if (const std::int32_t lowest = places.lowest(n); lowest != n)
+      coincident.push_back({n, lowest});
+  return coincident;
+}
+
+bool areCollinear(const NodeSet& nodes, const Mesh& mesh) {
+  PALPATE_ASSERT(!nodes.empty(), "a line has a node");
+  const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
+  const std::int32_t far = *std::ranges::max_element(
+      nodes, {}, [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); });
+  const Eigen::Vector3d along = (mesh.nodes[far] - a).stableNormalized();
+  const double near = 1e-6 * boundingBox(mesh).diagonal().norm();
+  return std::ranges::all_of(
+      nodes, [&](std::int32_t n) { return (mesh.nodes[n] - a).cross(along).norm() <= near; });
 }
 
 MeshQuality measure(const Mesh& mesh) {

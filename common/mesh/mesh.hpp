@@ -85,6 +85,17 @@ std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b);
 /// their edge are.
 void addMidEdgeNodes(Mesh& mesh);
 
+/// Nodes no farther from each other than this, in diagonals of the body, are one place: six digits
+/// leave no more.
+inline constexpr double coincident_distance = 1e-6;
+
+/// The nodes that lie within `near` (m) of one of a lower number, by chains too: {node, the lowest
+/// of its place}, ascending.
+std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near);
+
+/// True when the nodes, at least one, lie on one line: held there a body can turn around it.
+bool areCollinear(const NodeSet& nodes, const Mesh& mesh);
+
 /// What `palpate check` prints about a mesh.
 struct MeshQuality {
   double volume = 0;                                          ///< cubic metres

@@ -11,7 +11,6 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/program.hpp"
-#include "common/mesh/coincident_nodes.hpp"
 
 namespace palpate {
 namespace {

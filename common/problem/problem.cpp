@@ -12,7 +12,6 @@
 #include "common/base/number_text.hpp"
 #include "common/base/text.hpp"
 #include "common/base/units.hpp"
-#include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"

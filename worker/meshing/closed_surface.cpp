@@ -16,7 +16,6 @@
 #include "common/base/number_text.hpp"
 #include "common/base/program.hpp"
 #include "common/base/whole_file.hpp"
-#include "common/mesh/coincident_nodes.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/mesh/surface_cuts.hpp"
 

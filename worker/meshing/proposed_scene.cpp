@@ -12,7 +12,6 @@
 
 #include "common/base/error.hpp"
 #include "common/base/text.hpp"
-#include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_text.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/problem.hpp"

@@ -5,7 +5,7 @@ from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
 
 # Orders that files of other formats have by mistake.
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
-COINCIDENT = 1e-6  # as common/mesh/coincident_nodes.hpp has it: of the diagonal
+COINCIDENT = 1e-6  # as common/mesh/mesh.hpp has it: of the diagonal
 STRAIGHT = 1e-6  # as common/mesh/mesh.cpp has it: of an edge's length
 ROUNDED = 2e-6  # of the largest coordinate: what six digits, or float32, leave of a middle
 
