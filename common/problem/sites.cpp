@@ -7,10 +7,9 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/farthest_points.hpp"
 #include "common/base/index.hpp"
-#include "common/base/near_points.hpp"
 #include "common/mesh/free_share.hpp"
+#include "common/mesh/near_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"

@@ -18,9 +18,9 @@
 #include <random>
 
 #include "common/base/error.hpp"
-#include "common/base/farthest_points.hpp"
 #include "common/base/index.hpp"
 #include "common/dataset/dataset.hpp"
+#include "common/mesh/near_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"

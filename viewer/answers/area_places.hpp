@@ -1,7 +1,7 @@
 #pragma once
 
-#include "common/base/near_points.hpp"
 #include "common/mesh/free_share.hpp"
+#include "common/mesh/near_points.hpp"
 #include "viewer/fields/area_field.hpp"
 #include "viewer/haptics/surface_tree.hpp"
 

@@ -8,9 +8,9 @@
 #include <set>
 
 #include "common/base/error.hpp"
-#include "common/base/farthest_points.hpp"
 #include "common/base/machine.hpp"
 #include "common/base/parallel.hpp"
+#include "common/mesh/near_points.hpp"
 #include "viewer/fields/jet_sums.hpp"
 #include "viewer/fields/wendland.hpp"
 

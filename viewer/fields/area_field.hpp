@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "common/base/near_points.hpp"
+#include "common/mesh/near_points.hpp"
 #include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
 #include "viewer/fields/site_jets.hpp"

@@ -1,8 +1,9 @@
-#include "common/base/near_points.hpp"
+#include "common/mesh/near_points.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "common/base/assertion.hpp"
@@ -72,6 +73,27 @@ std::span<const std::int32_t> NearPoints::near(const Eigen::Vector3d& s) const n
     stride *= at(cubes_[axis]);
   }
   return std::span(listed_).subspan(at(first_[cube]), at(first_[cube + 1] - first_[cube]));
+}
+
+std::vector<Eigen::Vector3d> farthestPoints(
+    const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
+    const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts) {
+  PALPATE_ASSERT(distances.size() == places.size(), "each place has a distance");
+  std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
+  std::vector<Eigen::Vector3d> taken;
+  while (!places.empty()) {
+    const auto farthest = at(std::ranges::max_element(away) - away.begin());
+    if (away[farthest] <= 1) break;
+    const Eigen::Vector3d& place = places[farthest];
+    if (!accepts(place, taken.size())) {
+      away[farthest] = 0;
+      continue;
+    }
+    taken.push_back(place);
+    for (std::size_t n = 0; n < places.size(); ++n)
+      away[n] = std::min(away[n], (places[n] - place).norm() / distances[n]);
+  }
+  return taken;
 }
 
 }  // namespace palpate

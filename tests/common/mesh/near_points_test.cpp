@@ -1,4 +1,4 @@
-#include "common/base/near_points.hpp"
+#include "common/mesh/near_points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "common/base/farthest_points.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "common/mesh/near_points.hpp"
 
 namespace palpate {
 namespace {
