@@ -9,7 +9,6 @@
 #include "common/base/number_text.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
-#include "common/problem/place_distance.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/active_choice.hpp"
 #include "worker/solver/path.hpp"

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "common/mesh/finger_weights.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/mesh/node_set.hpp"
@@ -46,5 +48,11 @@ PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
 /// Whether it reaches around a lobe that is thin against it, so that normals cancel out.
 bool isOnBothSides(const Mesh& mesh, const Finger& finger);
+
+/// m: a place that is farther from the surface is not meant to lie on it. A quarter of the finger's
+/// radius, or a millionth of the body's size where that is more.
+inline double mostPlaceDistance(const Mesh& mesh, double finger_radius) {
+  return std::max(0.25 * finger_radius, 1e-6 * boundingBox(mesh).diagonal().norm());
+}
 
 }  // namespace palpate

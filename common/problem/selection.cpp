@@ -12,7 +12,6 @@
 #include "common/base/text.hpp"
 #include "common/mesh/bump_integrals.hpp"
 #include "common/problem/finger.hpp"
-#include "common/problem/probe_places.hpp"
 #include "common/problem/sites.hpp"
 #include "common/scene/key_lines.hpp"
 

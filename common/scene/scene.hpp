@@ -139,7 +139,7 @@ struct Accuracy {
   double force_floor = 0.01;  ///< N: an error below it is always allowed
   std::int32_t levels = 3;    ///< cells are halved at most so often, 0..6
   /// 0..100000; exact solutions at held-out positions, per active node; of a surface that a finger
-  /// touches at so many random places of it (probe_places.hpp).
+  /// touches at so many random places of it (probePlaces, common/problem/sites.hpp).
   std::int32_t probes = 0;
   bool adaptive() const { return force_error > 0; }
   bool operator==(const Accuracy&) const = default;

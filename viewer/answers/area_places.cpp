@@ -4,7 +4,6 @@
 
 #include "common/base/index.hpp"
 #include "common/problem/finger.hpp"
-#include "common/problem/place_distance.hpp"
 
 namespace palpate {
 

@@ -1,5 +1,3 @@
-#include "common/problem/probe_places.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -8,6 +6,7 @@
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/problem.hpp"
+#include "common/problem/sites.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/meshes.hpp"
 
