@@ -7,6 +7,15 @@
 #include "common/base/error.hpp"
 
 namespace palpate {
+namespace {
+
+static_assert(sizeof(crypto_generichash_state) == 384);
+
+crypto_generichash_state* stateIn(std::array<std::byte, 384>& storage) {
+  return reinterpret_cast<crypto_generichash_state*>(storage.data());
+}
+
+}  // namespace
 
 Bytes32 Bytes32::of(std::string_view bytes) {
   startSodium();
@@ -52,6 +61,22 @@ std::string randomBytes(std::size_t count) {
   std::string bytes(count, '\0');
   randombytes_buf(bytes.data(), bytes.size());
   return bytes;
+}
+
+ContentHasher::ContentHasher() {
+  startSodium();
+  crypto_generichash_init(stateIn(state_), nullptr, 0, ContentId().size());
+}
+
+void ContentHasher::add(std::string_view bytes) {
+  crypto_generichash_update(stateIn(state_), reinterpret_cast<const unsigned char*>(bytes.data()),
+                            bytes.size());
+}
+
+ContentId ContentHasher::finish() {
+  ContentId id;
+  crypto_generichash_final(stateIn(state_), id.data(), id.size());
+  return id;
 }
 
 }  // namespace palpate

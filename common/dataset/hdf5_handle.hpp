@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/base/error.hpp"
 
 /// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For

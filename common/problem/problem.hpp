@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/problem/pressure_slots.hpp"
 #include "common/scene/scene.hpp"

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/space/failure.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
 #include "proto/palpate.pb.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <span>
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "common/base/markup.hpp"
 
 namespace palpate {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/content_id.hpp"
+#include "common/base/bytes32.hpp"
 #include "viewer/haptics/haptic_tick.hpp"
 
 namespace palpate {

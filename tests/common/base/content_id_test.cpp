@@ -1,8 +1,8 @@
-#include "common/base/content_id.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "common/base/bytes32.hpp"
 
 namespace palpate {
 namespace {
