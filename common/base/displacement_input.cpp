@@ -4,13 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <sstream>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 #include "common/base/number_text.hpp"
 
 namespace palpate {
@@ -26,13 +26,11 @@ std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t
                    words.size());
   std::vector<double> numbers;
   for (const std::string& word : words) {
-    // from_chars takes no plus sign, people write one.
-    const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
-    const char* end = word.data() + word.size();
-    double& number = numbers.emplace_back();
-    const auto [stop, error] = std::from_chars(begin, end, number);
-    if (error != std::errc() || stop != end || !std::isfinite(number))
+    // numberIn takes no plus sign, people write one.
+    const auto number = numberIn<double>(std::string_view(word).substr(word.starts_with('+')));
+    if (!number || !std::isfinite(*number))
       throw badInput("{}: \"{}\" is not a finite number", where, word);
+    numbers.push_back(*number);
   }
   return numbers;
 }

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 
 namespace palpate {
 
@@ -43,12 +43,9 @@ class TextLines {
   Number take(const char* what) {
     const std::string_view token = takeWord();
     if (token.empty()) throw wrong("the line ends where {} is expected", what);
-    const std::string_view digits = token.front() == '+' ? token.substr(1) : token;
-    Number value{};
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size())
-      throw wrong("\"{}\" where {} is expected", token, what);
-    return value;
+    const auto value = numberIn<Number>(token.front() == '+' ? token.substr(1) : token);
+    if (!value) throw wrong("\"{}\" where {} is expected", token, what);
+    return *value;
   }
 
   double takeFinite(const char* what) {
