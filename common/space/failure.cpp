@@ -2,12 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
+#include <array>
 
 namespace palpate {
 namespace {
 
-/// What `f` means, and what usually helps.
+/// The words of name(), by value.
+constexpr auto cause_words = std::to_array<std::string_view>(
+    {"none", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia",
+     "factorization_failed", "not_finite", "step_budget", "worker_lost", "unreachable",
+     "limit_point", "beyond_force", "bifurcation"});
+static_assert(cause_words.size() == static_cast<std::size_t>(Cause::bifurcation) + 1);
+
+/// What `f` means, and what usually helps. A switch, so that the compiler tells of a new cause.
 std::string meaningOf(const Failure& f) {
   switch (f.cause) {
     case Cause::none: break;
@@ -58,37 +66,18 @@ std::string meaningOf(const Failure& f) {
 
 }  // namespace
 
-// A switch, so that the compiler refuses a cause without a word.
 std::string_view name(Cause cause) {
-  switch (cause) {
-    case Cause::none: return "none";
-    case Cause::iteration_limit: return "iteration_limit";
-    case Cause::line_search_stalled: return "line_search_stalled";
-    case Cause::inverted_element: return "inverted_element";
-    case Cause::wrong_inertia: return "wrong_inertia";
-    case Cause::factorization_failed: return "factorization_failed";
-    case Cause::not_finite: return "not_finite";
-    case Cause::step_budget: return "step_budget";
-    case Cause::worker_lost: return "worker_lost";
-    case Cause::unreachable: return "unreachable";
-    case Cause::limit_point: return "limit_point";
-    case Cause::beyond_force: return "beyond_force";
-    case Cause::bifurcation: return "bifurcation";
-  }
-  return {};
+  const auto value = static_cast<std::size_t>(cause);
+  return value < cause_words.size() ? cause_words[value] : std::string_view();
 }
 
 std::optional<Cause> causeOf(std::uint32_t value) {
-  const auto cause = static_cast<Cause>(value);
-  const bool known = value <= std::numeric_limits<std::uint8_t>::max() && !name(cause).empty();
-  return known ? std::optional(cause) : std::nullopt;
+  return value < cause_words.size() ? std::optional(static_cast<Cause>(value)) : std::nullopt;
 }
 
 std::optional<Cause> causeNamed(std::string_view word) {
-  if (word.empty()) return std::nullopt;
-  for (std::uint32_t value = 0; value <= std::numeric_limits<std::uint8_t>::max(); ++value)
-    if (const auto cause = causeOf(value); cause && name(*cause) == word) return cause;
-  return std::nullopt;
+  const auto found = std::ranges::find(cause_words, word);
+  return causeOf(static_cast<std::uint32_t>(found - cause_words.begin()));
 }
 
 bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cause::unreachable; }
