@@ -1,5 +1,6 @@
 #include "worker/meshing/tetrahedra.hpp"
 
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -62,21 +63,6 @@ std::string coordinates(const Eigen::Vector3d& x) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", x[0], x[1], x[2]);
 }
 
-/// The triangles, for gmsh.
-std::string trianglesAsMsh(const ClosedSurface& surface) {
-  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "$Nodes\n{}\n", surface.points.size());
-  for (std::size_t n = 0; n < surface.points.size(); ++n)
-    fmt::format_to(out, "{} {}\n", n + 1, coordinates(surface.points[n]));
-  fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto& [a, b, c] = surface.triangles[t];
-    fmt::format_to(out, "{} 2 2 0 1 {} {} {}\n", t + 1, a + 1, b + 1, c + 1);
-  }
-  return text + "$EndElements\n";
-}
-
 /// The triangles and a point in each cavity, for tetgen.
 std::string trianglesAsSmesh(const ClosedSurface& surface) {
   std::string text;
@@ -92,21 +78,29 @@ std::string trianglesAsSmesh(const ClosedSurface& surface) {
   return text + "0\n";
 }
 
-std::string meshAsMsh(const Mesh& mesh) {
-  std::string text =
-      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
-      "$PhysicalNames\n2\n2 1 \"surface\"\n3 2 \"body\"\n$EndPhysicalNames\n";
+/// A file of Gmsh's version 2.2; triangles are of the physical group `surface` (0: none),
+/// tetrahedra of group 2.
+std::string asMsh(const char* group_names, const std::vector<Eigen::Vector3d>& points,
+                  const std::vector<Triangle>& triangles, int surface,
+                  const std::vector<Tetrahedron>& tetrahedra) {
+  std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{}$Nodes\n{}\n",
+                                 group_names, points.size());
   auto out = std::back_inserter(text);
-  fmt::format_to(out, "$Nodes\n{}\n", mesh.nodes.size());
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    fmt::format_to(out, "{} {}\n", n + 1, coordinates(mesh.nodes[n]));
-  fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", mesh.surface.size() + mesh.tetrahedra.size());
+  for (std::size_t n = 0; n < points.size(); ++n)
+    fmt::format_to(out, "{} {}\n", n + 1, coordinates(points[n]));
+  fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", triangles.size() + tetrahedra.size());
   std::size_t element = 0;
-  for (const auto& [a, b, c] : mesh.surface)
-    fmt::format_to(out, "{} 2 2 1 1 {} {} {}\n", ++element, a + 1, b + 1, c + 1);
-  for (const auto& [a, b, c, d] : mesh.tetrahedra)
+  for (const auto& [a, b, c] : triangles)
+    fmt::format_to(out, "{} 2 2 {} 1 {} {} {}\n", ++element, surface, a + 1, b + 1, c + 1);
+  for (const auto& [a, b, c, d] : tetrahedra)
     fmt::format_to(out, "{} 4 2 2 1 {} {} {} {}\n", ++element, a + 1, b + 1, c + 1, d + 1);
   return text + "$EndElements\n";
+}
+
+/// With its groups.
+std::string meshAsMsh(const Mesh& mesh) {
+  return asMsh("$PhysicalNames\n2\n2 1 \"surface\"\n3 2 \"body\"\n$EndPhysicalNames\n", mesh.nodes,
+               mesh.surface, 1, mesh.tetrahedra);
 }
 
 /// Whether the sharp edges of the surface are lines, as those of a box, and not the noise of a
@@ -199,7 +193,9 @@ class Filling {
 
   Attempt runGmsh(const std::string& remesh, double size) {
     if (!isInstalled("gmsh")) return missing("gmsh");
-    if (!written_) replaceFile(folder_ / "surface.msh", trianglesAsMsh(surface_), "surface");
+    if (!written_)
+      replaceFile(folder_ / "surface.msh", asMsh("", surface_.points, surface_.triangles, 0, {}),
+                  "surface");
     written_ = true;
     const std::string geo = "Merge \"surface.msh\";\n" + remesh + gmsh_body +
                             fmt::format(fmt::runtime(gmsh_settings), size);
@@ -313,39 +309,39 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
                               const std::filesystem::path& folder, const std::string& source) {
   if (fineness.size) refuseSize(*fineness.size, surface, source);
   Filling filling(surface, folder);
+  struct Way {
+    bool wanted;
+    Attempt (Filling::*fill)(double size);
+    const char* how;
+  };
+  const bool again = mesher == Mesher::automatic && isInstalled("gmsh");
+  const std::array<Way, 3> ways = {
+      {{mesher != Mesher::tetgen, &Filling::byGmsh, nullptr},
+       {again, &Filling::byGmshOnTriangles,
+        "filled by gmsh between the triangles as they are: it could not make new ones of the "
+        "wanted size"},
+       {mesher != Mesher::gmsh, &Filling::byTetgen,
+        "filled by tetgen between the triangles as they are"}}};
   std::vector<std::string> problems;
   bool all_missing = true;
-  const auto attempt = [&](auto fill) {
+  for (const Way& way : ways) {
+    if (!way.wanted) continue;
     Attempt last;
-    std::optional<Tetrahedra> made = nearest(surface, fineness, last, fill);
-    if (!made) problems.push_back(last.problem);
+    const auto fill = [&](double size) { return (filling.*way.fill)(size); };
+    if (auto made = nearest(surface, fineness, last, fill)) {
+      made->notes.insert(made->notes.end(), problems.begin(), problems.end());
+      if (way.how != nullptr) made->notes.emplace_back(way.how);
+      const auto nodes = static_cast<double>(made->mesh.nodes.size());
+      if (!fineness.size && std::abs(std::log(nodes / fineness.nodes)) > std::log(1 + near_enough))
+        made->notes.push_back(
+            fmt::format("{} nodes were wanted; --size sets the length of edges", fineness.nodes));
+      return std::move(*made);
+    }
+    problems.push_back(last.problem);
     all_missing = all_missing && last.missing;
-    return made;
-  };
-  const auto finished = [&](Tetrahedra made, const std::string& how) {
-    for (const std::string& problem : problems) made.notes.push_back(problem);
-    if (!how.empty()) made.notes.push_back(how);
-    const auto nodes = static_cast<double>(made.mesh.nodes.size());
-    if (!fineness.size && std::abs(std::log(nodes / fineness.nodes)) > std::log(1 + near_enough))
-      made.notes.push_back(
-          fmt::format("{} nodes were wanted; --size sets the length of edges", fineness.nodes));
-    return made;
-  };
-  if (mesher != Mesher::tetgen) {
-    if (auto made = attempt([&](double size) { return filling.byGmsh(size); }))
-      return finished(std::move(*made), "");
-    if (mesher == Mesher::automatic && isInstalled("gmsh"))
-      if (auto made = attempt([&](double size) { return filling.byGmshOnTriangles(size); }))
-        return finished(std::move(*made),
-                        "filled by gmsh between the triangles as they are: it could not make new "
-                        "ones of the wanted size");
   }
-  if (mesher != Mesher::gmsh)
-    if (auto made = attempt([&](double size) { return filling.byTetgen(size); }))
-      return finished(std::move(*made), "filled by tetgen between the triangles as they are");
-  std::string reasons;
-  for (const std::string& problem : problems) reasons += (reasons.empty() ? "" : "; ") + problem;
-  throw failure("{}: no tetrahedra could be made in the surface: {}. {}", source, reasons,
+  throw failure("{}: no tetrahedra could be made in the surface: {}. {}", source,
+                fmt::join(problems, "; "),
                 all_missing ? (problems.size() > 1 ? "Install one of them" : "Install it")
                             : "Make its triangles more even (MeshLab: Isotropic Remeshing; "
                               "Blender: Remesh), or take another --size or --mesher");
