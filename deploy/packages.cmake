@@ -6,7 +6,7 @@ find_program(PALPATE_HELP2MAN help2man)
 set(manual ${CMAKE_BINARY_DIR}/manual)
 add_custom_target(manual
   COMMAND ${CMAKE_SOURCE_DIR}/deploy/manual_pages $<TARGET_FILE_DIR:palpate> ${manual}
-  DEPENDS palpate palpate-scheduler palpate-worker palpate-viewer palpate-verify VERBATIM)
+  DEPENDS palpate palpate-scheduler palpate-worker palpate-viewer palpate-answers palpate-verify VERBATIM)
 install(DIRECTORY ${manual}/palpate/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT manual OPTIONAL)
 install(DIRECTORY ${manual}/palpate-viewer/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT viewer OPTIONAL)
 install(FILES deploy/completions/palpate DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT manual)
@@ -62,13 +62,13 @@ palpate_package(palpate COMPONENTS service verification manual documents data SE
 finite elements, for a lattice of positions of a finger that displaces its
 surface; forces between them are interpolated with an error bound.
 .
-This package has the programs that check scenes and build datasets, on one
-machine or many.")
+This package has the programs that check scenes, build datasets, on one machine
+or many, and answer from them: queries, reports and pages that can be touched.")
 palpate_package(palpate-viewer COMPONENTS viewer SECTION science
   DEPENDS "palpate (= ${PROJECT_VERSION}), fonts-roboto-unhinted"
   SUMMARY "feel a nonlinear soft body at 1 kHz: client"
   DESCRIPTION "The haptic client of Palpate: contact, force guard, devices and the
-picture; queries, reports and pages that can be touched.")
+picture.")
 palpate_package(libpalpate0 COMPONENTS library SECTION libs
   OVERRIDE "# cpack writes them, beside the trigger.\nlibpalpate0: maintscript-calls-ldconfig *\n"
   SUMMARY "forces of a nonlinear soft body: library"

@@ -23,7 +23,7 @@ struct Verb {
   std::function<ExitCode()> (*prepare)(CLI::App& app);
 };
 
-/// The main() of palpate-scheduler, palpate-worker, palpate-verify and palpate-viewer: parses, runs
+/// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and palpate-answers: parses, runs
 /// the verb, and turns every exception into one line on stderr ("palpate VERB: what happened") and
 /// an exit code. Unknown options end with code 2. Also reads the common options --version,
 /// -q/--quiet, -v/--verbose and --log-format, which programs that this one starts inherit by their

@@ -27,7 +27,8 @@ const std::vector<std::pair<std::string, Words>>& programs() {
        {"build", "serve", "status", "stop", "fleet", "pause", "resume", "seal", "priority", "retry",
         "explain", "events", "key"}},
       {"palpate-verify", {"verify"}},
-      {"palpate-viewer", {"query", "report", "share", "export", "doctor", "view", "device"}}};
+      {"palpate-answers", {"query", "report", "share", "export"}},
+      {"palpate-viewer", {"doctor", "view", "device"}}};
   return all;
 }
 

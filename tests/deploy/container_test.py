@@ -54,7 +54,7 @@ def installed_with(packages):
 @functools.cache
 def libraries():
     """What the programs of the image load here, and the package that each is of."""
-    said = "".join(output("ldd", os.path.join(PROGRAMS, program)) for program in ("palpate", "palpate-scheduler", "palpate-worker"))
+    said = "".join(output("ldd", os.path.join(PROGRAMS, program)) for program in ("palpate", "palpate-answers", "palpate-scheduler", "palpate-worker"))
     paths = {os.path.realpath(path) for path in re.findall(r"=> (/\S+)", said)}
     # Packages know files by the name before or after /lib became a link to /usr/lib; of the other one dpkg knows nothing.
     names = paths | {path.removeprefix("/usr") for path in paths}
@@ -112,7 +112,7 @@ class Container(unittest.TestCase):
             output("cmake", "--install", os.path.dirname(PROGRAMS), "--component", "service", "--prefix", prefix)
             installed = sorted(os.path.relpath(os.path.join(folder, name), prefix)
                                for folder, _, names in os.walk(prefix) for name in names)
-        self.assertEqual(installed, ["bin/palpate", "bin/palpate-scheduler", "bin/palpate-worker"])
+        self.assertEqual(installed, ["bin/palpate", "bin/palpate-answers", "bin/palpate-scheduler", "bin/palpate-worker"])
 
     def testTheImageIsBuiltAndBuildsADataset(self):
         if not os.environ.get("PALPATE_LONG_TESTS"):

@@ -328,11 +328,11 @@ TEST_F(SystemTest, APartialDatasetIsSealedWhileTheBuildGoesOnAndCanBeAsked) {
   auto seal = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
   EXPECT_EQ(seal->wait(), 0) << seal->output();
   EXPECT_THAT(seal->output(), testing::AllOf(HasSubstr("unknown"), HasSubstr("sealed, partial")));
-  auto query = start("palpate-viewer",
+  auto query = start("palpate-answers",
                      {"query", "now.h5", "--active", "tip", "--displacement", "0.002", "0", "0"});
   EXPECT_EQ(query->wait(), 0) << query->output();
   EXPECT_THAT(query->output(), HasSubstr("now.h5: partial, sealed before"));
-  auto report = start("palpate-viewer", {"report", "now.h5"});
+  auto report = start("palpate-answers", {"report", "now.h5"});
   EXPECT_EQ(report->wait(), 0) << report->output();
   expectFinished(*build);
   auto onto = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});

@@ -32,7 +32,7 @@ struct ExportOptions {
 ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
                               std::ostream& output);
 
-/// The verb `export` of palpate-viewer, on standard input and output.
+/// The verb `export` of palpate-answers, on standard input and output.
 Verb exportVerb();
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ struct ReportCommandOptions {
 /// page would replace a dataset; Error when it cannot be written (then it is not there at all).
 ExitCode report(const ReportCommandOptions& options, std::ostream& output);
 
-/// The verb `report` of palpate-viewer, on standard output.
+/// The verb `report` of palpate-answers, on standard output.
 Verb reportVerb();
 
 }  // namespace palpate

@@ -17,7 +17,7 @@ struct ShareOptions {
 /// pages.
 ExitCode share(const ShareOptions& options, std::ostream& output);
 
-/// The verb `share` of palpate-viewer, on standard output.
+/// The verb `share` of palpate-answers, on standard output.
 Verb shareVerb();
 
 }  // namespace palpate

@@ -79,7 +79,7 @@ TEST_F(FrontCommand, WorksThroughALinkElsewhere) {
 TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
   const CommandResult result = palpate("query x.h5");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.output, AllOf(HasSubstr("palpate-viewer"), HasSubstr("cmake --build")));
+  EXPECT_THAT(result.output, AllOf(HasSubstr("palpate-answers"), HasSubstr("cmake --build")));
 }
 
 TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {

@@ -14,7 +14,7 @@
 #include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
-#include "viewer/query_command.hpp"
+#include "viewer/query/query_command.hpp"
 
 namespace palpate {
 namespace {
@@ -226,7 +226,7 @@ TEST_F(ExportCommand, RefusesUnknownNamesMethodsAndDatasets) {
 }
 
 TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
-  const std::string words = fmt::format("{}/palpate-viewer export {} --active edge-2 ",
+  const std::string words = fmt::format("{}/palpate-answers export {} --active edge-2 ",
                                         PALPATE_BIN_DIR, options.dataset.string());
   const std::string out = fmt::format("-o {} ", options.output.string());
   test::CommandResult result = test::runCommand(words + out + "--displacement -0.01 -1e-3 -.002");
@@ -240,7 +240,7 @@ TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
   EXPECT_EQ(result.exit_code, 3) << result.output;
   EXPECT_THAT(result.output, HasSubstr("1 of 1 touch without a reliable answer"));
   EXPECT_EQ(test::runCommand(words + out + "--point 1 0").exit_code, 2);
-  result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-viewer export --help");
+  result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-answers export --help");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, HasSubstr(".pvd"));
 }

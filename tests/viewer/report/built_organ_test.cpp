@@ -65,7 +65,7 @@ class BuiltOrgan {
   }
 
   std::vector<nlohmann::json> query(const std::vector<Push>& pushes) const {
-    return ask(program("palpate-viewer") + " query " + dataset_file_, pushes);
+    return ask(program("palpate-answers") + " query " + dataset_file_, pushes);
   }
   std::vector<nlohmann::json> solve(const std::vector<Push>& pushes) const {
     return ask(program("palpate-worker") + " solve " + scene_file_, pushes);

@@ -1,4 +1,4 @@
-#include "viewer/query_command.hpp"
+#include "viewer/query/query_command.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cmath>

@@ -24,7 +24,7 @@ struct QueryOptions {
 /// dataset, name, method or number; for a line of the input it names the line.
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output);
 
-/// The verb `query` of palpate-viewer, on standard input and output.
+/// The verb `query` of palpate-answers, on standard input and output.
 Verb queryVerb();
 
 }  // namespace palpate

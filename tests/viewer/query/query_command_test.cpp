@@ -1,4 +1,4 @@
-#include "viewer/query_command.hpp"
+#include "viewer/query/query_command.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class QueryCommand : public ::testing::Test {
   /// Runs the program itself and returns its exit code; standard output and error are in `answer`.
   int run(const std::string& arguments) {
     const std::string command =
-        std::string(PALPATE_BIN_DIR) + "/palpate-viewer query " + arguments + " 2>&1";
+        std::string(PALPATE_BIN_DIR) + "/palpate-answers query " + arguments + " 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     if (pipe == nullptr) throw failure("cannot run {}", command);
     answer.clear();
