@@ -75,6 +75,11 @@ std::span<const std::int32_t> NearPoints::near(const Eigen::Vector3d& s) const n
   return std::span(listed_).subspan(at(first_[cube]), at(first_[cube + 1] - first_[cube]));
 }
 
+bool NearPoints::isReached(const Eigen::Vector3d& s) const noexcept {
+  return std::ranges::any_of(near(s),
+                             [&](std::int32_t n) { return (points_[at(n)] - s).norm() <= reach_; });
+}
+
 std::vector<Eigen::Vector3d> farthestPoints(
     const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts) {

@@ -21,6 +21,8 @@ class NearPoints {
   double reach() const { return reach_; }  ///< m
   /// Every point within the reach of s, and a few farther ones; ascending. Real time.
   std::span<const std::int32_t> near(const Eigen::Vector3d& s) const noexcept;
+  /// Whether a point lies within the reach of s, or at its end. Real time.
+  bool isReached(const Eigen::Vector3d& s) const noexcept;
 
  private:
   template <class Visit>

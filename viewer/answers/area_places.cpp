@@ -1,7 +1,5 @@
 #include "viewer/answers/area_places.hpp"
 
-#include <algorithm>
-
 #include "common/base/index.hpp"
 #include "common/problem/finger.hpp"
 
@@ -31,15 +29,13 @@ FingerPlace AreaPlaces::placeOf(const Eigen::Vector3d& near,
 FingerPlace::Fault AreaPlaces::faultOf(const FingerPlace& place) const noexcept {
   using Fault = FingerPlace::Fault;
   if (!(place.distance <= most_distance_)) return Fault::away;
-  if (std::ranges::none_of(sites_.near(place.at), [&](std::int32_t site) {
-        return (sites_.points()[at(site)] - place.at).norm() <= sites_.reach();
-      }))
-    return Fault::no_site;
+  if (!sites_.isReached(place.at)) return Fault::no_site;
   return free_share_.isBelow(least_free_share, place.at) ? Fault::fixed : Fault::none;
 }
 
-ForceAnswer AreaPlaces::answer(const AreaField& area, FingerPlace place,
+ForceAnswer AreaPlaces::answer(const AreaField& area, const Eigen::Vector3d& near,
                                const Eigen::Vector3d& p) const noexcept {
+  FingerPlace place = placeOf(near, p);
   if (place.triangle < 0) return {{}, place};
   const AreaSample sample = area.evaluate(place.at, p);
   const Eigen::Vector3d& normal = normals_[at(place.triangle)];

@@ -40,8 +40,9 @@ class AreaPlaces {
 
   /// For any `near` and displacement p, metres.
   FingerPlace placeOf(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const noexcept;
-  /// By the energy of the area, which is prepared there. Numbers that are not finite give no force.
-  ForceAnswer answer(const AreaField& area, FingerPlace place,
+  /// The same place, by the energy of the area, which is prepared there. Numbers that are not
+  /// finite give no force.
+  ForceAnswer answer(const AreaField& area, const Eigen::Vector3d& near,
                      const Eigen::Vector3d& p) const noexcept;
 
  private:

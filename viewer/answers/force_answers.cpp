@@ -53,7 +53,7 @@ ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
   if (place.triangle >= 0) area_->prepareAt(place.at);
-  return withoutSigns(places_->answer(*area_, place, touch.displacement));
+  return withoutSigns(places_->answer(*area_, *touch.at, touch.displacement));
 }
 
 }  // namespace palpate

@@ -7,9 +7,8 @@ namespace {
 
 palpate_area_sample sampleOf(const LoadedDataset& dataset, std::int32_t area,
                              const Eigen::Vector3d& near, const Eigen::Vector3d& displacement) {
-  const AreaPlaces& places = dataset.places[at(area)];
   const ForceAnswer answer =
-      places.answer(dataset.model.area(at(area)), places.placeOf(near, displacement), displacement);
+      dataset.places[at(area)].answer(dataset.model.area(at(area)), near, displacement);
   palpate_area_sample given{};
   giveForce(given, answer.sample);
   give(given.drive, answer.finger->drive);

@@ -66,4 +66,23 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
 /// that all numbers stay finite.
 inline constexpr double farthest_in_radii = 4;
 
+/// How every field answers a displacement, m: not at all where it is no number, by inRegion(p) in
+/// the region, and beyond it by beyond(edge, unit, depth), which continues from the edge.
+///
+/// radius: of the ball; least_radius: every displacement up to it is in the region;
+/// edgeAlong(unit): the RegionEdge. Real time.
+template <class EdgeAlong, class InRegion, class Beyond>
+auto answerTo(const Eigen::Vector3d& displacement, double radius, double least_radius,
+              EdgeAlong edgeAlong, InRegion inRegion, Beyond beyond) noexcept
+    -> decltype(inRegion(displacement)) {
+  if (displacement.array().isNaN().any()) return {};
+  const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * radius);
+  const double length = p.norm();
+  if (isWithin(length, least_radius)) return inRegion(p);
+  const Eigen::Vector3d unit = p / length;
+  const auto edge = edgeAlong(unit);
+  if (isWithin(length, edge.radius)) return inRegion(p);
+  return beyond(edge, unit, length - edge.radius);
+}
+
 }  // namespace palpate

@@ -222,10 +222,7 @@ AreaField::Stations AreaField::stationsOf(const std::vector<const SpaceTable*>& 
   std::vector<Eigen::Vector3d> places = centersOf(sites);
   const NearPoints centers(places, answered_distance * finger);
   for (const Eigen::Vector3d& place : surface)
-    if (std::ranges::any_of(centers.near(place), [&](std::int32_t site) {
-          return (centers.points()[at(site)] - place).norm() <= centers.reach();
-        }))
-      places.push_back(place);
+    if (centers.isReached(place)) places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
   const std::vector<double> distances(places.size(), station_distance * finger);
   return {farthestPoints(places, distances, any)};
@@ -489,15 +486,14 @@ void AreaField::eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept {
 
 AreaSample AreaField::evaluate(const Eigen::Vector3d& s,
                                const Eigen::Vector3d& displacement) const noexcept {
-  if (!s.allFinite() || displacement.array().isNaN().any()) return {};
-  if (!is_whole_ && !isPreparedAt(s)) return {};
-  const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * radius_);
-  const double length = p.norm();
-  if (isWithin(length, leastRadiusAt(s))) return inRegion(s, p);
-  const Eigen::Vector3d unit = p / length;
-  const PlacedEdge edge = edgeAt(s, unit);
-  if (isWithin(length, edge.radius)) return inRegion(s, p);
-  return beyondRegion(s, edge, unit, length - edge.radius);
+  if (!s.allFinite() || (!is_whole_ && !isPreparedAt(s))) return {};
+  return answerTo(
+      displacement, radius_, leastRadiusAt(s),
+      [&](const Eigen::Vector3d& unit) { return edgeAt(s, unit); },
+      [&](const Eigen::Vector3d& p) { return inRegion(s, p); },
+      [&](const PlacedEdge& edge, const Eigen::Vector3d& unit, double depth) {
+        return beyondRegion(s, edge, unit, depth);
+      });
 }
 
 double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {

@@ -69,14 +69,13 @@ void CellField::setSpread() {
 }
 
 ForceSample CellField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
-  if (displacement.array().isNaN().any()) return {};
-  const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * tree_.radius());
-  const double length = p.norm();
-  if (isWithin(length, region_.leastRadius())) return inRegion(p);
-  const Eigen::Vector3d unit = p / length;
-  const RegionEdge edge = region_.along(DirectionWeights(unit));
-  if (isWithin(length, edge.radius)) return inRegion(p);
-  return continuedBeyond(inRegion(edge.radius * unit), edge, unit, length - edge.radius);
+  return answerTo(
+      displacement, tree_.radius(), region_.leastRadius(),
+      [this](const Eigen::Vector3d& unit) { return region_.along(DirectionWeights(unit)); },
+      [this](const Eigen::Vector3d& p) { return inRegion(p); },
+      [this](const RegionEdge& edge, const Eigen::Vector3d& unit, double depth) {
+        return continuedBeyond(inRegion(edge.radius * unit), edge, unit, depth);
+      });
 }
 
 ForceSample CellField::inRegion(const Eigen::Vector3d& displacement) const noexcept {

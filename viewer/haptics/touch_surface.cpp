@@ -9,6 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/scene/active_choice.hpp"
+#include "viewer/fields/area_field.hpp"
 
 namespace palpate {
 namespace {
@@ -196,16 +197,15 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
   area_of_vertex_.assign(vertices_.size(), -1);
   for (std::size_t a = 0; a < areas_.size(); ++a) {
     const double distance = answered_distance * areas_[a].radius;
+    const NearPoints sites(centersOf(chosenOf(spaces, areas_[a].spaces)), distance);
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
+      if (!sites.isReached(vertices_[v])) continue;
       std::vector<Candidate> near;
       for (const std::size_t space : areas_[a].spaces) {
         const double away = (spaces[space].patch.finger->center - vertices_[v]).norm();
         if (away < 2 * distance)
           near.push_back({static_cast<std::int32_t>(space), away, 2 * distance});
       }
-      if (near.empty() ||
-          std::ranges::min_element(near, {}, &Candidate::distance)->distance > distance)
-        continue;
       area_of_vertex_[v] = static_cast<std::int32_t>(a);
       shares_[v] = sharesFrom(near);
     }

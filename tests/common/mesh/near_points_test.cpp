@@ -19,6 +19,9 @@ TEST(NearPointsTest, ListsEveryPointWithinReachOfAnyPosition) {
     const Eigen::Vector3d s = 1.4 * draw();
     const auto near = grid.near(s);
     EXPECT_LT(near.size(), points.size() / 2);
+    EXPECT_EQ(grid.isReached(s), std::ranges::any_of(points, [&](const Eigen::Vector3d& point) {
+                return (point - s).norm() <= 0.03;
+              }));
     for (std::size_t p = 0; p < points.size(); ++p)
       EXPECT_TRUE((points[p] - s).norm() >= 0.03 ||
                   std::ranges::binary_search(near, static_cast<std::int32_t>(p)));
@@ -30,6 +33,8 @@ TEST(NearPointsTest, HasNothingFarAwayOrNowhere) {
   EXPECT_FALSE(grid.near({0.01, 0, 0}).empty());
   EXPECT_TRUE(grid.near({1, 0, 0}).empty());
   EXPECT_TRUE(grid.near({NAN, 0, 0}).empty());
+  EXPECT_TRUE(grid.isReached({0.01, 0, 0}));
+  EXPECT_FALSE(grid.isReached({0.0301, 0, 0}));
 }
 
 }  // namespace
