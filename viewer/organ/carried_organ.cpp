@@ -1,10 +1,10 @@
 #include "viewer/organ/carried_organ.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 
@@ -36,33 +36,20 @@ Error damaged(std::string_view how) {
       "the organ is damaged ({}): get its page again, or make it again with palpate share", how);
 }
 
+// An organ is described once: `carry` visits its numbers, a writer appends them, and a reader fills
+// them in, with checks of its own where wrong numbers would make too much of something.
+
 class OrganWriter {
  public:
-  template <class Number>
-  void put(const Number& number) {
-    static_assert(std::is_trivially_copyable_v<Number>);
-    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
+  static constexpr bool reads = false;
+  void raw(const void* from, std::size_t size) {
+    bytes_.append(static_cast<const char*>(from), size);
   }
-  void putSize(std::size_t size) { put(static_cast<std::uint32_t>(size)); }
-  void putText(std::string_view text) {
-    putSize(text.size());
-    bytes_ += text;
-  }
-  void putVector(const Eigen::Vector3d& v) {
-    for (const double x : v) put(x);
-  }
-  template <class Values>
-  void putRounded(const Eigen::DenseBase<Values>& values) {
-    constexpr std::uint64_t half = std::uint64_t{1} << (8 * left_out_bytes - 1);
-    for (Eigen::Index i = 0; i < values.rows(); ++i)
-      for (Eigen::Index j = 0; j < values.cols(); ++j) {
-        const double value = values(i, j);
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &value, sizeof bits);
-        bits += half;
-        bytes_.append(reinterpret_cast<const char*>(&bits) + left_out_bytes,
-                      sizeof bits - left_out_bytes);
-      }
+  /// The length of a list.
+  std::size_t size(std::size_t length, std::size_t = 1) {
+    const auto written = static_cast<std::uint32_t>(length);
+    raw(&written, sizeof written);
+    return length;
   }
   std::string take() { return std::move(bytes_); }
 
@@ -72,115 +59,102 @@ class OrganWriter {
 
 class OrganReader {
  public:
+  static constexpr bool reads = true;
   explicit OrganReader(std::string_view bytes) : bytes_(bytes) {}
-  template <class Number>
-  Number get() {
-    Number number;
-    std::memcpy(&number, take(sizeof number).data(), sizeof number);
-    return number;
+  void raw(void* to, std::size_t size) {
+    if (size > bytes_.size()) throw damaged("it is cut off");
+    std::memcpy(to, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+  }
+  /// That of a list of things that take at least so many bytes each.
+  std::size_t size(std::size_t, std::size_t least = 1) {
+    std::uint32_t length = 0;
+    raw(&length, sizeof length);
+    if (length > bytes_.size() / least) throw damaged("it is cut off");
+    return length;
   }
   bool done() const { return bytes_.empty(); }
-  /// Of things that take at least so many bytes each.
-  std::size_t getSize(std::size_t least = 1) {
-    const auto size = get<std::uint32_t>();
-    if (size > bytes_.size() / least) throw damaged("it is cut off");
-    return size;
-  }
-  std::string getText() { return std::string(take(getSize())); }
-  Eigen::Vector3d getVector() {
-    const double x = get<double>(), y = get<double>(), z = get<double>();
-    return {x, y, z};
-  }
-  template <class Values>
-  void getRounded(Values& values) {
-    constexpr std::size_t kept = sizeof(double) - left_out_bytes;
-    for (Eigen::Index i = 0; i < values.rows(); ++i)
-      for (Eigen::Index j = 0; j < values.cols(); ++j) {
-        std::array<char, sizeof(double)> bytes{};
-        std::memcpy(bytes.data() + left_out_bytes, take(kept).data(), kept);
-        std::memcpy(&values(i, j), bytes.data(), sizeof(double));
-      }
-  }
-  std::string_view take(std::size_t count) {
-    if (count > bytes_.size()) throw damaged("it is cut off");
-    const std::string_view taken = bytes_.substr(0, count);
-    bytes_.remove_prefix(count);
-    return taken;
-  }
 
  private:
   std::string_view bytes_;
 };
 
-/// What only a finger has of an equilibrium, one after the other.
-template <class OfFinger, class Each>
-void eachOfFinger(OfFinger& e, Each each) {
-  each(e.drive);
-  each(e.drive_stiffness);
-  each(e.drive_slope);
-  each(e.stiffness_by_p);
-  each(e.stiffness_by_s);
-  each(e.drive_slope_by_p);
+template <class Bytes, class... Numbers>
+void carry(Bytes& bytes, Numbers&... numbers) {
+  static_assert((std::is_trivially_copyable_v<Numbers> && ...));
+  (bytes.raw(&numbers, sizeof numbers), ...);
 }
 
-void putEquilibrium(OrganWriter& out, const Equilibrium& e, bool is_finger) {
-  out.put(e.energy);
-  out.putVector(e.force);
-  for (const auto& [a, b] : symmetric_axes) out.put(e.stiffness(a, b));
-  if (is_finger) eachOfFinger(e, [&out](const auto& values) { out.putRounded(values); });
+template <class Bytes, class Vector>
+void carryVector(Bytes& bytes, Vector& v) {
+  bytes.raw(v.data(), 3 * sizeof(double));
 }
 
-Equilibrium getEquilibrium(OrganReader& in, bool is_finger) {
-  Equilibrium e;
-  e.energy = in.get<double>();
-  e.force = in.getVector();
-  for (const auto& [a, b] : symmetric_axes)
-    e.stiffness(a, b) = e.stiffness(b, a) = in.get<double>();
-  if (is_finger) eachOfFinger(e, [&in](auto& values) { in.getRounded(values); });
-  return e;
+/// Each takes at least so many bytes.
+template <class Bytes, class List, class Each>
+void carryList(Bytes& bytes, List& list, std::size_t least, Each each) {
+  const std::size_t size = bytes.size(list.size(), least);
+  if constexpr (Bytes::reads) list.resize(size);
+  for (auto& one : list) each(one);
 }
 
-void putSpace(OrganWriter& out, const SpaceTable& space) {
-  const Lattice& lattice = space.lattice;
-  out.put(lattice.radius());
-  out.put(lattice.spacing());
-  out.put(lattice.divisions());
-  const auto& finger = space.patch.finger;
-  out.put(static_cast<std::uint8_t>(finger.has_value()));
-  if (finger) {
-    out.putVector(finger->center);
-    out.put(finger->radius);
-    out.putVector(finger->reach.outward);
-    out.put(finger->reach.pull);
-    out.put(finger->reach.width);
+template <class Bytes, class List>
+void carryNumbers(Bytes& bytes, List& list) {
+  carryList(bytes, list, sizeof list[0], [&](auto& number) { carry(bytes, number); });
+}
+
+template <class Bytes, class Vectors>
+void carryVectors(Bytes& bytes, Vectors& vectors) {
+  carryList(bytes, vectors, sizeof vectors[0], [&](auto& v) { carryVector(bytes, v); });
+}
+
+template <class Bytes, class... Matrices>
+void carryRounded(Bytes& bytes, Matrices&... matrices) {
+  constexpr std::uint64_t half = std::uint64_t{1} << (8 * left_out_bytes - 1);
+  const auto carryOne = [&](auto& values) {
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      for (Eigen::Index j = 0; j < values.cols(); ++j) {
+        std::uint64_t bits = 0;
+        if constexpr (!Bytes::reads) {
+          std::memcpy(&bits, &values(i, j), sizeof bits);
+          bits += half;
+        }
+        bytes.raw(reinterpret_cast<char*>(&bits) + left_out_bytes, sizeof bits - left_out_bytes);
+        if constexpr (Bytes::reads) std::memcpy(&values(i, j), &bits, sizeof bits);
+      }
+  };
+  (carryOne(matrices), ...);
+}
+
+template <class Bytes, class AnEquilibrium>
+void carryEquilibrium(Bytes& bytes, AnEquilibrium& e, bool is_finger) {
+  carry(bytes, e.energy);
+  carryVector(bytes, e.force);
+  for (const auto& [a, b] : symmetric_axes) {
+    carry(bytes, e.stiffness(a, b));
+    if constexpr (Bytes::reads) e.stiffness(b, a) = e.stiffness(a, b);
   }
-  out.putSize(at(lattice.size()));
-  out.put(lattice.uniformSize());
-  for (std::int32_t n = lattice.uniformSize(); n < lattice.size(); ++n) out.put(lattice.point(n));
-  out.putSize(space.splits.size());
-  for (const LatticeCell& cell : space.splits) {
-    out.put(cell.lowest);
-    out.put(cell.level);
-  }
-  for (const PointRecord& point : space.points) {
-    out.put(static_cast<std::uint8_t>(point.tag));
-    if (isSolved(point.tag)) putEquilibrium(out, point.equilibrium, finger.has_value());
-  }
+  if (is_finger)
+    carryRounded(bytes, e.drive, e.drive_stiffness, e.drive_slope, e.stiffness_by_p,
+                 e.stiffness_by_s, e.drive_slope_by_p);
 }
 
-Finger getFinger(OrganReader& in) {
-  Finger finger;
-  finger.center = in.getVector();
-  finger.radius = in.get<double>();
-  finger.reach.outward = in.getVector();
-  finger.reach.pull = in.get<double>();
-  finger.reach.width = in.get<double>();
+template <class Bytes, class Patch>
+void carryFinger(Bytes& bytes, Patch& patch) {
+  std::uint8_t is_there = patch.finger.has_value() ? 1 : 0;
+  carry(bytes, is_there);
+  if (is_there == 0) return;
+  if constexpr (Bytes::reads) patch.finger.emplace();
+  auto& finger = *patch.finger;
+  carryVector(bytes, finger.center);
+  carry(bytes, finger.radius);
+  carryVector(bytes, finger.reach.outward);
+  carry(bytes, finger.reach.pull, finger.reach.width);
   const double length = finger.reach.outward.norm();
-  if (!((finger.center.array().abs() <= farthest_node).all() &&
-        (length == 0 || std::abs(length - 1) < 1e-12) && std::abs(finger.reach.pull) <= 1 &&
-        finger.reach.width > 0))
+  if (Bytes::reads && !((finger.center.array().abs() <= farthest_node).all() &&
+                        (length == 0 || std::abs(length - 1) < 1e-12) &&
+                        std::abs(finger.reach.pull) <= 1 && finger.reach.width > 0))
     throw damaged("a finger is none");
-  return finger;
 }
 
 /// Before its points are made: bytes that claim many must have them.
@@ -197,114 +171,131 @@ void checkLattice(double radius, double spacing, std::int32_t divisions, std::si
     throw damaged(fmt::format("a lattice of about {:.0f} points has {}", in_ball, points));
 }
 
-LatticePoint getAddedPoint(OrganReader& in, const Lattice& lattice) {
-  const auto point = in.get<LatticePoint>();
+void checkAdded(const LatticePoint& point, const Lattice& lattice) {
   const auto farthest = static_cast<std::int32_t>(2 + lattice.radius() / lattice.spacing());
   for (const std::int32_t x : point)
     if (x < -farthest * lattice.divisions() || x > farthest * lattice.divisions())
       throw damaged("a point lies far outside of its ball");
-  return point;
 }
 
-PointRecord getPoint(OrganReader& in, bool is_finger) {
-  const auto tag = tagOf(in.get<std::uint8_t>());
-  if (!tag) throw damaged("a point has no known tag");
-  PointRecord point;
-  point.tag = *tag;
-  if (isSolved(*tag)) point.equilibrium = getEquilibrium(in, is_finger);
-  return point;
-}
-
-SpaceTable getSpace(OrganReader& in) {
-  SpaceTable space;
-  const auto radius = in.get<double>(), spacing = in.get<double>();
-  const auto divisions = in.get<std::int32_t>();
-  if (in.get<std::uint8_t>() != 0) space.patch.finger = getFinger(in);
-  const std::size_t size = in.getSize();
-  const auto uniform = in.get<std::int32_t>();
-  const PushedPart part = space.patch.finger ? space.patch.finger->reach : PushedPart{};
-  checkLattice(radius, spacing, divisions, size, part);
-  space.lattice = Lattice(radius, spacing, divisions, part);
-  if (space.lattice.size() != uniform || at(uniform) > size)
-    throw damaged(fmt::format("a lattice has {} uniform points where {} are made", uniform,
-                              space.lattice.size()));
-  while (at(space.lattice.size()) < size) space.lattice.add(getAddedPoint(in, space.lattice));
-  space.splits.resize(in.getSize(sizeof(LatticeCell)));
-  for (LatticeCell& cell : space.splits) {
-    cell.lowest = in.get<LatticePoint>();
-    cell.level = in.get<std::int32_t>();
+/// Returns the number of its points.
+template <class Bytes, class Space>
+std::size_t carryLattice(Bytes& bytes, Space& space) {
+  auto& lattice = space.lattice;
+  double radius = lattice.radius(), spacing = lattice.spacing();
+  std::int32_t divisions = lattice.divisions(), uniform = lattice.uniformSize();
+  carry(bytes, radius, spacing, divisions);
+  carryFinger(bytes, space.patch);
+  const std::size_t size = bytes.size(at(lattice.size()));
+  carry(bytes, uniform);
+  if constexpr (Bytes::reads) {
+    const PushedPart part = space.patch.finger ? space.patch.finger->reach : PushedPart{};
+    checkLattice(radius, spacing, divisions, size, part);
+    lattice = Lattice(radius, spacing, divisions, part);
+    if (lattice.size() != uniform || at(uniform) > size)
+      throw damaged(fmt::format("a lattice has {} uniform points where {} are made", uniform,
+                                lattice.size()));
   }
-  for (std::size_t n = 0; n < size; ++n)
-    space.points.push_back(getPoint(in, space.patch.finger.has_value()));
-  return space;
-}
-
-/// Rounded to steps of the largest magnitude: `scale` is one step.
-template <class Step>
-void putSteps(OrganWriter& out, float value, float scale) {
-  out.put(static_cast<Step>(scale > 0 ? std::lround(value / scale) : 0));
-}
-
-void putShapes(OrganWriter& out, const CarriedShapes& shapes) {
-  out.putSize(shapes.mode_count);
-  const std::size_t width = shapes.mode_count > 0 ? shapes.modes.size() / shapes.mode_count : 0;
-  for (std::size_t mode = 0; mode < shapes.mode_count; ++mode) {
-    float largest = 0, largest_share = 0;
-    for (std::size_t i = 0; i < width; ++i)
-      largest = std::max(largest, std::abs(shapes.modes[mode * width + i]));
-    for (const std::vector<float>& of_space : shapes.shares)
-      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
-        largest_share = std::max(largest_share, std::abs(of_space[i]));
-    out.put(largest / mode_steps);
-    for (std::size_t i = 0; i < width; ++i)
-      putSteps<std::int16_t>(out, shapes.modes[mode * width + i], largest / mode_steps);
-    const float step = largest_share / share_steps;
-    out.put(step);
-    for (const std::vector<float>& of_space : shapes.shares)
-      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
-        putSteps<std::int8_t>(out, of_space[i], step);
+  for (std::int32_t n = uniform; at(n) < size; ++n) {
+    LatticePoint point{};
+    if constexpr (!Bytes::reads) point = lattice.point(n);
+    carry(bytes, point);
+    if constexpr (Bytes::reads) {
+      checkAdded(point, lattice);
+      lattice.add(point);
+    }
   }
+  return size;
 }
 
-CarriedShapes getShapes(OrganReader& in, std::size_t width, const std::vector<SpaceTable>& spaces) {
-  CarriedShapes shapes;
+template <class Bytes, class Record>
+void carryPoint(Bytes& bytes, Record& point, bool is_finger) {
+  auto tag = static_cast<std::uint8_t>(point.tag);
+  carry(bytes, tag);
+  if constexpr (Bytes::reads) {
+    const auto known = tagOf(tag);
+    if (!known) throw damaged("a point has no known tag");
+    point.tag = *known;
+  }
+  if (isSolved(point.tag)) carryEquilibrium(bytes, point.equilibrium, is_finger);
+}
+
+template <class Bytes, class Space>
+void carrySpace(Bytes& bytes, Space& space) {
+  const std::size_t size = carryLattice(bytes, space);
+  carryList(bytes, space.splits, sizeof(LatticeCell),
+            [&](auto& cell) { carry(bytes, cell.lowest, cell.level); });
+  if constexpr (Bytes::reads) space.points.resize(size);
+  for (auto& point : space.points) carryPoint(bytes, point, space.patch.finger.has_value());
+}
+
+/// The values that each(visit) visits, rounded to steps of the largest magnitude.
+template <class Step, class Bytes, class Each>
+void carrySteps(Bytes& bytes, float most_steps, Each each) {
+  float scale = 0;
+  if constexpr (!Bytes::reads) each([&](float x) { scale = std::max(scale, std::abs(x)); });
+  scale /= most_steps;
+  carry(bytes, scale);
+  each([&](auto& value) {
+    Step step = 0;
+    if constexpr (!Bytes::reads)
+      step = static_cast<Step>(scale > 0 ? std::lround(value / scale) : 0);
+    carry(bytes, step);
+    if constexpr (Bytes::reads) value = scale * static_cast<float>(step);
+  });
+}
+
+/// width: of a mode.
+template <class Bytes, class Shapes>
+void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
+                 const std::vector<SpaceTable>& spaces) {
   std::size_t bytes_of_mode = 2 * sizeof(float) + 2 * width;
   for (const SpaceTable& space : spaces) bytes_of_mode += space.points.size();
-  shapes.mode_count = in.getSize(bytes_of_mode);
-  for (const SpaceTable& space : spaces)
-    shapes.shares.emplace_back(space.points.size() * shapes.mode_count);
-  for (std::size_t mode = 0; mode < shapes.mode_count; ++mode) {
-    const auto mode_step = in.get<float>();
-    for (std::size_t i = 0; i < width; ++i)
-      shapes.modes.push_back(mode_step * static_cast<float>(in.get<std::int16_t>()));
-    const auto step = in.get<float>();
-    for (std::vector<float>& of_space : shapes.shares)
-      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
-        of_space[i] = step * static_cast<float>(in.get<std::int8_t>());
+  const std::size_t count = bytes.size(shapes.mode_count, bytes_of_mode);
+  if constexpr (Bytes::reads) {
+    shapes.mode_count = count;
+    shapes.modes.resize(count * width);
+    for (const SpaceTable& space : spaces) shapes.shares.emplace_back(space.points.size() * count);
   }
-  return shapes;
+  PALPATE_ASSERT(shapes.modes.size() == count * width && shapes.shares.size() == spaces.size(),
+                 "a mode moves every vertex, and every space has shares of it");
+  for (std::size_t mode = 0; mode < count; ++mode) {
+    carrySteps<std::int16_t>(bytes, mode_steps, [&](auto visit) {
+      for (std::size_t i = 0; i < width; ++i) visit(shapes.modes[mode * width + i]);
+    });
+    carrySteps<std::int8_t>(bytes, share_steps, [&](auto visit) {
+      for (auto& of_space : shapes.shares)
+        for (std::size_t i = mode; i < of_space.size(); i += count) visit(of_space[i]);
+    });
+  }
 }
 
-void putTouch(OrganWriter& out, const CarriedTouch& touch) {
-  out.putText(touch.name);
-  out.putSize(touch.spaces.size());
-  for (const std::int32_t space : touch.spaces) out.put(space);
-  out.put(touch.finger_radius);
-  out.putVector(touch.rest);
-  out.putSize(touch.stations.size());
-  for (const Eigen::Vector3d& station : touch.stations) out.putVector(station);
+template <class Bytes, class Touch>
+void carryTouch(Bytes& bytes, Touch& touch) {
+  carryNumbers(bytes, touch.name);
+  carryNumbers(bytes, touch.spaces);
+  carry(bytes, touch.finger_radius);
+  carryVector(bytes, touch.rest);
+  carryVectors(bytes, touch.stations);
 }
 
-CarriedTouch getTouch(OrganReader& in) {
-  CarriedTouch touch;
-  touch.name = in.getText();
-  touch.spaces.resize(in.getSize(sizeof(std::int32_t)));
-  for (std::int32_t& space : touch.spaces) space = in.get<std::int32_t>();
-  touch.finger_radius = in.get<double>();
-  touch.rest = in.getVector();
-  touch.stations.resize(in.getSize(sizeof(Eigen::Vector3d)));
-  for (Eigen::Vector3d& station : touch.stations) station = in.getVector();
-  return touch;
+template <class Bytes, class Organ>
+void carryOrgan(Bytes& bytes, Organ& organ) {
+  constexpr std::size_t least_touch = 44, least_space = 33;  // bytes of empty ones
+  carryNumbers(bytes, organ.name);
+  carry(bytes, organ.max_force);
+  carryVectors(bytes, organ.vertices);
+  const std::size_t triangles =
+      bytes.size(organ.triangles.size(), sizeof(Triangle) + sizeof(std::int32_t));
+  if constexpr (Bytes::reads) {
+    organ.triangles.resize(triangles);
+    organ.touch_of_triangle.resize(triangles);
+  }
+  for (std::size_t t = 0; t < triangles; ++t)
+    carry(bytes, organ.triangles[t], organ.touch_of_triangle[t]);
+  carryList(bytes, organ.touches, least_touch, [&](auto& touch) { carryTouch(bytes, touch); });
+  carryList(bytes, organ.spaces, least_space, [&](auto& space) { carrySpace(bytes, space); });
+  carryShapes(bytes, organ.shapes, 3 * organ.vertices.size(), organ.spaces);
 }
 
 /// What follows the first line.
@@ -329,42 +320,17 @@ OrganReader behindVersion(std::string_view bytes) {
 
 std::string encode(const CarriedOrgan& organ) {
   OrganWriter out;
-  for (const char c : fmt::format("{}{}\n", organ_mark, organ_version)) out.put(c);
-  out.putText(organ.name);
-  out.put(organ.max_force);
-  out.putSize(organ.vertices.size());
-  for (const Eigen::Vector3d& vertex : organ.vertices) out.putVector(vertex);
-  out.putSize(organ.triangles.size());
-  for (std::size_t t = 0; t < organ.triangles.size(); ++t) {
-    out.put(organ.triangles[t]);
-    out.put(organ.touch_of_triangle[t]);
-  }
-  out.putSize(organ.touches.size());
-  for (const CarriedTouch& touch : organ.touches) putTouch(out, touch);
-  out.putSize(organ.spaces.size());
-  for (const SpaceTable& space : organ.spaces) putSpace(out, space);
-  putShapes(out, organ.shapes);
+  const std::string first_line = fmt::format("{}{}\n", organ_mark, organ_version);
+  out.raw(first_line.data(), first_line.size());
+  carryOrgan(out, organ);
   return out.take();
 }
 
 CarriedOrgan decode(std::string_view bytes) {
   OrganReader in = behindVersion(bytes);
   CarriedOrgan organ;
-  organ.name = in.getText();
-  organ.max_force = in.get<double>();
-  organ.vertices.resize(in.getSize(sizeof(Eigen::Vector3d)));
-  for (Eigen::Vector3d& vertex : organ.vertices) vertex = in.getVector();
-  organ.triangles.resize(in.getSize(sizeof(Triangle)));
-  for (Triangle& triangle : organ.triangles) {
-    triangle = in.get<Triangle>();
-    organ.touch_of_triangle.push_back(in.get<std::int32_t>());
-  }
-  const std::size_t touches = in.getSize();
-  for (std::size_t n = 0; n < touches; ++n) organ.touches.push_back(getTouch(in));
-  const std::size_t spaces = in.getSize();
-  for (std::size_t n = 0; n < spaces; ++n) organ.spaces.push_back(getSpace(in));
+  carryOrgan(in, organ);
   for (SpaceTable& space : organ.spaces) space.max_force = organ.max_force;
-  organ.shapes = getShapes(in, 3 * organ.vertices.size(), organ.spaces);
   if (!in.done()) throw damaged("something follows it");
   if (const std::string fault = faultOf(organ); !fault.empty()) throw damaged(fault);
   return organ;
