@@ -32,8 +32,6 @@ struct FailureCount {
   std::int64_t points = 0;    ///< lattice points that stayed without a solution
   std::int64_t attempts = 0;  ///< transitions that failed; another may have reached the point
   std::int64_t probes = 0;
-
-  std::int64_t sum() const { return points + attempts + probes; }
 };
 
 /// Only causes that occur.

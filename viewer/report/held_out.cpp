@@ -24,6 +24,16 @@ bool isPointOfAny(const std::vector<const SpaceTable*>& tables,
   });
 }
 
+/// By active node: what `solutionsOf` makes of its number.
+template <class SolutionsOf>
+HeldOut collected(HeldOutKind kind, std::size_t spaces, const SolutionsOf& solutionsOf) {
+  HeldOut held_out;
+  for (std::size_t s = 0; s < spaces; ++s)
+    held_out.count += held_out.of_space.emplace_back(solutionsOf(s)).size();
+  if (held_out.count > 0) held_out.kind = kind;
+  return held_out;
+}
+
 }  // namespace
 
 std::string_view name(HeldOutKind kind) {
@@ -58,6 +68,36 @@ std::vector<HeldOutSolution> leftOutPoints(const SpaceTable& dense,
       solutions.push_back({displacement, point.equilibrium.force});
   }
   return solutions;
+}
+
+bool HeldOut::measures(const ComparedLattice& lattice) const {
+  const bool is_source = source == lattice.dataset && lattice.factor == 0;
+  return kind == HeldOutKind::probes || (kind == HeldOutKind::lattice_points && !is_source);
+}
+
+HeldOut heldOutOf(const std::vector<Dataset>& datasets,
+                  const std::vector<ComparedLattice>& lattices) {
+  const std::size_t spaces = datasets.front().spaces().size();
+  HeldOut probes = collected(HeldOutKind::probes, spaces, [&](std::size_t s) {
+    std::vector<const SpaceTable*> tables;
+    for (const Dataset& dataset : datasets) tables.push_back(&dataset.spaces()[s]);
+    return usableProbes(tables);
+  });
+  // Of the only lattice no other leaves a point out.
+  if (probes.count > 0 || lattices.size() < 2) return probes;
+  const auto densest = std::ranges::max_element(
+      datasets, {}, [](const Dataset& dataset) { return dataset.spaces().front().points.size(); });
+  const std::size_t source = densest - datasets.begin();
+  HeldOut points = collected(HeldOutKind::lattice_points, spaces, [&](std::size_t s) {
+    std::vector<std::shared_ptr<const SpaceTable>> owners;
+    std::vector<const SpaceTable*> tables;
+    for (const ComparedLattice& lattice : lattices)
+      if (lattice.dataset != source || lattice.factor != 0)
+        tables.push_back(owners.emplace_back(tableOf(datasets, lattice, s)).get());
+    return leftOutPoints(densest->spaces()[s], tables);
+  });
+  points.source = source;
+  return points;
 }
 
 }  // namespace palpate

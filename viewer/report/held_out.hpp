@@ -1,8 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
-#include "common/space/space_table.hpp"
+#include "viewer/report/compared_lattice.hpp"
 
 namespace palpate {
 
@@ -20,6 +21,23 @@ enum class HeldOutKind : std::uint8_t {
   none,
 };
 std::string_view name(HeldOutKind kind);  ///< "probes", "left-out lattice points", "none"
+
+/// The held-out solutions of a report.
+struct HeldOut {
+  HeldOutKind kind = HeldOutKind::none;
+  std::vector<std::vector<HeldOutSolution>> of_space;  ///< per active node
+  std::size_t count = 0;                               ///< all active nodes
+  /// The dataset whose lattice points they are.
+  std::optional<std::size_t> source = {};
+
+  /// Whether a lattice can be measured with them: they are no points of it.
+  bool measures(const ComparedLattice& lattice) const;
+};
+
+/// Probes where there are any, else points of the densest dataset that the other `lattices` leave
+/// out.
+HeldOut heldOutOf(const std::vector<Dataset>& datasets,
+                  const std::vector<ComparedLattice>& lattices);
 
 /// Probes of all `tables` (of one active node, in several lattices) that were solved with a force
 /// within max_force, without those that are a point of one of the lattices, and each once. Beyond

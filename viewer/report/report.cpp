@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -39,255 +40,186 @@ bool isFirstDataset(const ComparedLattice& lattice) {
   return lattice.dataset == 0 && lattice.factor == 0;
 }
 
-/// Fills a Report step by step.
-class Reporter {
- public:
-  Reporter(const ReportOptions& options, std::vector<Dataset> open) : options_(options) {
-    refuseOtherScenes(open);
-    report_.open = std::move(open);
-    report_.methods = chosenMethods(options.methods);
-    for (const Dataset& dataset : report_.open) report_.datasets.push_back(factsOf(dataset));
-    report_.failures = failuresOf(report_.open.front());
-    for (ComparedLattice& lattice : latticesIn(report_.open))
-      report_.lattices.push_back({std::move(lattice), 0, 0, {}, {}, {}});
-    report_.areas_alone = std::ranges::all_of(
-        report_.open.front().scene().active,
-        [](const ActiveSelection& active) { return !active.area.empty() || active.isProbe(); });
-    compared_ = evenly(spaces(), report_.areas_alone ? 1 : options.compared_nodes);
-    report_.compared = compared_.size();
-  }
+/// The scene's, of the first dataset that has one; else a measuring stick.
+std::pair<AccuracyTarget, bool> targetOf(const std::vector<Dataset>& open) {
+  for (const Dataset& dataset : open)
+    if (const Accuracy& accuracy = dataset.scene().accuracy; accuracy.adaptive())
+      return {{accuracy.force_error, accuracy.force_floor}, true};
+  return {};
+}
 
-  Report finish() {
-    PALPATE_ASSERT(!compared_.empty() && !report_.methods.empty(),
-                   "a dataset has an active node, and one method is the default");
-    setTarget();
-    holdOut();
-    for (LatticeMeasures& lattice : report_.lattices) measureCost(lattice);
-    orderLattices();
-    describeNodes();
-    for (LatticeMeasures& lattice : report_.lattices) {
-      timeMethods(lattice);
-      measureLattice(lattice);
-    }
-    if (!report_.areas_alone) measureOtherNodes();
-    report_.areas = measureAreas(report_.open.front(), report_.target);
-    if (!report_.areas_alone) samplePictures();
-    return std::move(report_);
-  }
+bool isTouchedByFingersAlone(const Scene& scene) {
+  return std::ranges::all_of(scene.active, [](const ActiveSelection& active) {
+    return !active.area.empty() || active.isProbe();
+  });
+}
 
- private:
-  using NodeComparison = std::vector<MethodComparison>;  ///< per method
+/// What is compared, and with what.
+struct Study {
+  const ReportOptions& options;
+  const std::vector<Dataset>& open;
+  const std::vector<std::string>& methods;
+  const AccuracyTarget& target;
+  const HeldOut& held_out;
+  std::vector<std::size_t> compared;  ///< numbers of active nodes
 
-  std::size_t spaces() const { return report_.open.front().spaces().size(); }
+  std::size_t spaces() const { return open.front().spaces().size(); }
   std::shared_ptr<const SpaceTable> table(const ComparedLattice& lattice, std::size_t space) const {
-    return tableOf(report_.open, lattice, space);
+    return tableOf(open, lattice, space);
   }
-
-  /// The scene's, of the first that has one.
-  void setTarget() {
-    for (const Dataset& dataset : report_.open) {
-      const Accuracy& accuracy = dataset.scene().accuracy;
-      if (!accuracy.adaptive() || report_.target_of_scene) continue;
-      report_.target = {accuracy.force_error, accuracy.force_floor};
-      report_.target_of_scene = true;
-    }
-  }
-
-  /// Probes where there are any, else lattice points.
-  void holdOut() {
-    report_.held_out.resize(spaces());
-    for (std::size_t s = 0; s < spaces(); ++s) {
-      std::vector<const SpaceTable*> tables;
-      for (const Dataset& dataset : report_.open) tables.push_back(&dataset.spaces()[s]);
-      holdOut(s, usableProbes(tables), HeldOutKind::probes);
-    }
-    if (report_.held_out_count == 0) holdOutLatticePoints();
-  }
-
-  void holdOut(std::size_t space, std::vector<HeldOutSolution> solutions, HeldOutKind kind) {
-    if (!solutions.empty()) report_.held_out_kind = kind;
-    report_.held_out_count += solutions.size();
-    report_.held_out[space] = std::move(solutions);
-  }
-
-  void holdOutLatticePoints() {
-    // Of the only lattice no other leaves a point out.
-    if (report_.lattices.size() < 2) return;
-    const auto densest = std::ranges::max_element(report_.open, {}, [](const Dataset& dataset) {
-      return dataset.spaces().front().points.size();
-    });
-    source_ = densest - report_.open.begin();
-    for (std::size_t s = 0; s < spaces(); ++s) {
-      std::vector<std::shared_ptr<const SpaceTable>> owners;
-      std::vector<const SpaceTable*> tables;
-      for (const LatticeMeasures& lattice : report_.lattices)
-        if (!isSource(lattice)) {
-          owners.push_back(table(lattice, s));
-          tables.push_back(owners.back().get());
-        }
-      holdOut(s, leftOutPoints(densest->spaces()[s], tables), HeldOutKind::lattice_points);
-    }
-  }
-
-  /// The held-out solutions are points of this lattice: it cannot be measured with them.
-  bool isSource(const ComparedLattice& lattice) const {
-    return source_ == lattice.dataset && lattice.factor == 0;
-  }
-  bool isMeasurable(const ComparedLattice& lattice) const {
-    return report_.held_out_kind == HeldOutKind::probes ||
-           (report_.held_out_kind == HeldOutKind::lattice_points && !isSource(lattice));
-  }
-  bool isMeasured(const LatticeMeasures& lattice) const {
-    return report_.measured && &lattice == &report_.lattices[*report_.measured];
-  }
-
-  void measureCost(LatticeMeasures& lattice) const {
-    // Sums of whole numbers, exact in doubles.
-    for (const std::size_t s : compared_) {
-      std::int64_t& configurations = lattice.node_configurations.emplace_back(0);
-      const std::shared_ptr<const SpaceTable> of_node = table(lattice, s);
-      for (const PointRecord& point : of_node->points) {
-        if (!isSolved(point.tag)) continue;
-        ++configurations;
-        lattice.factorizations += point.cost.factorizations;
-      }
-      lattice.configurations += configurations;
-    }
-    lattice.configurations /= compared_.size();
-    lattice.factorizations /= compared_.size();
-  }
-
-  /// By configurations; and chooses the measured one.
-  void orderLattices() {
-    std::ranges::stable_sort(report_.lattices, {}, &LatticeMeasures::configurations);
-    // The densest that can be measured; but the first dataset as it is, where it can.
-    for (std::size_t n = 0; n < report_.lattices.size(); ++n)
-      if (isMeasurable(report_.lattices[n]) &&
-          !(report_.measured && isFirstDataset(report_.lattices[*report_.measured])))
-        report_.measured = n;
-  }
-
-  void describeNodes() {
-    for (std::size_t s = 0; s < spaces(); ++s) {
-      const SpaceTable& space = report_.open.front().spaces()[s];
-      NodeMeasures& node = report_.nodes.emplace_back();
-      node.name = space.patch.name;
-      node.held_out = report_.held_out[s].size();
-      node.jumps = space.inconsistent_edges.size();
-      for (const PointRecord& point : space.points) {
-        ++node.tags[static_cast<std::size_t>(point.tag)];
-        if (isSolved(point.tag))
-          node.largest_force = std::max(node.largest_force, point.equilibrium.force.norm());
-      }
-      node.methods.resize(report_.methods.size());
-    }
-    for (std::size_t n = 0; n < compared_.size(); ++n) report_.nodes[compared_[n]].compared = n;
-  }
-
-  /// One after the other, while nothing else runs.
-  void timeMethods(LatticeMeasures& lattice) const {
-    // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
-    const auto first = table(lattice, compared_.front());
-    for (const std::string& method : report_.methods)
-      lattice.methods.push_back({timeMethod(*first, method, options_.seconds_per_timing)});
-  }
-
-  void measureLattice(LatticeMeasures& lattice) {
-    PALPATE_ASSERT(
-        lattice.methods.size() == report_.methods.size() && report_.held_out.size() == spaces(),
-        "methods were timed and solutions held out before anything is measured");
-    spdlog::info("{}: comparing {} on {}", lattice.label, counted(report_.methods.size(), "method"),
-                 counted(compared_.size(), "active node"));
-    const bool is_measurable = isMeasurable(lattice);
-    // A place each in the result, so that threads share nothing.
-    std::vector<NodeComparison> nodes(compared_.size());
-    inParallel(compared_.size(), [&](std::size_t n) {
-      nodes[n] = compareMethods(
-          *table(lattice, compared_[n]), report_.methods,
-          is_measurable ? report_.held_out[compared_[n]] : std::vector<HeldOutSolution>(),
-          n < options_.looped_nodes);
-    });
-    for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
-    if (!is_measurable) return;
-    if (isMeasured(lattice) && !report_.areas_alone) measureWaysOf(nodes);
-    for (std::size_t n = 0; n < compared_.size(); ++n) {
-      std::vector<double>& errors = lattice.node_errors.emplace_back();
-      for (std::size_t m = 0; m < report_.methods.size(); ++m) {
-        const ErrorMeasures measures = measureErrors(nodes[n][m].comparisons, report_.target);
-        errors.push_back(measures.error.mean);
-        if (isMeasured(lattice)) report_.nodes[compared_[n]].methods[m] = measures;
-      }
-    }
-  }
-
-  void measureWaysOf(const std::vector<NodeComparison>& nodes) {
-    std::vector<std::vector<WayComparison>> methods(report_.methods.size());
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      const std::vector<HeldOutSolution>& held_out = report_.held_out[compared_[n]];
-      for (std::size_t m = 0; m < methods.size(); ++m)
-        for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
-          methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
-    }
-    const double radius = report_.open.front().spaces().front().lattice.radius();
-    report_.ways = measureWays(methods, radius, report_.target);
-  }
-
-  /// One method on all compared nodes.
-  void pool(const std::vector<NodeComparison>& nodes, std::size_t method,
-            MethodMeasures& measures) const {
-    std::vector<ForceComparison> pooled;
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      const MethodComparison& node = nodes[n][method];
-      pooled.insert(pooled.end(), node.comparisons.begin(), node.comparisons.end());
-      measures.loop_work = std::fmax(measures.loop_work, node.loop_work);
-      if (!node.problem.empty() && measures.problem.empty())
-        measures.problem = report_.nodes[compared_[n]].name + ": " + node.problem;
-    }
-    measures.all = measureErrors(pooled, report_.target);
-    measures.covered = measureCoveredErrors(pooled, report_.target);
-  }
-
-  void measureOtherNodes() {
-    if (!report_.measured || compared_.size() == spaces()) return;
-    const LatticeMeasures& lattice = shownLattice(report_);
-    spdlog::info("{}: measuring {} on the other active nodes", lattice.label,
-                 report_.methods.front());
-    inParallel(spaces(), [&](std::size_t s) {
-      NodeMeasures& node = report_.nodes[s];
-      if (node.compared) return;
-      const NodeComparison result =
-          compareMethods(*table(lattice, s), {report_.methods.front()}, report_.held_out[s], false);
-      node.methods.front() = measureErrors(result.front().comparisons, report_.target);
-    });
-  }
-
-  void measureBounds() {
-    inParallel(spaces(), [&](std::size_t s) {
-      const auto shown = table(shownLattice(report_), s);
-      if (const auto field = tryToMake(report_.methods.front(), *shown).field)
-        report_.nodes[s].bound = sampleBounds(*field, shown->lattice.radius());
-    });
-  }
-
-  void samplePictures() {
-    if (options_.pictured_nodes == 0) return;
-    measureBounds();
-    const std::vector<std::size_t> nodes = worstFirst(report_);
-    report_.pictures.resize(std::min(nodes.size(), options_.pictured_nodes));
-    inParallel(report_.pictures.size(), [&](std::size_t n) {
-      const std::size_t node = nodes[n];
-      const auto shown = table(shownLattice(report_), node);
-      report_.pictures[n] = sampleNode(*shown, report_.open.front().spaces()[node], report_.methods,
-                                       report_.held_out[node]);
-      report_.pictures[n].node = node;
-    });
-  }
-
-  const ReportOptions& options_;
-  Report report_;
-  std::vector<std::size_t> compared_;  ///< numbers of active nodes
-  std::optional<std::size_t> source_;  ///< dataset whose points are held out
 };
+
+using NodeComparison = std::vector<MethodComparison>;        ///< per method
+using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< per compared node and method
+
+/// With what its solved points took.
+LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
+  LatticeMeasures measures{std::move(lattice), 0, 0, {}, {}, {}};
+  // Sums of whole numbers, exact in doubles.
+  for (const std::size_t s : study.compared) {
+    std::int64_t& configurations = measures.node_configurations.emplace_back(0);
+    const std::shared_ptr<const SpaceTable> of_node = study.table(measures, s);
+    for (const PointRecord& point : of_node->points) {
+      if (!isSolved(point.tag)) continue;
+      ++configurations;
+      measures.factorizations += point.cost.factorizations;
+    }
+    measures.configurations += configurations;
+  }
+  measures.configurations /= study.compared.size();
+  measures.factorizations /= study.compared.size();
+  return measures;
+}
+
+/// The densest that can be measured; but the first dataset as it is, where it can.
+std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
+                                      const HeldOut& held_out) {
+  std::optional<std::size_t> measured;
+  for (std::size_t n = 0; n < lattices.size(); ++n)
+    if (held_out.measures(lattices[n]) && !(measured && isFirstDataset(lattices[*measured])))
+      measured = n;
+  return measured;
+}
+
+/// One after the other, while nothing else runs.
+std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lattice) {
+  // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
+  const auto first = study.table(lattice, study.compared.front());
+  std::vector<MethodMeasures> measures;
+  for (const std::string& method : study.methods)
+    measures.push_back({timeMethod(*first, method, study.options.seconds_per_timing)});
+  return measures;
+}
+
+/// Per compared node.
+std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& lattice) {
+  spdlog::info("{}: comparing {} on {}", lattice.label, counted(study.methods.size(), "method"),
+               counted(study.compared.size(), "active node"));
+  const bool is_measurable = study.held_out.measures(lattice);
+  // A place each in the result, so that threads share nothing.
+  std::vector<NodeComparison> nodes(study.compared.size());
+  inParallel(nodes.size(), [&](std::size_t n) {
+    const std::size_t space = study.compared[n];
+    nodes[n] = compareMethods(
+        *study.table(lattice, space), study.methods,
+        is_measurable ? study.held_out.of_space[space] : std::vector<HeldOutSolution>(),
+        n < study.options.looped_nodes);
+  });
+  return nodes;
+}
+
+/// One method on all compared nodes.
+void pool(const Study& study, const std::vector<NodeComparison>& nodes, std::size_t method,
+          MethodMeasures& measures) {
+  std::vector<ForceComparison> pooled;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const MethodComparison& node = nodes[n][method];
+    pooled.insert(pooled.end(), node.comparisons.begin(), node.comparisons.end());
+    measures.loop_work = std::fmax(measures.loop_work, node.loop_work);
+    if (!node.problem.empty() && measures.problem.empty())
+      measures.problem =
+          study.open.front().spaces()[study.compared[n]].patch.name + ": " + node.problem;
+  }
+  measures.all = measureErrors(pooled, study.target);
+  measures.covered = measureCoveredErrors(pooled, study.target);
+}
+
+NodeErrors errorsOf(const Study& study, const std::vector<NodeComparison>& nodes) {
+  NodeErrors errors(nodes.size());
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (const MethodComparison& method : nodes[n])
+      errors[n].push_back(measureErrors(method.comparisons, study.target));
+  return errors;
+}
+
+std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeComparison>& nodes) {
+  std::vector<std::vector<WayComparison>> methods(study.methods.size());
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
+    for (std::size_t m = 0; m < methods.size(); ++m)
+      for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
+        methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
+  }
+  const double radius = study.open.front().spaces().front().lattice.radius();
+  return measureWays(methods, radius, study.target);
+}
+
+/// All active nodes; errors: of the compared ones on the measured lattice, none without one.
+std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) {
+  std::vector<NodeMeasures> nodes;
+  for (const SpaceTable& space : study.open.front().spaces()) {
+    const std::size_t held_out = study.held_out.of_space[nodes.size()].size();
+    NodeMeasures& node = nodes.emplace_back();
+    node.name = space.patch.name;
+    node.held_out = held_out;
+    node.jumps = space.inconsistent_edges.size();
+    for (const PointRecord& point : space.points) {
+      ++node.tags[static_cast<std::size_t>(point.tag)];
+      if (isSolved(point.tag))
+        node.largest_force = std::max(node.largest_force, point.equilibrium.force.norm());
+    }
+    node.methods.resize(study.methods.size());
+  }
+  for (std::size_t n = 0; n < study.compared.size(); ++n) {
+    nodes[study.compared[n]].compared = n;
+    if (!errors.empty()) nodes[study.compared[n]].methods = errors[n];
+  }
+  return nodes;
+}
+
+/// The default method on the nodes that were not compared.
+void measureOthers(const Study& study, const LatticeMeasures& measured,
+                   std::vector<NodeMeasures>& nodes) {
+  if (study.compared.size() == nodes.size()) return;
+  spdlog::info("{}: measuring {} on the other active nodes", measured.label, study.methods.front());
+  inParallel(nodes.size(), [&](std::size_t s) {
+    if (nodes[s].compared) return;
+    const NodeComparison result = compareMethods(*study.table(measured, s), {study.methods.front()},
+                                                 study.held_out.of_space[s], false);
+    nodes[s].methods.front() = measureErrors(result.front().comparisons, study.target);
+  });
+}
+
+void measureBounds(const Study& study, const LatticeMeasures& shown,
+                   std::vector<NodeMeasures>& nodes) {
+  inParallel(nodes.size(), [&](std::size_t s) {
+    const auto table = study.table(shown, s);
+    if (const auto field = tryToMake(study.methods.front(), *table).field)
+      nodes[s].bound = sampleBounds(*field, table->lattice.radius());
+  });
+}
+
+std::vector<NodePictures> picturesOf(const Study& study, const LatticeMeasures& shown,
+                                     const std::vector<std::size_t>& worst) {
+  std::vector<NodePictures> pictures(std::min(worst.size(), study.options.pictured_nodes));
+  inParallel(pictures.size(), [&](std::size_t n) {
+    const std::size_t node = worst[n];
+    pictures[n] = sampleNode(*study.table(shown, node), study.open.front().spaces()[node],
+                             study.methods, study.held_out.of_space[node]);
+    pictures[n].node = node;
+  });
+  return pictures;
+}
 
 }  // namespace
 
@@ -298,19 +230,63 @@ std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& file
   return datasets;
 }
 
-Report makeReport(const ReportOptions& options) {
-  return makeReport(options, openDatasets(options.datasets));
-}
-
 Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
-  return Reporter(options, std::move(open)).finish();
+  refuseOtherScenes(open);
+  Report report;
+  report.open = std::move(open);
+  report.methods = chosenMethods(options.methods);
+  for (const Dataset& dataset : report.open) report.datasets.push_back(factsOf(dataset));
+  report.failures = failuresOf(report.open.front());
+  report.areas_alone = isTouchedByFingersAlone(report.open.front().scene());
+  std::tie(report.target, report.target_of_scene) = targetOf(report.open);
+  std::vector<ComparedLattice> lattices = latticesIn(report.open);
+  report.held_out = heldOutOf(report.open, lattices);
+  const Study study = {
+      options,
+      report.open,
+      report.methods,
+      report.target,
+      report.held_out,
+      evenly(report.open.front().spaces().size(), report.areas_alone ? 1 : options.compared_nodes)};
+  PALPATE_ASSERT(!study.compared.empty() && !study.methods.empty(),
+                 "a dataset has an active node, and one method is the default");
+  PALPATE_ASSERT(study.held_out.of_space.size() == study.spaces(),
+                 "of every active node it is known what is held out");
+  report.compared = study.compared.size();
+
+  for (ComparedLattice& lattice : lattices)
+    report.lattices.push_back(costOf(study, std::move(lattice)));
+  std::ranges::stable_sort(report.lattices, {}, &LatticeMeasures::configurations);
+  report.measured = measuredOf(report.lattices, study.held_out);
+  NodeErrors errors;
+  for (std::size_t n = 0; n < report.lattices.size(); ++n) {
+    LatticeMeasures& lattice = report.lattices[n];
+    lattice.methods = timed(study, lattice);
+    const std::vector<NodeComparison> nodes = compared(study, lattice);
+    for (std::size_t m = 0; m < study.methods.size(); ++m)
+      pool(study, nodes, m, lattice.methods[m]);
+    if (!study.held_out.measures(lattice)) continue;
+    NodeErrors of_nodes = errorsOf(study, nodes);
+    for (const std::vector<ErrorMeasures>& methods : of_nodes) {
+      std::vector<double>& means = lattice.node_errors.emplace_back();
+      for (const ErrorMeasures& method : methods) means.push_back(method.error.mean);
+    }
+    if (report.measured != n) continue;
+    errors = std::move(of_nodes);
+    if (!report.areas_alone) report.ways = waysOf(study, nodes);
+  }
+  report.nodes = nodesOf(study, errors);
+  report.areas = measureAreas(report.open.front(), report.target);
+  if (report.areas_alone) return report;
+  if (report.measured) measureOthers(study, shownLattice(report), report.nodes);
+  if (options.pictured_nodes == 0) return report;
+  measureBounds(study, shownLattice(report), report.nodes);
+  report.pictures = picturesOf(study, shownLattice(report), worstFirst(report));
+  return report;
 }
 
 const LatticeMeasures& shownLattice(const Report& report) {
-  return report.measured ? report.lattices[*report.measured] : firstAsItIs(report);
-}
-
-const LatticeMeasures& firstAsItIs(const Report& report) {
+  if (report.measured) return report.lattices[*report.measured];
   const auto first = std::ranges::find_if(report.lattices, isFirstDataset);
   PALPATE_ASSERT(first != report.lattices.end(), "every dataset is one of the lattices");
   return *first;

@@ -69,10 +69,8 @@ struct Report {
   std::vector<std::string> methods;  ///< the default first
   AccuracyTarget target;
   bool target_of_scene = false;  ///< else the target is only a measuring stick
-  HeldOutKind held_out_kind = HeldOutKind::none;
-  std::vector<std::vector<HeldOutSolution>> held_out;  ///< per active node
-  std::size_t held_out_count = 0;                      ///< all active nodes
-  std::vector<LatticeMeasures> lattices;               ///< from few configurations to many
+  HeldOut held_out;
+  std::vector<LatticeMeasures> lattices;  ///< from few configurations to many
   /// Index into lattices of the one that stands for the dataset: the first dataset as it is when
   /// there are probes, else its densest part that leaves something out. Nothing when nothing can be
   /// measured.
@@ -90,21 +88,17 @@ struct Report {
   std::vector<NodePictures> pictures;      ///< of the first of worstFirst()
 };
 
-/// Opens the datasets and measures. Takes seconds to two minutes; uses all cores for the
-/// comparison, one for the timings. Error (bad input) for a dataset that cannot be opened, datasets
+/// Measures the datasets `open`; ReportOptions::datasets is not looked at. Takes seconds to two
+/// minutes; uses all cores for the comparison, one for the timings. Error (bad input) for datasets
 /// of different scenes, and unknown methods.
-Report makeReport(const ReportOptions& options);
-/// The same of datasets that are open; ReportOptions::datasets is not looked at.
 Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
 
-/// Error (bad input), as makeReport's, for one that cannot be opened, or when there is none.
+/// Error (bad input) for one that cannot be opened, or when there is none.
 std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 
 /// The lattice that pictures and summaries speak of: the measured one, else the first dataset as it
 /// is.
 const LatticeMeasures& shownLattice(const Report& report);
-/// The whole first dataset; without probes it is often not measured.
-const LatticeMeasures& firstAsItIs(const Report& report);
 
 /// Numbers of all active nodes, by the mean error of the default method: the largest first, those
 /// without one last.

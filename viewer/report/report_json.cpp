@@ -157,7 +157,7 @@ Json toJson(const Report& report) {
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)
     json["datasets"].push_back(datasetJson(report.open[d], report.datasets[d]));
-  json["references"] = {{"kind", name(report.held_out_kind)}, {"count", report.held_out_count}};
+  json["references"] = {{"kind", name(report.held_out.kind)}, {"count", report.held_out.count}};
   json["target"] = {{"force_error", report.target.force_error},
                     {"force_floor", report.target.force_floor},
                     {"of_scene", report.target_of_scene}};

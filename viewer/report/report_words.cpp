@@ -16,16 +16,16 @@ constexpr std::size_t text_width = 100;
 }  // namespace
 
 std::string describeHeldOut(const Report& report) {
-  if (report.held_out_kind == HeldOutKind::probes)
+  if (report.held_out.kind == HeldOutKind::probes)
     return fmt::format(
         "Measured with {}: exact solutions, within max_force, "
         "at positions that no interpolation has seen.",
-        counted(report.held_out_count, "probe"));
-  if (report.held_out_kind == HeldOutKind::lattice_points)
+        counted(report.held_out.count, "probe"));
+  if (report.held_out.kind == HeldOutKind::lattice_points)
     return fmt::format(
         "There are no solved probes. Measured with {} "
         "that the coarser lattices below leave out; of the densest itself nothing can be said.",
-        counted(report.held_out_count, "lattice point"));
+        counted(report.held_out.count, "lattice point"));
   return "There are no solved probes, and no coarser lattice inside this one "
          "leaves solved points out: nothing to measure errors with.";
 }
@@ -47,7 +47,7 @@ std::vector<std::string> describeGaps(const Report& report) {
 std::string hintForProbes(const Report& report) {
   // So many at each of hundreds of sites would take longer than the rest, and say nothing of places
   // between them.
-  if (report.held_out_kind == HeldOutKind::probes || !report.areas.empty()) return "";
+  if (report.held_out.kind == HeldOutKind::probes || !report.areas.empty()) return "";
   return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene "
          "and build again: 200 exact solutions per active node at random positions, "
          "used for nothing but measuring.";
