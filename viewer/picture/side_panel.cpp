@@ -84,6 +84,7 @@ void sameLineIfFits(const char* words) {
 
 void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
   const HapticState& state = contents.state;
+  heading("Shown");
   if (const auto model = choose("dataset", contents.models, state.model))
     requests.use = {*model, state.method};
   if (const auto method = choose("method", contents.methods, state.method))
@@ -140,39 +141,45 @@ std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
   return fmt::format("{:.0f}, {:.0f}, {:.0f} N/m", k[2], k[1], k[0]);
 }
 
-void touchNumbers(const Touch& touch) {
-  const Eigen::Vector3d u = 1e3 * touch.displacement;
-  row("pressed", fmt::format("{:.1f} mm", u.norm()));
-  // A narrow panel has no room for the unit again.
-  row("", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
-  row("stiffness", stiffnessText(touch.stiffness));
-  row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));
-}
-
-void numbers(const PanelContents& contents) {
-  const HapticState& state = contents.state;
-  const Touch& touch = state.touch;
+/// What the hand feels, in as many rows whatever it does: what stands below stays in its place.
+void touchNumbers(const PanelContents& contents) {
+  const Touch& touch = contents.state.touch;
   heading("Touch");
-  row("force", newtons(state.force.norm()));
-  row("of tissue", newtons(touch.force.norm()));
+  row("force", newtons(contents.state.force.norm()));
   if (contents.beside && contents.beside->sentence.empty())
     row("beside", newtons(contents.beside->force));
   const double bound = touch.error_bound;
   row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
   if (touch.touching)
-    touchNumbers(touch);
+    row("pressed", fmt::format("{:.1f} mm", 1e3 * touch.displacement.norm()));
   else
     row("gap", fmt::format("{:.1f} mm", 1e3 * touch.gap));
-  row("passivity", fmt::format("{:.2f} mJ", 1e3 * state.passivity));
-  for (std::int32_t n = 0; touch.touching && n < touch.blend.size; ++n) {
-    const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
+}
+
+void spaceShares(const PanelContents& contents) {
+  const SpaceBlend& blend = contents.state.touch.blend;
+  for (std::int32_t n = 0; n < blend.size; ++n) {
+    const SpaceWeight& share = blend.shares[static_cast<std::size_t>(n)];
     const auto space = static_cast<std::size_t>(share.space);
-    if (share.weight > smallest_weight && space < contents.spaces.size()) {
-      row(n == 0 ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
-      ImGui::SameLine(px(value_column + share_width));
-      ImGui::TextUnformatted(contents.spaces[space].c_str());
-    }
+    if (share.weight <= smallest_weight || space >= contents.spaces.size()) continue;
+    row(n == 0 ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
+    ImGui::SameLine(px(value_column + share_width));
+    ImGui::TextUnformatted(contents.spaces[space].c_str());
   }
+}
+
+void tissueNumbers(const PanelContents& contents) {
+  const Touch& touch = contents.state.touch;
+  heading("Tissue");
+  row("force", newtons(touch.force.norm()));
+  row("passivity", fmt::format("{:.2f} mJ", 1e3 * contents.state.passivity));
+  if (!touch.touching) return;
+  const Eigen::Vector3d u = 1e3 * touch.displacement;
+  // A narrow panel has no room for the unit.
+  row("pressed", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
+  row("stiffness", stiffnessText(touch.stiffness));
+  row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));
+  spaceShares(contents);
 }
 
 void lampField(const GuardLamps& lamps) {
@@ -231,11 +238,12 @@ void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewCho
   ImGui::SetNextWindowSize(
       {static_cast<float>(view.window_width - view.width), static_cast<float>(view.window_height)});
   ImGui::Begin("##side", nullptr, fixed_panel);
-  choices(contents, chosen, requests);
-  numbers(contents);
+  touchNumbers(contents);
   lampField(contents.lamps);
-  loopNumbers(contents.status);
+  choices(contents, chosen, requests);
   latticeChoices(contents, chosen);
+  tissueNumbers(contents);
+  loopNumbers(contents.status);
   ImGui::End();
 }
 
