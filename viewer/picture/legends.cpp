@@ -32,11 +32,14 @@ class Legend {
   Legend(ImDrawList& draw, ImVec2 lower_left) : draw_(draw), at_(lower_left) {}
 
   /// The last first: a square of a colour and what it means.
-  void swatch(const Rgb& colour, const std::string& meaning) {
+  void swatch(const Rgb& colour, const std::string& meaning, bool hatched = false) {
     at_.y -= line();
-    const float top = at_.y + (line() - px(swatch_size)) / 2;
-    draw_.AddRectFilled({at_.x, top}, {at_.x + px(swatch_size), top + px(swatch_size)},
-                        imColour(colour), px(2));
+    const float top = at_.y + (line() - px(swatch_size)) / 2, size = px(swatch_size);
+    draw_.AddRectFilled({at_.x, top}, {at_.x + size, top + size}, imColour(colour), px(2));
+    for (const float part : {0.5F, 1.0F, 1.5F}) {
+      const float from = std::max(0.0F, part - 1) * size, to = std::min(1.0F, part) * size;
+      if (hatched) draw_.AddLine({at_.x + from, top + to}, {at_.x + to, top + from}, paper, px(2));
+    }
     word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
   }
   void gap() { at_.y -= px(note_gap); }
@@ -133,9 +136,9 @@ void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour c
     legend.note(contents.pressure.sentence);
     legend.gap();
   }
-  if (!contents.untouchable || pressures) return;
-  legend.swatch(tissueColour(0), "nothing to feel");
-  if (colour == SurfaceColour::tissue || colour == SurfaceColour::pressure)
+  if (!contents.untouchable || (pressures && contents.pressure.everywhere)) return;
+  legend.swatch(tissueColour(0), "nothing to feel", true);
+  if (colour == SurfaceColour::tissue || (colour == SurfaceColour::pressure && !pressures))
     legend.swatch(tissueColour(1), "can be touched");
   legend.gap();
 }

@@ -39,7 +39,11 @@ void main() {
   float shine = 0.14 * s16 + 0.56 * clamp(40.0 * (s - 0.977), 0.0, 1.0)
               + 0.30 * graze * graze * graze * (0.7 + 0.3 * n.y);
   float dark = max(0.0, 1.0 - dot(away, away));
-  gl_FragColor = vec4(mix(skin.rgb * light, vec3(1.0), shine * wet) * (1.0 - darkness * dark * dark),
+  // What is dry is hatched.
+  float wave = abs(fract(0.09 * (gl_FragCoord.x + gl_FragCoord.y)) - 0.5);
+  float hatch = 0.5 * clamp(1.0 - 8.0 * wet, 0.0, 1.0) * clamp(9.0 * wave - 2.7, 0.0, 1.0);
+  vec3 colour = mix(skin.rgb, vec3(0.93, 0.90, 0.87), hatch) * light;
+  gl_FragColor = vec4(mix(colour, vec3(1.0), shine * wet) * (1.0 - darkness * dark * dark),
                       opacity);
 }
 )";

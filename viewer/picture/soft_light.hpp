@@ -23,9 +23,9 @@ class SoftLight {
   SoftLight(const SoftLight&) = delete;
   SoftLight& operator=(const SoftLight&) = delete;
 
-  /// Until off(): what is drawn takes normals, and colours whose alpha says how much it shines.
-  /// opacity: below 1 for what is seen through something; blending is the caller's. The shadow is
-  /// placed by the current modelview matrix.
+  /// Until off(): what is drawn takes normals, and colours whose alpha says how much it shines;
+  /// what does not shine at all is hatched. opacity: below 1 for what is seen through something;
+  /// blending is the caller's. The shadow is placed by the current modelview matrix.
   void on(double opacity, const Shadow& shadow) const;
   static void off();
 

@@ -26,14 +26,13 @@ constexpr double wetness_of_colour = 0.3;
 /// A colour over tissue: bytes of tissue * seen + added.
 struct Cover {
   float seen = 1;
-  std::array<float, 3> added = {0.5F, 0.5F, 0.5F};  ///< with the half that rounds
-  std::uint8_t wet = 255;
+  std::array<float, 4> added = {0.5F, 0.5F, 0.5F, 0.5F};  ///< with the half that rounds
 };
 
 Cover coverOf(const Rgb& colour, double share) {
   Cover cover{static_cast<float>(1 - share)};
   for (std::size_t i = 0; i < 3; ++i) cover.added[i] += static_cast<float>(share * colour[i]);
-  cover.wet = static_cast<std::uint8_t>(std::lround(255 * std::lerp(1, wetness_of_colour, share)));
+  cover.added[3] += static_cast<float>(share * 255 * wetness_of_colour);
   return cover;
 }
 
@@ -69,12 +68,11 @@ const Covers& pressureCovers() {
   return made;
 }
 
-std::uint32_t packed(const std::array<float, 3>& tissue, const Cover& cover) {
-  const auto byte = [&](std::size_t i) {
-    return static_cast<std::uint8_t>(tissue[i] * cover.seen + cover.added[i]);
-  };
-  return std::bit_cast<std::uint32_t>(
-      std::array<std::uint8_t, 4>{byte(0), byte(1), byte(2), cover.wet});
+std::uint32_t packed(const std::array<float, 4>& tissue, const Cover& cover) {
+  std::array<std::uint8_t, 4> bytes;
+  for (std::size_t i = 0; i < 4; ++i)
+    bytes[i] = static_cast<std::uint8_t>(tissue[i] * cover.seen + cover.added[i]);
+  return std::bit_cast<std::uint32_t>(bytes);
 }
 
 /// place: 0 to 1 and beyond.
@@ -84,7 +82,7 @@ std::size_t levelAt(float place) {
 
 /// A colour for every vertex that has a place.
 void cover(const Covers& covers, std::span<const float> places,
-           std::span<const std::array<float, 3>> tissue, std::span<std::uint32_t> colours) {
+           std::span<const std::array<float, 4>> tissue, std::span<std::uint32_t> colours) {
   for (std::size_t v = 0; v < places.size(); ++v)
     colours[v] = packed(tissue[v], std::isnan(places[v]) ? Cover{} : covers[levelAt(places[v])]);
 }
@@ -159,6 +157,7 @@ void SurfaceShape::setTissue() {
         (rest_.col(static_cast<Eigen::Index>(v)) - middle) / std::max(radius, 1e-9F);
     const Rgb colour = tissueColour(felt_[v], blotchAt(place.cast<double>()));
     for (std::size_t i = 0; i < 3; ++i) tissue_[v][i] = static_cast<float>(colour[i]);
+    tissue_[v][3] = 255 * felt_[v];
   }
 }
 

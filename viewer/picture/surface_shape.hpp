@@ -39,7 +39,8 @@ class SurfaceShape {
   const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
   const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
   const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
-  /// Bytes red, green, blue, and how wet it looks: 255 tissue, less where a colour covers it.
+  /// Bytes red, green, blue, and how wet it looks: 255 tissue, less where a colour covers it, 0
+  /// where there is nothing to feel.
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Three vertices per triangle.
   std::span<const std::uint32_t> corners() const { return corners_; }
@@ -61,7 +62,8 @@ class SurfaceShape {
   std::vector<std::uint32_t> coarse_;       ///< corners of the triangles given
   std::vector<SurfaceRounding> roundings_;  ///< one after the other
   std::vector<float> lengths_, felt_, places_;
-  std::vector<std::array<float, 3>> tissue_;  ///< by vertex, 0 to 255
+  /// By vertex, 0 to 255: red, green, blue, wetness.
+  std::vector<std::array<float, 4>> tissue_;
   std::vector<std::uint32_t> colours_, corners_;
   double largest_ = 0;
 };

@@ -20,7 +20,8 @@ inline SurfaceColour following(SurfaceColour colour) {
 /// What a person reads: "tissue", "displacement", "error bound", "pressure".
 const char* word(SurfaceColour colour);
 
-/// Wet tissue. felt: 1 where it can be touched, 0 where there is nothing to feel, which is paler.
+/// Wet tissue. felt: 1 where it can be touched, 0 where there is nothing to feel, which is paler
+/// (and hatched, SoftLight).
 /// blotch: 0 to 1, darker to lighter, as tissue has it from place to place.
 Rgb tissueColour(double felt, double blotch = 0.5);
 /// The blotch at a place of the body at rest. scaled: the place in radii of the body.
