@@ -1,3 +1,5 @@
+#include "viewer/picture/force_plot.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <vector>
 
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/panels.hpp"
 #include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {

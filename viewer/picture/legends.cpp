@@ -1,3 +1,5 @@
+#include "viewer/picture/legends.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,7 @@
 
 #include "viewer/fields/relative_error.hpp"
 #include "viewer/picture/lattice_dots.hpp"
-#include "viewer/picture/view_overlay.hpp"
+#include "viewer/picture/panel_style.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {

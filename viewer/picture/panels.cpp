@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viewer/picture/force_plot.hpp"
 #include "viewer/picture/panel_style.hpp"
 #include "viewer/picture/screen_scale.hpp"
+#include "viewer/picture/side_panel.hpp"
+#include "viewer/picture/view_keys.hpp"
+#include "viewer/picture/view_overlay.hpp"
 
 namespace palpate {
 namespace {
@@ -83,12 +87,7 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   obeyKeys(contents, view, requests);
   buildSidePanel(contents, viewport, view, requests);
   buildForcePlot(contents.history, viewport);
-  const Viewport touched = contents.beside ? viewport.leftHalf() : viewport;
-  const std::vector<ScreenBox> hint = drawHint(contents, viewport);
-  drawViewOverlay(contents, view, touched, hint);
-  drawHandMarks(contents.hand, contents.camera, touched);
-  if (contents.beside)
-    drawBesideOverlay(*contents.beside, contents.camera, viewport.rightHalf(), hint);
+  drawViewOverlay(contents, view, viewport);
   ImGui::Render();
 }
 

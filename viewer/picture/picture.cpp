@@ -18,6 +18,7 @@
 #include "viewer/picture/pressure_words.hpp"
 #include "viewer/picture/stage.hpp"
 #include "viewer/picture/touch_words.hpp"
+#include "viewer/picture/view_keys.hpp"
 #include "viewer/picture/window.hpp"
 #include "viewer/plot/round_numbers.hpp"
 

@@ -1,10 +1,12 @@
+#include "viewer/picture/scale_and_axes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <numeric>
 
-#include "viewer/picture/view_overlay.hpp"
+#include "viewer/picture/panel_style.hpp"
 #include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {

@@ -1,3 +1,5 @@
+#include "viewer/picture/side_panel.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -7,7 +9,6 @@
 #include <optional>
 
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/panels.hpp"
 
 namespace palpate {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/picture/panels.hpp"
+#include "viewer/picture/view_keys.hpp"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

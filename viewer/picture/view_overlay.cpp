@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "viewer/picture/label_place.hpp"
-#include "viewer/picture/panels.hpp"
-#include "viewer/picture/sentence.hpp"
+#include "viewer/picture/legends.hpp"
+#include "viewer/picture/panel_style.hpp"
+#include "viewer/picture/scale_and_axes.hpp"
+#include "viewer/picture/view_keys.hpp"
 
 namespace palpate {
 namespace {
@@ -19,15 +22,22 @@ constexpr float margin = 14;
 constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
-constexpr float help_gap = 18, hint_above = 18, hint_above_scale = 84;
+constexpr float sentence_padding = 10, sentence_rounding = 6, sentence_above = 18;
+constexpr float help_gap = 18, hint_above_scale = 84;
 constexpr float narrow_view = 760;  // in which legends and scale stand above the hint
+constexpr float border_width = 1, ring_width = 2.5F, ring_edge_width = 4.5F;
 constexpr double view_edge = 4;
 constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
+constexpr ImU32 sentence_ground = IM_COL32(255, 255, 255, 235);
+constexpr ImU32 ring_colour = IM_COL32(255, 196, 92, 255), ring_edge = IM_COL32(60, 36, 8, 150);
+constexpr int ring_corners = 40;
+constexpr double ring_above_skin = 0.06;  // of its radius, for which no triangle hides it
 
-Eigen::Vector2d screenPoint(ImVec2 at) { return {at.x, at.y}; }
 ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
 }
+
+ImDrawList& canvas() { return *ImGui::GetBackgroundDrawList(); }
 
 /// The first line of a text, or its beginning and three dots where all of it would be wider.
 std::string shortened(const std::string& text, float widest) {
@@ -46,10 +56,11 @@ std::string shortened(const std::string& text, float widest) {
 }
 
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
-float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::string& text) {
+float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   const float wrap = width - px(banner_left) - px(banner_right);
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   const float bottom = at.y + size.y + 2 * px(banner_padding);
+  ImDrawList& draw = canvas();
   draw.AddRectFilled(at, {at.x + size.x + px(banner_left) + px(banner_right), bottom}, paper,
                      px(4));
   draw.AddRectFilled(at, {at.x + px(banner_stripe), bottom}, colour, px(2));
@@ -104,91 +115,161 @@ const char* besideNothing(const PanelContents& contents, const ViewChoices& choi
              : "";
 }
 
-void drawBanners(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
-                 const Viewport& view) {
+void drawBanners(const PanelContents& contents, const ViewChoices& choices, float width) {
   const PictureStatus& status = contents.status;
-  const auto width = static_cast<float>(view.width);
   float next = px(margin);
   const auto say = [&](ImU32 colour, const std::string& text) {
-    if (!text.empty())
-      next = banner(draw, {px(margin), next}, width - 2 * px(margin), colour, text);
+    if (!text.empty()) next = banner({px(margin), next}, width - 2 * px(margin), colour, text);
   };
   say(red, status.trouble);
   say(blue, status.notice);
   say(blue, status.paused ? "paused" : "");
   say(blue, besideNothing(contents, choices));
-  if (choices.help)
-    drawHelp({px(margin), next},
-             {static_cast<float>(view.window_width), static_cast<float>(view.window_height)});
+  if (choices.help) drawHelp({px(margin), next}, ImGui::GetIO().DisplaySize);
+}
+
+/// On a light ground in the middle of the lower end of a part of the view, `above` over it, in as
+/// many lines as it needs. The place that it takes.
+ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float above) {
+  const float padding = px(sentence_padding);
+  const auto width = static_cast<float>(part.width);
+  const float most = width - 4 * padding;
+  const ImVec2 size = ImGui::CalcTextSize(sentence.c_str(), nullptr, false, most);
+  const ImVec2 at = {static_cast<float>(part.x) + (width - size.x) / 2,
+                     static_cast<float>(part.height) - above - padding - size.y};
+  const ImVec2 from = {at.x - padding, at.y - padding / 2},
+               to = {at.x + size.x + padding, at.y + size.y + padding / 2};
+  canvas().AddRectFilled(from, to, sentence_ground, px(sentence_rounding));
+  canvas().AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, sentence.c_str(), nullptr,
+                   most);
+  return {{from.x, from.y}, {to.x, to.y}};
+}
+
+/// What lies over one body: what is drawn later keeps clear of what was before.
+class Overlay {
+ public:
+  /// part: of the view, in which the camera shows the body. taken: where words are.
+  Overlay(const Viewport& part, const OrbitCamera& camera, std::vector<ScreenBox> taken)
+      : camera_(camera),
+        from_(part.x, 0),
+        size_(part.width, part.height),
+        taken_(std::move(taken)) {
+    canvas().PushClipRect(imPoint(from_), imPoint(from_ + size_));
+  }
+  ~Overlay() { canvas().PopClipRect(); }
+  Overlay(const Overlay&) = delete;
+  Overlay& operator=(const Overlay&) = delete;
+
+  void keepClearOf(const ScreenBox& box) { taken_.push_back(box); }
+
+  /// What is touched, at the upper right, a line each.
+  void names(const std::vector<std::string>& names) {
+    const float line = ImGui::GetTextLineHeightWithSpacing(), width = static_cast<float>(size_.x()),
+                right = static_cast<float>(from_.x()) + width - px(margin);
+    float y = px(margin), begin = right;
+    for (const std::string& name : names) {
+      const std::string shown = shortened(name, widest_name * width);
+      const float wide = ImGui::CalcTextSize(shown.c_str()).x;
+      drawRimmedText(canvas(), {right - wide, y}, &name == names.data() ? ink : faint,
+                     shown.c_str());
+      begin = std::min(begin, right - wide);
+      y += line;
+    }
+    keepClearOf({{begin, px(margin)}, {right, y}});
+  }
+
+  /// Beyond the tip of its arrow, on a light ground.
+  void label(const ViewLabel& label) {
+    if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
+    const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
+    const double pixels = size_.y() / camera_.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
+    const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
+    const std::array<ThickLine, 2> tool = {
+        {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};
+    const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
+    const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
+    const Eigen::Vector2d edge(view_edge, view_edge);
+    const ScreenBox box = placeLabel(arrow, Eigen::Vector2d(text.x, text.y) + 2 * padding,
+                                     {from_ + edge, from_ + size_ - edge}, tool, taken_);
+    canvas().AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
+    canvas().AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink,
+                     label.text.c_str());
+  }
+
+  /// Of a hand without a device: a circle about the place in the plane of the skin.
+  void ring(const PointedPlace& place, double radius) {
+    const Eigen::Vector3d across = place.normal.unitOrthogonal(),
+                          along = place.normal.cross(across);
+    const Eigen::Vector3d middle = place.position + ring_above_skin * radius * place.normal;
+    std::array<ImVec2, ring_corners> corners;
+    for (int n = 0; n < ring_corners; ++n) {
+      const double angle = 2 * std::numbers::pi * n / ring_corners;
+      const Eigen::Vector3d corner =
+          middle + radius * (std::cos(angle) * across + std::sin(angle) * along);
+      if (!(camera_.project(corner).z() > 0)) return;
+      corners[static_cast<std::size_t>(n)] = imPoint(seen(corner));
+    }
+    for (const auto& [colour, width] :
+         {std::pair(ring_edge, ring_edge_width), std::pair(ring_colour, ring_width)})
+      canvas().AddPolyline(corners.data(), ring_corners, colour, ImDrawFlags_Closed, px(width));
+  }
+
+ private:
+  /// Where a point of the scene is seen.
+  Eigen::Vector2d seen(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d place = camera_.project(point);
+    return from_ + size_ / 2 + size_.y() * Eigen::Vector2d(place.x(), -place.y());
+  }
+
+  const OrbitCamera& camera_;
+  Eigen::Vector2d from_, size_;
+  std::vector<ScreenBox> taken_;
+};
+
+/// What a hand without a device can do now. Where it is said, if anything is.
+std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
+  if (contents.hand.hint.empty()) return {};
+  // Between two bodies is the scale of the first.
+  return {drawSentence(contents.hand.hint, view,
+                       px(contents.beside ? hint_above_scale : sentence_above))};
+}
+
+/// part: where the touched body is.
+void drawTouched(const PanelContents& contents, const ViewChoices& choices, const Viewport& part,
+                 const std::vector<ScreenBox>& hint) {
+  const ImVec2 size = {static_cast<float>(part.width), static_cast<float>(part.height)};
+  // Where a hint leaves them no room they stand above it.
+  const bool narrow = size.x < px(narrow_view) && !hint.empty() && !contents.beside;
+  const float foot = narrow ? static_cast<float>(hint.front().from.y()) : size.y;
+  Overlay overlay(part, contents.camera, hint);
+  drawScaleAndAxes(canvas(), contents, size, foot);
+  // The help covers a part of them, and a bar without its name and its numbers says nothing.
+  if (!choices.help) overlay.keepClearOf(drawLegends(canvas(), contents, choices, {size.x, foot}));
+  overlay.names({contents.dataset, contents.tissue, "H: help"});
+  overlay.label(contents.label);
+  drawBanners(contents, choices, size.x);
+  if (contents.hand.ring) overlay.ring(*contents.hand.ring, contents.hand.ring_radius);
+}
+
+/// part: where another dataset is shown.
+void drawBeside(const BesideContents& contents, const OrbitCamera& camera, const Viewport& part,
+                const std::vector<ScreenBox>& hint) {
+  Overlay overlay(part, camera, hint);
+  const auto left = static_cast<float>(part.x);
+  canvas().AddLine({left, 0}, {left, static_cast<float>(part.height)}, line_grey, px(border_width));
+  overlay.names({contents.dataset, contents.tissue});
+  const std::string& sentence = contents.sentence.empty() ? contents.colourless : contents.sentence;
+  if (!sentence.empty()) overlay.keepClearOf(drawSentence(sentence, part, px(sentence_above)));
+  overlay.label(contents.label);
 }
 
 }  // namespace
 
-ScreenBox drawNames(ImDrawList& draw, const std::vector<std::string>& names, float left,
-                    float width) {
-  const float line = ImGui::GetTextLineHeightWithSpacing(), right = left + width - px(margin);
-  float y = px(margin), begin = right;
-  for (const std::string& name : names) {
-    const std::string shown = shortened(name, widest_name * width);
-    const float wide = ImGui::CalcTextSize(shown.c_str()).x;
-    drawRimmedText(draw, {right - wide, y}, &name == names.data() ? ink : faint, shown.c_str());
-    begin = std::min(begin, right - wide);
-    y += line;
-  }
-  return {{begin, px(margin)}, {right, y}};
-}
-
-void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, float left,
-               ImVec2 size, std::span<const ScreenBox> taken) {
-  const double depth = camera.project(label.at).z();
-  if (label.text.empty() || !(depth > 0)) return;
-  const Eigen::Vector2d origin(left, 0);
-  const auto seen = [&](const Eigen::Vector3d& point) {
-    return Eigen::Vector2d(origin + screenPoint(seenAt(camera, point, size)));
-  };
-  const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
-  const double pixels = size.y / camera.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
-  const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
-  const std::array<ThickLine, 2> tool = {
-      {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};
-  const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
-  const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
-  const Eigen::Vector2d edge(view_edge, view_edge);
-  const ScreenBox box = placeLabel(arrow, screenPoint(text) + 2 * padding,
-                                   {origin + edge, origin + screenPoint(size) - edge}, tool, taken);
-  draw.AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
-  draw.AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink, label.text.c_str());
-}
-
-ImVec2 seenAt(const OrbitCamera& camera, const Eigen::Vector3d& point, ImVec2 size) {
-  const Eigen::Vector3d place = camera.project(point);
-  return {size.x / 2 + size.y * static_cast<float>(place.x()),
-          size.y / 2 - size.y * static_cast<float>(place.y())};
-}
-
-std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
-  if (contents.hand.hint.empty()) return {};
-  // Between two bodies is the scale of the first.
-  const float above = contents.beside ? hint_above_scale : hint_above;
-  return {drawSentence(*ImGui::GetBackgroundDrawList(), contents.hand.hint, view, px(above))};
-}
-
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
-                     const Viewport& view, const std::vector<ScreenBox>& hint) {
-  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
-  // Where a hint leaves them no room they stand above it.
-  const bool narrow = size.x < px(narrow_view) && !hint.empty() && !contents.beside;
-  const float foot = narrow ? static_cast<float>(hint.front().from.y()) : size.y;
-  std::vector<ScreenBox> taken = hint;
-  draw.PushClipRect({0, 0}, size);
-  drawScaleAndAxes(draw, contents, size, foot);
-  // The help covers a part of them, and a bar without its name and its numbers says nothing.
-  if (!choices.help) taken.push_back(drawLegends(draw, contents, choices, {size.x, foot}));
-  taken.push_back(drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x));
-  drawLabel(draw, contents.label, contents.camera, 0, size, taken);
-  drawBanners(draw, contents, choices, view);
-  draw.PopClipRect();
+                     const Viewport& view) {
+  const std::vector<ScreenBox> hint = drawHint(contents, view);
+  drawTouched(contents, choices, contents.beside ? view.leftHalf() : view, hint);
+  if (contents.beside) drawBeside(*contents.beside, contents.camera, view.rightHalf(), hint);
 }
 
 }  // namespace palpate
