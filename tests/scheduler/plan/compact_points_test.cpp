@@ -6,8 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "tests/support/allocated_bytes.hpp"
-
 namespace palpate {
 namespace {
 
@@ -161,55 +159,6 @@ TEST(CompactPoints, ASolutionLeavesNothingOfWhatWasThereBefore) {
   EXPECT_THAT(points.uniform().of_tag, ElementsAre(0, 0, 1, 0));
 }
 
-TEST(CompactPoints, AreCountedByWhatTheyAreNowTheUniformOnesApart) {
-  CompactPoints points(3);
-  points.add();
-  points.add();
-  points.solve(0, foundOf(1));
-  points.solve(1, foundOf(1, false, Tag::terminating));
-  points.fail(2, Cause::unreachable);
-  points.fail(3, Cause::limit_point);
-  EXPECT_THAT(points.uniform().of_tag, ElementsAre(0, 1, 1, 1));
-  EXPECT_EQ(points.uniform().solved(), 2);
-  EXPECT_THAT(points.added().of_tag, ElementsAre(1, 0, 0, 1));
-  points.solve(2, foundOf(2));
-  points.solve(3, foundOf(3));
-  EXPECT_THAT(points.uniform().of_tag, ElementsAre(0, 2, 1, 0));
-  EXPECT_THAT(points.added().of_tag, ElementsAre(1, 1, 0, 0));
-  EXPECT_EQ(points.added().of(Tag::unknown), 1);
-  EXPECT_THAT(points.failedPoints(), Each(0)) << "none is failed any more";
-}
-
-TEST(CompactPoints, ThatFailedAreCountedByTheCauseThatIsSaidLast) {
-  CompactPoints points(2);
-  points.fail(0, Cause::unreachable);
-  points.fail(1, Cause::unreachable);
-  points.fail(0, Cause::beyond_force);
-  EXPECT_EQ(points.cause(0), Cause::beyond_force);
-  CountsOfCauses expected = {};
-  expected[static_cast<std::size_t>(Cause::unreachable)] = 1;
-  expected[static_cast<std::size_t>(Cause::beyond_force)] = 1;
-  EXPECT_EQ(points.failedPoints(), expected);
-  EXPECT_EQ(points.uniform().of(Tag::failed), 2);
-}
-
-TEST(CompactPoints, ThatWereTriedInVainCountAsSuchUntilTheyAreSolved) {
-  CompactPoints points(3);
-  for (const std::int32_t parent : {1, 2})
-    points.addAttempt(attemptAt(0, parent, Cause::step_budget));
-  EXPECT_EQ(points.uniform().unknown_tried, 1) << "a point counts once";
-  EXPECT_EQ(points.uniform().unsolved_tried, 1);
-  EXPECT_EQ(points.uniform().attempts, 2);
-  points.fail(0, Cause::step_budget);
-  EXPECT_EQ(points.uniform().unknown_tried, 0);
-  EXPECT_EQ(points.uniform().unsolved_tried, 1);
-  points.solve(0, foundOf(1));
-  EXPECT_EQ(points.uniform().unsolved_tried, 0);
-  EXPECT_EQ(points.uniform().attempts, 2) << "they were made all the same";
-  points.fail(1, Cause::unreachable);
-  EXPECT_EQ(points.uniform().unsolved_tried, 0) << "nobody tried it";
-}
-
 TEST(CompactPoints, KeepTheAttemptsOfEachInTheOrderOfTrying) {
   CompactPoints points(2);
   points.add();
@@ -244,49 +193,6 @@ TEST(CompactPoints, AreTheirOwnHoweverManyThereAre) {
   EXPECT_THAT(points.uniform().of_tag, ElementsAre(uniform / 4, uniform / 2, 0, uniform / 4));
   EXPECT_EQ(points.added().of(Tag::expandable), (all - uniform) / 2);
   expectCountsToBeTrue(points, uniform);
-}
-
-TEST(CompactPoints, StayWhereTheyAreWhenManyAreAdded) {
-  CompactPoints points(4096);
-  points.solve(0, foundOf(5));
-  const ToolEquilibrium* const before = &points.equilibrium(0);
-  while (points.size() < 10000) points.add();
-  EXPECT_EQ(&points.equilibrium(0), before) << "ten million would be moved";
-  EXPECT_EQ(before->force, foundOf(5).equilibrium.force);
-}
-
-/// Ten million points are two gigabytes.
-TEST(CompactPoints, TakeAboutTheMemoryThatIsSaidOfThem) {
-  const auto before = test::allocatedBytes();
-  if (!before) GTEST_SKIP() << "a sanitizer has a malloc of its own";
-  constexpr std::int32_t count = 40960, fingers = 4096;
-  CompactPoints points(count);
-  const auto bytesEach = [&](std::size_t from, std::int32_t of) {
-    return static_cast<double>(*test::allocatedBytes() - from) / of;
-  };
-  EXPECT_LT(bytesEach(*before, count), 190);
-  const std::size_t solved_before = *test::allocatedBytes();
-  for (std::int32_t n = fingers; n < count; ++n) points.solve(n, foundOf(1));
-  EXPECT_EQ(*test::allocatedBytes(), solved_before) << "a solution lies where the point does";
-  for (std::int32_t n = 0; n < fingers; ++n) points.solve(n, foundOf(1, true));
-  EXPECT_LT(bytesEach(solved_before, fingers), 720);
-}
-
-TEST(CompactPoints, CopiedAreChangedWithoutTheOthers) {
-  CompactPoints points(2);
-  points.solve(0, foundOf(1, true));
-  points.addAttempt(attemptAt(1, 0, Cause::step_budget));
-  CompactPoints copy = points;
-  copy.solve(0, foundOf(2, true));
-  copy.addAttempt(attemptAt(1, 1, Cause::not_finite));
-  copy.add();
-  expectKept(points.record(0), foundOf(1, true));
-  EXPECT_THAT(points.attempts(1), SizeIs(1));
-  EXPECT_EQ(points.size(), 2);
-  expectKept(copy.record(0), foundOf(2, true));
-  EXPECT_THAT(copy.attempts(1), SizeIs(2));
-  expectCountsToBeTrue(points, 2);
-  expectCountsToBeTrue(copy, 2);
 }
 
 TEST(CompactPoints, AreNotSolvedByWhatIsNoSolution) {

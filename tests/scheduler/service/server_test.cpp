@@ -229,55 +229,14 @@ TEST_F(KeyedServerTest, AWorkerWhoseKeyIsWithdrawnIsSentAwayAndItsWorkHandedOutA
   EXPECT_TRUE(answerTo(other, message).has_job());
 }
 
-TEST_F(ServerTest, RefusesAWorkerOfAnotherVersion) {
-  zmq::socket_t worker = connect();
-  Message hello = test::helloOf("w");
-  hello.mutable_hello()->set_version("9.9.9");
-  send(worker, hello);
-  EXPECT_NE(expect(worker, Message::kRefused).message.refused().reason().find("9.9.9"),
-            std::string::npos);
-}
-
-TEST_F(ServerTest, AcknowledgesAResultAsOftenAsItIsSent) {
-  zmq::socket_t worker = connect();
-  join(worker, "w");
-  request(worker, 1);
-  const wire::Job job = expect(worker, Message::kJob).message.job();
-  for (int n = 0; n < 3; ++n) {
-    deliver(worker, job);
-    EXPECT_EQ(expect(worker, Message::kResultAck).message.result_ack().space(), job.space());
-  }
-  EXPECT_EQ(counter("duplicate_results"), 2);
-  EXPECT_EQ(build.coordinator().recorded(), 1);
-}
-
-TEST_F(ServerTest, HandsTheWorkOfAWorkerThatIsGoneToAnother) {
-  zmq::socket_t first = connect();
-  join(first, "first");
-  request(first, 2);
-  const wire::Job lost = expect(first, Message::kJob).message.job();
-  first.close();
-  zmq::socket_t second = connect();
-  join(second, "second");
-  build.coordinator().workerProcessEnded(1, std::chrono::steady_clock::now());
-  request(second, 2);
-  const wire::Job again = expect(second, Message::kJob).message.job();
-  EXPECT_EQ(fromWire(again.targets(0).point()), fromWire(lost.targets(0).point()));
-  EXPECT_EQ(again.space(), lost.space());
-}
-
 TEST_F(ServerTest, AnswersPeopleBesideWorkers) {
   zmq::socket_t person = connect();
-  Message ask;
-  ask.mutable_status_request();
-  send(person, ask);
+  send(person, statusRequest());
   const wire::Status status =
       statusFromJson(expect(person, Message::kStatusReply).message.status_reply().json());
   EXPECT_EQ(status.scene(), "cube");
   EXPECT_EQ(status.spaces_size(), 2);
-  Message stop;
-  stop.mutable_stop_request();
-  send(person, stop);
+  send(person, stopRequest());
   EXPECT_TRUE(expect(person, Message::kStopReply).message.stop_reply().stopping());
   EXPECT_TRUE(build.coordinator().stopping());
 }

@@ -4,23 +4,8 @@
 
 #include <chrono>
 
-#include "tests/support/allocated_bytes.hpp"
-
 namespace palpate {
 namespace {
-
-/// There may be ten million.
-TEST(ResultIndex, TakesAboutTheMemoryThatIsSaidOfIt) {
-  const auto before = test::allocatedBytes();
-  if (!before) GTEST_SKIP() << "a sanitizer has a malloc of its own";
-  // The table doubles: it is emptiest just behind that, and had just doubled at one of these.
-  for (const std::int32_t count : {41000, 50000, 60000, 70000, 81000}) {
-    ResultIndex index;
-    for (std::int32_t n = 0; n < count; ++n)
-      index.emplace(ResultKey{0, {n, 0, 0}, {n - 1, 0, 0}}, JournalPosition{1, 0, 1000});
-    EXPECT_LT(static_cast<double>(*test::allocatedBytes() - *before) / count, 100) << count;
-  }
-}
 
 /// Results of a build are those of neighbours on a lattice: if their hashes met, each look would go
 /// through thousands.

@@ -31,11 +31,14 @@ struct ExplanationTest : testing::Test {
     f.step_reached = 0.25;
     space.attempts = {{2, 0, f}};
   }
+
+  wire::Explanation explained(std::int32_t point) const {
+    return explain(space, Eigen::Vector3d(lattice.displacement(point) / lattice.spacing()));
+  }
 };
 
 TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
-  const wire::Explanation explanation =
-      explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing()));
+  const wire::Explanation explanation = explained(1);
   ASSERT_EQ(explanation.path_size(), 2);
   EXPECT_EQ(explanation.path(0).force(0), -1.5);
   EXPECT_EQ(explanation.path(1).point().i(), 0);
@@ -44,8 +47,7 @@ TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
 }
 
 TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
-  const wire::Explanation explanation =
-      explain(space, Eigen::Vector3d(lattice.displacement(2) / lattice.spacing()));
+  const wire::Explanation explanation = explained(2);
   EXPECT_EQ(explanation.path_size(), 0);
   EXPECT_EQ(explanation.cause(), "wrong_inertia");
   ASSERT_EQ(explanation.attempts_size(), 1);
@@ -54,15 +56,13 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
 }
 
 TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
-  EXPECT_THAT(explain(space, Eigen::Vector3d(lattice.displacement(3) / lattice.spacing())).text(),
-              testing::HasSubstr("no transition to it was tried yet"));
+  EXPECT_THAT(explained(3).text(), testing::HasSubstr("no transition to it was tried yet"));
 }
 
 TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
   space.points[3].tag = Tag::failed;
   space.points[3].cause = Cause::unreachable;
-  const wire::Explanation explanation =
-      explain(space, Eigen::Vector3d(lattice.displacement(3) / lattice.spacing()));
+  const wire::Explanation explanation = explained(3);
   EXPECT_EQ(explanation.cause(), "unreachable");
   EXPECT_THAT(explanation.text(),
               testing::AllOf(testing::HasSubstr("failed, unreachable"),
@@ -72,8 +72,7 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
 TEST_F(ExplanationTest, EndsOnACircleOfParents) {
   space.points[1].parent = 3;
   space.points[3].parent = 1;
-  EXPECT_LE(
-      explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing())).path_size(), 7);
+  EXPECT_LE(explained(1).path_size(), 7);
 }
 
 TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
