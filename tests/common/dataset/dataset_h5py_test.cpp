@@ -1,13 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdio>
 #include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include "common/dataset/dataset.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
@@ -37,23 +34,12 @@ std::vector<std::string> snippetsOfThePage() {
   return snippets;
 }
 
-struct Ran {
-  int status = -1;
-  std::string output;
-};
-
 /// Runs a Python program of the distribution, which has h5py as package python3-h5py, on `file`.
-Ran runPython(const test::TemporaryDirectory& directory, const std::string& program,
-              const std::filesystem::path& file) {
-  const std::filesystem::path script = directory / "snippet.py";
-  std::ofstream(script) << program;
-  const std::string command = "/usr/bin/python3 " + script.string() + " " + file.string() + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) throw failure("cannot run {}", command);
-  Ran ran;
-  for (int c; (c = std::fgetc(pipe)) != EOF;) ran.output += static_cast<char>(c);
-  ran.status = pclose(pipe);
-  return ran;
+test::CommandResult runPython(const test::TemporaryDirectory& directory, const std::string& program,
+                              const std::filesystem::path& file) {
+  std::ofstream(directory / "snippet.py") << program;
+  return test::runCommand(
+      fmt::format("/usr/bin/python3 {} {}", (directory / "snippet.py").string(), file.string()));
 }
 
 class DatasetPage : public ::testing::Test {
@@ -67,8 +53,8 @@ class DatasetPage : public ::testing::Test {
 
 TEST_F(DatasetPage, ExampleReadsForcesAndShapesWithH5py) {
   ASSERT_THAT(snippets, SizeIs(3));
-  const Ran ran = runPython(directory, snippets[0], file);
-  EXPECT_EQ(ran.status, 0) << ran.output;
+  const test::CommandResult ran = runPython(directory, snippets[0], file);
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
   const Eigen::Vector3d force =
       sample.spaces[0].points[*sample.lattice.indexOf({1, 0, 0})].equilibrium.force;
   EXPECT_THAT(ran.output, HasSubstr("solved: 31 of 33"));
@@ -79,13 +65,13 @@ TEST_F(DatasetPage, ExampleReadsForcesAndShapesWithH5py) {
 
 TEST_F(DatasetPage, CheckRecomputesEveryHashWithH5py) {
   ASSERT_THAT(snippets, SizeIs(3));
-  const Ran ran = runPython(directory, snippets[2], file);
-  EXPECT_EQ(ran.status, 0) << ran.output;
+  const test::CommandResult ran = runPython(directory, snippets[2], file);
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(ran.output, "intact: " + Dataset(file).contentId().hex() + "\n");
 }
 
 TEST_F(DatasetPage, FailedPointsReadAsNaNAndTakeNoRoomInH5py) {
-  const Ran ran = runPython(
+  const test::CommandResult ran = runPython(
       directory,
       "import sys, h5py, numpy as np\n"
       "f = h5py.File(sys.argv[1], 'r')\n"
@@ -93,7 +79,7 @@ TEST_F(DatasetPage, FailedPointsReadAsNaNAndTakeNoRoomInH5py) {
       "assert np.isnan(u[7]).all() and np.isnan(f['points/energy'][7])\n"
       "assert u.id.get_num_chunks() == 64 and u.chunks == (1, 26, 3) and u.compression == 'gzip'\n",
       file);
-  EXPECT_EQ(ran.status, 0) << ran.output;
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
 }
 
 TEST_F(DatasetPage, ExampleReadsQuantizedDisplacementsOfARefinedDataset) {
@@ -101,89 +87,108 @@ TEST_F(DatasetPage, ExampleReadsQuantizedDisplacementsOfARefinedDataset) {
   sample.refine();
   sample.problem.scene.storage = {StoredNodes::all, StoredPrecision::int16};
   sample.seal(file);
-  const Ran ran = runPython(directory, snippets[1], file);
-  EXPECT_EQ(ran.status, 0) << ran.output;
+  const test::CommandResult ran = runPython(directory, snippets[1], file);
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_THAT(ran.output, HasSubstr("edge-2: 33 uniform points, "));
   EXPECT_THAT(ran.output, HasSubstr("displacements of all 27 nodes to "));
   EXPECT_THAT(ran.output, HasSubstr("1 of 2 probes solved in tip"));
   for (const std::size_t snippet : {0u, 2u})
-    EXPECT_EQ(runPython(directory, snippets[snippet], file).status, 0);
+    EXPECT_EQ(runPython(directory, snippets[snippet], file).exit_code, 0);
 }
 
-/// Lets h5py change a copy of the dataset and says what reading it then ends with.
+/// A change by h5py, and words of the error that reading then ends with.
+struct Change {
+  std::string python, error = "no error";
+};
+
 class ChangedDataset : public DatasetPage {
  protected:
-  std::string errorAfter(const std::string& change) {
-    const std::string program =
-        "import hashlib, shutil, sys, h5py, numpy as np\nshutil.copy('" + file.string() +
-        "', sys.argv[1])\nf = h5py.File(sys.argv[1], 'a')\n" + change + "\nf.close()\n";
-    const std::filesystem::path changed = directory / "changed.h5";
-    const Ran ran = runPython(directory, program, changed);
-    EXPECT_EQ(ran.status, 0) << ran.output;
-    try {
-      Dataset{changed}.verifyAll();
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr("changed.h5"));
-      return error.what();
-    }
-    return "no error";
-  }
+  enum class Hashes { as_they_were, forged };
 
-  /// The same when all hashes are made to match afterwards: what only looking at the values can
-  /// find.
-  std::string errorAfterForging(const std::string& change) {
-    return errorAfter(change + R"(
+  /// For each change a copy of the dataset, changed-N.h5. Forged: all hashes are made to match
+  /// afterwards, so that only a look at the values finds it.
+  void expectErrors(Hashes hashes, const std::vector<Change>& changes) {
+    for (std::size_t n = 0; n < changes.size(); ++n)
+      std::ofstream(directory / fmt::format("change-{}.py", n)) << changes[n].python;
+    const test::CommandResult ran =
+        runPython(directory,
+                  fmt::format("changes, forged = {}, {}\n", changes.size(),
+                              hashes == Hashes::forged ? "True" : "False") +
+                      R"(
+import hashlib, os, shutil, sys, h5py, numpy as np
 def blake2b(data):
     return hashlib.blake2b(data, digest_size=32).hexdigest()
-lines = []
-def visit(path, item):
-    if isinstance(item, h5py.Dataset):
-        digest = blake2b(item[()].tobytes())
-        item.attrs['blake2b'] = np.bytes_(digest)
-        lines.append(f"/{path} {item.dtype} {'x'.join(map(str, item.shape)) or 'scalar'} {digest}\n")
-f.visititems(visit)
-text = f"scene_toml {blake2b(f.attrs['scene_toml'])}\n" + ''.join(sorted(lines))
-f.attrs['content_hash'] = np.bytes_(blake2b(text.encode())))");
+def forge(f):
+    lines = []
+    def visit(path, item):
+        if isinstance(item, h5py.Dataset):
+            digest = blake2b(item[()].tobytes())
+            item.attrs['blake2b'] = np.bytes_(digest)
+            lines.append(f"/{path} {item.dtype} {'x'.join(map(str, item.shape)) or 'scalar'} {digest}\n")
+    f.visititems(visit)
+    text = f"scene_toml {blake2b(f.attrs['scene_toml'])}\n" + ''.join(sorted(lines))
+    f.attrs['content_hash'] = np.bytes_(blake2b(text.encode()))
+os.chdir(os.path.dirname(sys.argv[1]))
+for n in range(changes):
+    shutil.copy(sys.argv[1], f'changed-{n}.h5')
+    with h5py.File(f'changed-{n}.h5', 'a') as f:
+        exec(open(f'change-{n}.py').read())
+        if forged: forge(f)
+)",
+                  file);
+    ASSERT_EQ(ran.exit_code, 0) << ran.output;
+    for (std::size_t n = 0; n < changes.size(); ++n)
+      EXPECT_THAT(errorOf(directory / fmt::format("changed-{}.h5", n)), HasSubstr(changes[n].error))
+          << changes[n].python;
   }
 
   static std::string replaced(const std::string& array, const std::string& values) {
     return "del f['" + array + "']\nf['" + array + "'] = " + values;
   }
+
+ private:
+  static std::string errorOf(const std::filesystem::path& changed) {
+    try {
+      Dataset{changed}.verifyAll();
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(changed.filename().string()));
+      return error.what();
+    }
+    return "no error";
+  }
 };
 
 TEST_F(ChangedDataset, IsReadAsLongAsNothingChanged) {
-  EXPECT_EQ(errorAfter(""), "no error");
-  EXPECT_EQ(errorAfterForging(""), "no error");
+  for (const Hashes hashes : {Hashes::as_they_were, Hashes::forged}) expectErrors(hashes, {{""}});
 }
 
 TEST_F(ChangedDataset, IsRefusedWhenOthersMadeOrChangedIt) {
-  EXPECT_THAT(errorAfter("for key in list(f.attrs): del f.attrs[key]"),
-              HasSubstr("not a Palpate dataset"));
-  EXPECT_THAT(errorAfter("f.attrs['format_version'] = np.array([4, 0], 'int32')"),
-              HasSubstr("format version 4.0, this program reads 2.x to 3.x"));
-  EXPECT_THAT(
-      errorAfter("f.attrs['format_version'] = np.array([1, 1], 'int32')"),
-      HasSubstr("format version 1.1, which is no longer read; seal it again with `palpate build"));
-  EXPECT_THAT(errorAfter("f['points/force'][3, 0] = 7"), HasSubstr("/points/force"));
-  EXPECT_THAT(errorAfter("f['points/displacement'][3, 0, 1] = 7"),
-              HasSubstr("/points/displacement"));
-  EXPECT_THAT(errorAfter("del f['points/tag']"), HasSubstr("content_hash"));
-  EXPECT_THAT(errorAfter("del f['probes']"), HasSubstr("content_hash"));
-  EXPECT_THAT(errorAfter("f['extra'] = np.zeros(3, 'int64')"), HasSubstr("/extra"));
+  const auto version = [](const char* numbers) {
+    return fmt::format("f.attrs['format_version'] = np.array({}, 'int32')", numbers);
+  };
+  expectErrors(Hashes::as_they_were,
+               {{"for key in list(f.attrs): del f.attrs[key]", "not a Palpate dataset"},
+                {version("[4, 0]"), "format version 4.0"},
+                {version("[1, 1]"), "format version 1.1"},
+                {"f['points/force'][3, 0] = 7", "/points/force"},
+                {"f['points/displacement'][3, 0, 1] = 7", "/points/displacement"},
+                {"del f['points/tag']", "content_hash"},
+                {"del f['probes']", "content_hash"},
+                {"f['extra'] = np.zeros(3, 'int64')", "/extra"}});
 }
 
 TEST_F(ChangedDataset, IsRefusedForWrongShapesAndTypes) {
-  EXPECT_THAT(errorAfterForging(replaced("points/tag", "np.ones((66, 2), 'uint8')")),
-              HasSubstr("/points/tag: is uint8 66 x 2 instead of uint8 66"));
-  EXPECT_THAT(errorAfterForging(replaced("mesh/points", "np.zeros((27, 3), 'float32')")),
-              HasSubstr("/mesh/points: is float32 27 x 3 instead of float64 n x 3"));
-  EXPECT_THAT(
-      errorAfterForging(replaced("points/displacement", "np.zeros((66, 25, 3), 'float32')")),
-      HasSubstr("/points/displacement: is float32 66 x 25 x 3"));
-  EXPECT_THAT(errorAfterForging(replaced("points/displacement", "np.zeros((66, 26, 3), 'int16')")),
-              HasSubstr("/points/displacement: is int16"));
-  EXPECT_THAT(errorAfterForging("del f['probes']"), HasSubstr("/probes/position: is missing"));
-  EXPECT_THAT(errorAfterForging("del f['points/energy']"), HasSubstr("/points/energy: is missing"));
+  expectErrors(Hashes::forged,
+               {{replaced("points/tag", "np.ones((66, 2), 'uint8')"),
+                 "/points/tag: is uint8 66 x 2 instead of uint8 66"},
+                {replaced("mesh/points", "np.zeros((27, 3), 'float32')"),
+                 "/mesh/points: is float32 27 x 3 instead of float64 n x 3"},
+                {replaced("points/displacement", "np.zeros((66, 25, 3), 'float32')"),
+                 "/points/displacement: is float32 66 x 25 x 3"},
+                {replaced("points/displacement", "np.zeros((66, 26, 3), 'int16')"),
+                 "/points/displacement: is int16"},
+                {"del f['probes']", "/probes/position: is missing"},
+                {"del f['points/energy']", "/points/energy: is missing"}});
 }
 
 /// Rows that were never written take no room in a file, and empty ones never do.
@@ -193,86 +198,70 @@ TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
         "f.create_dataset('extra', {}, '{}', chunks={}).attrs['blake2b'] = np.bytes_('0' * 64)",
         shape, type, chunks);
   };
-  EXPECT_THAT(errorAfter(extra("(2**50, 3)", "<f4", "(64, 3)")),
-              HasSubstr("/extra: impossible shape 1125899906842624 x 3"));
-  EXPECT_THAT(errorAfter(extra("(2**50, 0)", "<f4", "None")), HasSubstr("impossible shape"));
-  EXPECT_THAT(errorAfter(extra("(2**31 - 1, 0)", "<i4", "None")), HasSubstr("impossible shape"));
+  expectErrors(
+      Hashes::as_they_were,
+      {{extra("(2**50, 3)", "<f4", "(64, 3)"), "/extra: impossible shape 1125899906842624"},
+       {extra("(2**50, 0)", "<f4", "None"), "impossible shape"},
+       {extra("(2**31 - 1, 0)", "<i4", "None"), "impossible shape"}});
 }
 
 /// Files from before fingers had a width reach all of their part of the ball.
 TEST_F(ChangedDataset, OfFingersNeedsNoWidth) {
   test::FingerBody().seal(file);
-  EXPECT_EQ(errorAfterForging("del f['spaces/finger_width']"), "no error");
-  EXPECT_THAT(errorAfterForging("f['spaces/finger_width'][2] = -1"), HasSubstr("/spaces/finger"));
+  expectErrors(Hashes::forged, {{"del f['spaces/finger_width']"},
+                                {"f['spaces/finger_width'][2] = -1", "/spaces/finger"}});
 }
 
 TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
-  EXPECT_THAT(errorAfterForging("f['points/tag'][3] = 4"), HasSubstr("/points/tag: holds 4"));
-  EXPECT_THAT(errorAfterForging("f['points/parent'][3] = 33"),
-              HasSubstr("space tip: point 3 has parent 33"));
-  EXPECT_THAT(errorAfterForging("f['attempts/cause'][0] = 99"),
-              HasSubstr("attempts/cause: holds 99"));
-  EXPECT_THAT(errorAfterForging("f['mesh/tetrahedra'][0, 2] = -1"),
-              HasSubstr("/mesh/tetrahedra: holds -1"));
-  EXPECT_THAT(errorAfterForging("f['spaces/active_node'][1] = 2"), HasSubstr("active_node"));
-  EXPECT_THAT(errorAfterForging("f['spaces/name'][1, 0] = 70"), HasSubstr("/spaces/name"));
-  EXPECT_THAT(errorAfterForging("f['spaces/first_point'][1] = 70"),
-              HasSubstr("/spaces/first_point"));
-  EXPECT_THAT(errorAfterForging("f['spaces/first_attempt'][1:] = 1"),
-              HasSubstr("/spaces/first_attempt"));
-  EXPECT_THAT(errorAfterForging("f['mesh/surface_nodes'][0] = 1"),
-              HasSubstr("/mesh/surface_nodes"));
-  EXPECT_THAT(errorAfterForging("f['points/force'][2, 1] = np.nan"), HasSubstr("row 2 is solved"));
-  EXPECT_THAT(errorAfterForging("f['points/ijk'][5, 0] += 1"), HasSubstr("/points/ijk"));
+  expectErrors(Hashes::forged, {{"f['points/tag'][3] = 4", "/points/tag: holds 4"},
+                                {"f['points/parent'][3] = 33", "space tip: point 3 has parent 33"},
+                                {"f['attempts/cause'][0] = 99", "attempts/cause: holds 99"},
+                                {"f['mesh/tetrahedra'][0, 2] = -1", "/mesh/tetrahedra: holds -1"},
+                                {"f['spaces/active_node'][1] = 2", "active_node"},
+                                {"f['spaces/name'][1, 0] = 70", "/spaces/name"},
+                                {"f['spaces/first_point'][1] = 70", "/spaces/first_point"},
+                                {"f['spaces/first_attempt'][1:] = 1", "/spaces/first_attempt"},
+                                {"f['mesh/surface_nodes'][0] = 1", "/mesh/surface_nodes"},
+                                {"f['points/force'][2, 1] = np.nan", "row 2 is solved"},
+                                {"f['points/ijk'][5, 0] += 1", "/points/ijk"}});
 }
 
 /// What only a look at the fields can find.
 TEST_F(ChangedDataset, FieldsAreComparedWithTheirOwnHash) {
-  const std::string change = "f['points/displacement'][3, 0, 0] = 7";
-  EXPECT_EQ(errorAfterForging(change), "no error");
-  const Dataset dataset(directory / "changed.h5");
+  expectErrors(Hashes::forged, {{"f['points/displacement'][3, 0, 0] = 7"}});
+  const Dataset dataset(directory / "changed-0.h5");
   EXPECT_NO_THROW(dataset.fields(0, 2));
   EXPECT_NO_THROW(dataset.surfaceDisplacements(1));
   test::expectError(ExitCode::failed, [&] { dataset.fields(0, 3); },
-                    {"changed.h5", "/points/displacement", "point 3 of tip", "stored_id"});
+                    {"changed-0.h5", "/points/displacement", "point 3 of tip"});
   test::expectError(ExitCode::failed, [&] { dataset.surfaceDisplacements(0); }, {"point 3 of tip"});
 }
 
 TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {
   sample.refine();
   sample.seal(file);
-  EXPECT_EQ(errorAfterForging(""), "no error");
-  EXPECT_THAT(errorAfterForging("f['splits/level'][1] = 20"), HasSubstr("space edge-2: split 1"));
-  EXPECT_THAT(errorAfterForging("f['splits/lowest'][0, 1] = 100"),
-              HasSubstr("no cell of the lattice"));
-  EXPECT_THAT(errorAfterForging("f['points/ijk'][-1] = f['points/ijk'][-2]"),
-              HasSubstr("/points/ijk"));
-  EXPECT_THAT(errorAfterForging("f['points/ijk'][-1] = (90000, 0, 0)"),
-              HasSubstr("/points/position"));
-  EXPECT_THAT(errorAfterForging("f['probes/position'][0] = (1, 0, 0)"),
-              HasSubstr("space tip: probe 0"));
-  EXPECT_THAT(errorAfterForging("f['inconsistent_edges'][0, 0] = -2"),
-              HasSubstr("an inconsistent edge joins"));
+  expectErrors(Hashes::forged,
+               {{""},
+                {"f['splits/level'][1] = 20", "space edge-2: split 1"},
+                {"f['splits/lowest'][0, 1] = 100", "no cell of the lattice"},
+                {"f['points/ijk'][-1] = f['points/ijk'][-2]", "/points/ijk"},
+                {"f['points/ijk'][-1] = (90000, 0, 0)", "/points/position"},
+                {"f['probes/position'][0] = (1, 0, 0)", "space tip: probe 0"},
+                {"f['inconsistent_edges'][0, 0] = -2", "an inconsistent edge joins"}});
 }
 
-TEST_F(ChangedDataset, OfANewerMinorVersionIsReadWithoutItsNewArrays) {
-  EXPECT_EQ(errorAfterForging("f.attrs['format_version'] = np.array([3, 7], "
-                              "'int32')\nf['rest/error'] = np.zeros((2, 3))"),
-            "no error");
-}
-
-TEST_F(ChangedDataset, OfVersion2IsReadWithoutItsRadialFunctions) {
-  EXPECT_EQ(errorAfterForging("f.attrs['format_version'] = np.array([2, 0], "
-                              "'int32')\nf['rbf/linear'] = np.zeros((66, 3))"),
-            "no error");
+TEST_F(ChangedDataset, OfANewerMinorVersionOrOfVersion2IsReadWithoutWhatIsNotKnown) {
+  const std::string version = "f.attrs['format_version'] = np.array(";
+  expectErrors(Hashes::forged,
+               {{version + "[3, 7], 'int32')\nf['rest/error'] = np.zeros((2, 3))"},
+                {version + "[2, 0], 'int32')\nf['rbf/linear'] = np.zeros((66, 3))"}});
 }
 
 TEST_F(ChangedDataset, LinksToOtherFilesAreNotFollowed) {
-  EXPECT_EQ(errorAfter("f['extra'] = h5py.ExternalLink('/etc/passwd', '/')"), "no error");
-  EXPECT_THAT(
-      errorAfterForging("del f['mesh/surface']\nf.create_dataset('mesh/surface', (1, 3), 'int32', "
-                        "external=[('/etc/passwd', 0, 12)])"),
-      HasSubstr("lies in another file"));
+  expectErrors(Hashes::as_they_were, {{"f['extra'] = h5py.ExternalLink('/etc/passwd', '/')"}});
+  expectErrors(Hashes::forged, {{"del f['mesh/surface']\nf.create_dataset('mesh/surface', (1, 3), "
+                                 "'int32', external=[('/etc/passwd', 0, 12)])",
+                                 "lies in another file"}});
 }
 
 }  // namespace
