@@ -128,11 +128,8 @@ struct AccidentTest : test::SmallBuild {
   // Long enough that it is not over before the accident.
   AccidentTest() : SmallBuild(6) {}
 
-  std::unique_ptr<Process> serve(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                          "--state", "served",    "-o",       "served.h5"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return start("palpate-scheduler", arguments);
+  std::unique_ptr<Process> serve(const std::vector<std::string>& more = {}) {
+    return SmallBuild::serve("served", "served.h5", more);
   }
   std::unique_ptr<Process> work(const std::string& endpoint, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments = {"work", "--alone", "--connect", endpoint};

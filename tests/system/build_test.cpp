@@ -45,9 +45,7 @@ TEST_F(SystemTest, DoesNotTakeADamagedDatasetForFinishedWork) {
 }
 
 TEST_F(SystemTest, AFullDiskBehindTheLogEndsNoWork) {
-  const test::CommandResult build = test::runCommand(
-      "(cd '" + directory.path().string() +
-      "' && " PALPATE_BIN_DIR "/palpate build cube.toml -o out.h5 -j 1 2> /dev/full)");
+  const test::CommandResult build = palpate("build cube.toml -o out.h5 -j 1 2> /dev/full");
   EXPECT_TRUE(build.exit_code == 0 || build.exit_code == 3) << build.exit_code;
   EXPECT_THAT(build.output, HasSubstr("sealed"));
 }
@@ -123,9 +121,7 @@ TEST_F(SystemTest, KillsOfSchedulersAndWorkersLeaveNoTrace) {
 }
 
 TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
-  auto scheduler =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
-                                  "served", "-o", "served.h5"});
+  auto scheduler = serve("served", "served.h5");
   const std::string endpoint = endpointIn("served");
   auto first = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
   auto second = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
@@ -136,9 +132,7 @@ TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
 }
 
 TEST_F(SystemTest, HowMuchAWorkerSaysHoldsForTheProcessesThatItStarts) {
-  auto scheduler =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
-                                  "served", "-o", "served.h5"});
+  auto scheduler = serve("served", "served.h5");
   const std::string endpoint = endpointIn("served");
   auto quiet = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1", "-q"});
   auto usual = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
@@ -150,30 +144,22 @@ TEST_F(SystemTest, HowMuchAWorkerSaysHoldsForTheProcessesThatItStarts) {
 }
 
 TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
-  const auto serve = [&] {
-    std::filesystem::remove(directory / "served" / "endpoint");
-    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc",
-                                       "--state", "served", "-o", "served.h5"});
-  };
-  auto scheduler = serve();
+  auto scheduler = serve("served", "served.h5", {}, "ipc://scheduler.ipc");
   endpointIn("served");
   auto worker = start("palpate-worker", {"work", "--connect", "ipc://scheduler.ipc", "-j", "1"});
   ASSERT_TRUE(journalGrows(*scheduler, "served", 50000));
   scheduler->stop(SIGKILL);
-  scheduler = serve();
+  std::filesystem::remove(directory / "served" / "endpoint");
+  scheduler = serve("served", "served.h5", {}, "ipc://scheduler.ipc");
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
 TEST_F(SystemTest, ASecondSchedulerIsRefusedASocketAtWhichTheFirstListens) {
-  const auto serve = [&](const std::string& state) {
-    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc",
-                                       "--state", state, "-o", state + ".h5"});
-  };
-  auto first = serve("first");
+  auto first = serve("first", "first.h5", {}, "ipc://scheduler.ipc");
   endpointIn("first");
-  auto second = serve("second");
+  auto second = serve("second", "second.h5", {}, "ipc://scheduler.ipc");
   EXPECT_EQ(second->wait(), 1);
   EXPECT_THAT(second->output(), HasSubstr("ipc://scheduler.ipc is in use"));
   auto worker = start("palpate-worker", {"work", "--connect", "ipc://scheduler.ipc", "-j", "1"});
@@ -185,27 +171,16 @@ TEST_F(SystemTest, ASecondSchedulerIsRefusedASocketAtWhichTheFirstListens) {
 TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
   std::filesystem::create_directory(directory / "other");
   writeScene(directory / "other", 2000);
-  const auto serve = [&](const std::string& scene, const std::string& state) {
-    return start("palpate-scheduler", {"serve", scene, "--listen", "tcp://127.0.0.1:*", "--state",
-                                       state, "-o", state + ".h5"});
-  };
-  auto mine = serve("cube.toml", "mine");
-  auto other = serve("other/cube.toml", "others");
+  auto mine = serve("mine", "mine.h5");
+  auto other = start("palpate-scheduler", {"serve", "other/cube.toml", "--listen",
+                                           "tcp://127.0.0.1:*", "--state", "others"});
   endpointIn("mine");
-  const auto run = [&](const std::string& verb) {
-    auto process = start("palpate-scheduler", {verb, "mine"});
-    const int code = process->wait();
-    return std::pair(code, process->output());
-  };
-  EXPECT_EQ(run("status").first, 0);
+  told("status mine");
   endpointIn("others");
   std::filesystem::copy_file(directory / "others/endpoint", directory / "mine/endpoint",
                              std::filesystem::copy_options::overwrite_existing);
-  for (const char* verb : {"status", "stop", "pause", "resume", "retry"}) {
-    const auto [code, output] = run(verb);
-    EXPECT_EQ(code, 1) << verb;
-    EXPECT_THAT(output, HasSubstr("another build")) << verb;
-  }
+  for (const std::string verb : {"status", "stop", "pause", "resume", "retry"})
+    EXPECT_THAT(told(verb + " mine", 1), HasSubstr("another build"));
   EXPECT_TRUE(mine->running() && other->running());
 }
 
@@ -241,27 +216,18 @@ TEST_F(SystemTest, SignalsThatComeTogetherAreOneAndLetTheWorkersFinish) {
 TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
-  auto status = start("palpate-scheduler", {"status", "out.h5.state", "--json"});
-  EXPECT_EQ(status->wait(), 0) << status->output();
-  EXPECT_THAT(status->output(),
+  EXPECT_THAT(told("status out.h5.state --json"),
               testing::AllOf(HasSubstr("\"name\":\"corner\""), HasSubstr("\"workers\":[{")));
-  auto stop = start("palpate-scheduler", {"stop", "out.h5.state"});
-  EXPECT_EQ(stop->wait(), 0) << stop->output();
+  told("stop out.h5.state");
   EXPECT_EQ(build->wait(), 130);
-  auto later = start("palpate-scheduler", {"status", "out.h5.state"});
-  EXPECT_EQ(later->wait(), 0);
-  EXPECT_THAT(later->output(), HasSubstr("stopped"));
-  auto explain =
-      start("palpate-scheduler", {"explain", "out.h5.state", "--active", "tip", "0", "0", "0"});
-  EXPECT_EQ(explain->wait(), 0) << explain->output();
-  EXPECT_THAT(explain->output(), HasSubstr("expandable"));
+  EXPECT_THAT(told("status out.h5.state"), HasSubstr("stopped"));
+  EXPECT_THAT(told("explain out.h5.state --active tip 0 0 0"), HasSubstr("expandable"));
 }
 
 /// As systemd starts it.
 TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
   const test::NotifySocket manager(directory.path());
-  auto serve = start("palpate-scheduler",
-                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto scheduler = serve("state", "out.h5");
   std::string all;
   const auto hears = [&](const std::string& word) {
     for (const std::string& message : manager.heard()) all += message + '\n';
@@ -270,7 +236,7 @@ TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
   EXPECT_TRUE(test::eventually([&] { return hears("READY=1"); })) << all;
   EXPECT_FALSE(test::endpointAnnouncedIn(directory / "state").empty()) << "it listens by then";
   EXPECT_TRUE(test::eventually([&] { return hears("STATUS=0/514 points"); })) << all;
-  EXPECT_EQ(serve->stop(SIGTERM), 130) << serve->output();
+  EXPECT_EQ(scheduler->stop(SIGTERM), 130) << scheduler->output();
   EXPECT_TRUE(hears("STOPPING=1")) << all;
 }
 
@@ -281,16 +247,14 @@ TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBi
   // Where a person has chosen them, workers have no others.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");
-  auto serve =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
-                                  "state", "-o", "out.h5", "--kernels", "baseline"});
+  auto scheduler = serve("state", "out.h5", {"--kernels", "baseline"});
   const std::string endpoint = endpointIn("state");
   auto newer = start("palpate-worker", {"work", "--connect", endpoint});
-  ASSERT_TRUE(journalGrows(*serve, "state", 5000)) << newer->output();
+  ASSERT_TRUE(journalGrows(*scheduler, "state", 5000)) << newer->output();
   setenv("PALPATE_KERNELS", "baseline", 1);
   setenv("OPENBLAS_CORETYPE", "Prescott", 1);
   auto older = start("palpate-worker", {"work", "--connect", endpoint});
-  expectFinished(*serve);
+  expectFinished(*scheduler);
   EXPECT_EQ(newer->wait(), 0) << newer->output();
   EXPECT_THAT(newer->output(), HasSubstr("computed with the baseline/Prescott kernels: going on"));
   EXPECT_EQ(older->wait(), 0) << older->output();
@@ -302,11 +266,7 @@ TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBi
 }
 
 TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
-  const auto ask = [&](const std::string& verb) {
-    auto process = start("palpate-scheduler", {verb, "out.h5.state"});
-    EXPECT_EQ(process->wait(), 0) << process->output();
-    return process->output();
-  };
+  const auto ask = [&](const std::string& verb) { return told(verb + " out.h5.state"); };
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
   EXPECT_THAT(ask("pause"), HasSubstr("paused; workers finish what they hold"));
@@ -325,51 +285,38 @@ TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
 TEST_F(SystemTest, APartialDatasetIsSealedWhileTheBuildGoesOnAndCanBeAsked) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
-  auto seal = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
-  EXPECT_EQ(seal->wait(), 0) << seal->output();
-  EXPECT_THAT(seal->output(), testing::AllOf(HasSubstr("unknown"), HasSubstr("sealed, partial")));
-  auto query = start("palpate-answers",
-                     {"query", "now.h5", "--active", "tip", "--displacement", "0.002", "0", "0"});
-  EXPECT_EQ(query->wait(), 0) << query->output();
-  EXPECT_THAT(query->output(), HasSubstr("now.h5: partial, sealed before"));
-  auto report = start("palpate-answers", {"report", "now.h5"});
-  EXPECT_EQ(report->wait(), 0) << report->output();
+  const std::string seal = "seal out.h5.state -o now.h5";
+  EXPECT_THAT(told(seal), testing::AllOf(HasSubstr("unknown"), HasSubstr("sealed, partial")));
+  EXPECT_THAT(told("query now.h5 --active tip --displacement 0.002 0 0"),
+              HasSubstr("now.h5: partial, sealed before"));
+  told("report now.h5");
   expectFinished(*build);
-  auto onto = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
-  EXPECT_EQ(onto->wait(), 0) << onto->output();
+  told(seal);
   EXPECT_EQ(test::contentOf(directory / "now.h5"), test::contentOf(directory / "out.h5"));
-  auto again = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
-  EXPECT_EQ(again->wait(), 0) << again->output();
-  EXPECT_THAT(again->output(), HasSubstr("nothing to do"));
+  EXPECT_THAT(told(seal), HasSubstr("nothing to do"));
 }
 
 TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
   build->stop(SIGKILL);
-  auto status = start("palpate-scheduler", {"status", "out.h5.state"});
-  EXPECT_EQ(status->wait(), 0) << status->output();
-  EXPECT_THAT(status->output(),
+  EXPECT_THAT(told("status out.h5.state"),
               testing::AllOf(HasSubstr("stopped"), HasSubstr(": left, "),
                              testing::Not(HasSubstr("busy")), testing::Not(HasSubstr("idle"))));
 }
 
 TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
-  auto serve = start("palpate-scheduler",
-                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto first = serve("state", "out.h5");
   const std::string endpoint = endpointIn("state");
-  auto second = start("palpate-scheduler",
-                      {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto second = serve("state", "out.h5");
   EXPECT_EQ(second->wait(), 1);
-  EXPECT_THAT(second->output(), HasSubstr("in use by process " + std::to_string(serve->pid())));
-  auto same_port = start("palpate-scheduler",
-                         {"serve", "cube.toml", "--listen", endpoint, "--state", "elsewhere"});
+  EXPECT_THAT(second->output(), HasSubstr("in use by process " + std::to_string(first->pid())));
+  auto same_port = serve("elsewhere", "other.h5", {}, endpoint);
   EXPECT_EQ(same_port->wait(), 1);
   EXPECT_THAT(same_port->output(), HasSubstr(endpoint + " is in use"));
-  serve->stop(SIGKILL);
+  first->stop(SIGKILL);
   writeScene(directory.path(), 2000);
-  auto other = start("palpate-scheduler",
-                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto other = serve("state", "out.h5");
   EXPECT_EQ(other->wait(), 2);
   EXPECT_THAT(other->output(), HasSubstr("another --state"));
 }

@@ -253,9 +253,7 @@ struct RemoteWorkerTest : test::SmallBuild {
 TEST_F(RemoteWorkerTest, WhatAKilledOneHeldIsHandedOutAgainWithoutWaitingForItsSilence) {
   const bool two_networks = network.joinAnother();
   const std::string address = two_networks ? "10.77.0.1" : "127.0.0.1";
-  auto scheduler =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://" + address + ":*",
-                                  "--state", "served", "-o", "served.h5"});
+  auto scheduler = serve("served", "served.h5", {}, "tcp://" + address + ":*");
   const std::string endpoint = endpointIn("served");
   auto near = work(endpoint);
   if (two_networks) network.goThere();

@@ -27,11 +27,8 @@ struct KeysTest : test::SmallBuild {
   std::string keyOf(const std::string& user) const {
     return run(user, "key show").output.substr(0, 64);
   }
-  void serve(std::vector<std::string> more = {}) {
-    std::vector<std::string> words = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                      "--state", "state",     "-o",       "out.h5"};
-    words.insert(words.end(), more.begin(), more.end());
-    scheduler = start("palpate-scheduler", words);
+  void serve(const std::vector<std::string>& more) {
+    scheduler = SmallBuild::serve("state", "out.h5", more);
     endpoint = endpointIn("state");
   }
   std::unique_ptr<Process> workAs(const std::string& user) {
@@ -79,11 +76,10 @@ TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
 
 TEST_F(KeysTest, OfABuildAreItsOwnAndItsStateDirectoryKnowsThem) {
   // Paused before it begins, else it is done before it is asked.
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "out.h5.state", "-o", "out.h5"});
+  auto first = SmallBuild::serve("out.h5.state", "out.h5");
   endpointIn("out.h5.state");
   expectDone("anybody", "pause out.h5.state");
-  EXPECT_EQ(serve->stop(SIGTERM), 130);
+  EXPECT_EQ(first->stop(SIGTERM), 130);
   std::filesystem::remove(directory / "out.h5.state" / "endpoint");
   auto build = startBuild("out.h5", "2");
   EXPECT_THAT(run("anybody", "status " + endpointIn("out.h5.state")).output,
@@ -113,8 +109,7 @@ TEST_F(KeysTest, WithoutThemEverybodyIsLetInAndThatHasToBeTyped) {
 TEST_F(KeysTest, ThatOthersMayReadAreRefused) {
   expectDone("head", "key new");
   test::runCommand("chmod 755 '" + (directory / "head").string() + "'");
-  auto refused = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                             "--state", "state", "--keys", "head"});
+  auto refused = SmallBuild::serve("state", "out.h5", {"--keys", "head"});
   EXPECT_EQ(refused->wait(), 2);
   EXPECT_THAT(refused->output(), ContainsRegex("chmod 0700.*head"));
 }

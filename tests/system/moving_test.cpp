@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 
-#include "tests/support/command.hpp"
 #include "tests/system/small_build.hpp"
 
 /// A scheduler that goes on somewhere else, as docs/operating.md says.
@@ -14,8 +13,7 @@ struct MovingTest : test::SmallBuild {
   MovingTest() : SmallBuild(5) {}
 
   std::unique_ptr<Process> serve(const std::string& state, const std::string& keys) {
-    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                       "--state", state, "-o", "out.h5", "--keys", keys});
+    return SmallBuild::serve(state, "out.h5", {"--keys", keys});
   }
   /// A copy says at first where the original listened.
   std::string endpointOf(Process& scheduler, const std::string& state) const {
@@ -28,20 +26,14 @@ struct MovingTest : test::SmallBuild {
     return start("palpate-worker", {"work", "-j", "2", "--connect", endpoint, "--keys", "node",
                                     "--give-up", give_up});
   }
-  test::CommandResult palpate(const std::string& arguments) const {
-    return test::runCommand("cd '" + directory.path().string() +
-                            "' && " PALPATE_BIN_DIR "/palpate " + arguments);
-  }
   std::string keyOf(const std::string& folder) const {
-    return palpate("key show --keys " + folder).output.substr(0, 64);
+    return told("key show --keys " + folder).substr(0, 64);
   }
   /// The worker's key is let in by the new key of a scheduler.
   void introduce(const std::string& head) const {
-    for (const std::string& folder : {head, std::string("node")}) {
-      if (exists(directory / folder)) continue;
-      EXPECT_EQ(palpate("key new --keys " + folder).exit_code, 0);
-    }
-    EXPECT_EQ(palpate("key allow " + keyOf("node") + " worker node --keys " + head).exit_code, 0);
+    for (const std::string& folder : {head, std::string("node")})
+      if (!exists(directory / folder)) told("key new --keys " + folder);
+    told("key allow " + keyOf("node") + " worker node --keys " + head);
   }
   void copy(const std::string& from, const std::string& to) const {
     std::filesystem::copy(directory / from, directory / to,
@@ -50,7 +42,7 @@ struct MovingTest : test::SmallBuild {
   /// A machine that is gone in the middle of a build, and whose disk is not.
   std::string losesItsMachine(const std::string& state) {
     introduce("head");
-    EXPECT_EQ(palpate("key trust " + keyOf("head") + " --keys node").exit_code, 0);
+    told("key trust " + keyOf("head") + " --keys node");
     auto scheduler = serve(state, "head");
     const std::string endpoint = endpointIn(state);
     auto worker = work(endpoint, "5");
@@ -85,7 +77,7 @@ TEST_F(MovingTest, WithOtherKeysWorkersSayWhatIsToBeDoneAndWaitForIt) {
   EXPECT_TRUE(test::eventually([&] {
     return worker->output().find("palpate key trust takes it") != std::string::npos;
   })) << worker->output();
-  EXPECT_EQ(palpate("key trust " + keyOf("other-head") + " --keys node").exit_code, 0);
+  told("key trust " + keyOf("other-head") + " --keys node");
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());

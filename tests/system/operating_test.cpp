@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/support/command.hpp"
 #include "tests/system/small_build.hpp"
 
 /// What somebody who runs a scheduler sees of it from outside: its log and its events.
@@ -20,10 +19,6 @@ using testing::Not;
 using testing::SizeIs;
 
 struct OperatingTest : test::SmallBuild {
-  test::CommandResult palpate(const std::string& arguments) const {
-    return test::runCommand("(cd '" + directory.path().string() +
-                            "' && " PALPATE_BIN_DIR "/palpate " + arguments + ")");
-  }
   static std::vector<nlohmann::json> objects(const std::string& lines) {
     std::vector<nlohmann::json> all;
     std::istringstream stream(lines);
@@ -55,16 +50,15 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   EXPECT_EQ(stages.back().at("stage"), "complete");
   EXPECT_THAT(eventsOf("out.h5.state --last 2"), SizeIs(2));
   EXPECT_THAT(eventsOf("out.h5.state --event paused"), SizeIs(0));
-  EXPECT_EQ(palpate("events out.h5.state --event seald").exit_code, 2);
-  EXPECT_EQ(palpate("events cube.toml").exit_code, 2);
-  EXPECT_EQ(palpate("check out.h5.state").exit_code, 0) << "they are no damage";
+  told("events out.h5.state --event seald", 2);
+  told("events cube.toml", 2);
+  told("check out.h5.state");  // they are no damage
 }
 
 TEST_F(OperatingTest, WhatASchedulerRecordedIsToldWhereItEndsWhileItIsAsked) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
+  auto scheduler = serve("state", "out.h5");
   const std::string endpoint = endpointIn("state");
-  serve->signal(SIGSTOP);  // the system accepts who asks, and nobody answers
+  scheduler->signal(SIGSTOP);  // the system accepts who asks, and nobody answers
   auto status = start("palpate-scheduler", {"status", "state"});
   const std::string connected = fmt::format(
       ":{:04X} 01", std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));  // of proc(5), tcp
@@ -72,7 +66,7 @@ TEST_F(OperatingTest, WhatASchedulerRecordedIsToldWhereItEndsWhileItIsAsked) {
     return !status->running() ||
            test::contentOf("/proc/net/tcp").find(connected) != std::string::npos;
   }));
-  EXPECT_EQ(serve->stop(SIGKILL), 128 + SIGKILL);
+  EXPECT_EQ(scheduler->stop(SIGKILL), 128 + SIGKILL);
   EXPECT_EQ(status->wait(), 0);
   EXPECT_THAT(status->output(), AllOf(HasSubstr("cube"), HasSubstr("stopped")));
 }
@@ -86,53 +80,47 @@ TEST_F(OperatingTest, ASchedulerThatReadsItsJournalIsNeitherCompleteNorStopped) 
   std::ofstream(state / "lock") << "4711\n";
   const int lock = open(state.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
-  EXPECT_THAT(palpate("status out.h5.state").output,
-              AllOf(HasSubstr("process 4711"), HasSubstr("starting")));
-  for (const char* order : {"stop out.h5.state", "pause out.h5.state"}) {
-    const auto told = palpate(order);
-    EXPECT_EQ(told.exit_code, 1) << order;
-    EXPECT_THAT(told.output, AllOf(HasSubstr("process 4711"), HasSubstr("starting"))) << order;
-  }
+  const auto names_it = AllOf(HasSubstr("process 4711"), HasSubstr("starting"));
+  EXPECT_THAT(told("status out.h5.state"), names_it);
+  for (const char* order : {"stop out.h5.state", "pause out.h5.state"})
+    EXPECT_THAT(told(order, 1), names_it);
   auto watch = start("palpate-scheduler", {"status", "out.h5.state", "--watch", "--json"});
   EXPECT_TRUE(test::eventually(
       [&] { return std::ranges::count(watch->output(), '\n') >= 2 || !watch->running(); }));
   EXPECT_TRUE(watch->running());
   close(lock);
   EXPECT_EQ(watch->wait(), 0);
-  const auto told = objects(watch->output());
-  EXPECT_EQ(told.front().at("state"), "starting");
-  EXPECT_EQ(told.back().at("state"), "complete");
+  const auto seen = objects(watch->output());
+  EXPECT_EQ(seen.front().at("state"), "starting");
+  EXPECT_EQ(seen.back().at("state"), "complete");
 }
 
 TEST_F(OperatingTest, EventsAreFollowedWhileTheyHappen) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
+  auto scheduler = serve("state", "out.h5");
   endpointIn("state");
   auto follow = start("palpate-scheduler", {"events", "state", "--follow", "--event", "paused"});
-  EXPECT_EQ(palpate("pause state").exit_code, 0);
+  told("pause state");
   EXPECT_TRUE(test::eventually([&] { return follow->output().ends_with("\n"); }));
   EXPECT_THAT(objects(follow->output()), SizeIs(1));
   EXPECT_EQ(follow->stop(SIGINT), 130);
-  EXPECT_EQ(serve->stop(SIGTERM), 130);
+  EXPECT_EQ(scheduler->stop(SIGTERM), 130);
   EXPECT_THAT(eventsOf("state --event stopped").at(0).at("reason"), "signal");
 }
 
 TEST_F(OperatingTest, ALogForProgramsHoldsNothingElse) {
-  auto serve =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
-                                  "state", "-o", "out.h5", "--log-format", "json"});
+  auto scheduler = serve("state", "out.h5", {"--log-format", "json"});
   endpointIn("state");
   EXPECT_TRUE(
-      test::eventually([&] { return serve->output().find("listening") != std::string::npos; }));
-  EXPECT_EQ(serve->stop(SIGTERM), 130);
-  for (const auto& line : objects(serve->output())) {
+      test::eventually([&] { return scheduler->output().find("listening") != std::string::npos; }));
+  EXPECT_EQ(scheduler->stop(SIGTERM), 130);
+  for (const auto& line : objects(scheduler->output())) {
     EXPECT_EQ(line.at("verb"), "serve");
     EXPECT_EQ(line.size(), 6u) << line;
   }
   const auto refused = objects(palpate("serve nowhere.toml --state s --log-format json").output);
   ASSERT_THAT(refused, SizeIs(1));
   EXPECT_THAT(refused[0].at("message").get<std::string>(), HasSubstr("nowhere.toml"));
-  EXPECT_EQ(palpate("serve cube.toml --state s --log-format xml").exit_code, 2);
+  told("serve cube.toml --state s --log-format xml", 2);
 }
 
 }  // namespace

@@ -24,15 +24,13 @@ bool isInstalled(const char* program) {
 }
 
 struct PagesTest : test::SmallBuild {
-  std::unique_ptr<test::Process> serve, work;
+  std::unique_ptr<test::Process> scheduler, work;
 
   /// Large enough that it takes a while.
   PagesTest() : SmallBuild(8) {}
 
-  void begin(std::vector<std::string> options) {
-    options.insert(options.begin(), {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                     "--state", "state", "-o", "out.h5"});
-    serve = start("palpate-scheduler", std::move(options));
+  void begin(const std::vector<std::string>& options) {
+    scheduler = serve("state", "out.h5", options);
     endpointIn("state");
   }
   void join() {
@@ -42,22 +40,17 @@ struct PagesTest : test::SmallBuild {
   int portOf(const std::string& what) const {
     const std::regex line(what + ": http://127\\.0\\.0\\.1:(\\d+)/");
     std::smatch found;
-    const std::string log = serve->output();
+    const std::string log = scheduler->output();
     EXPECT_TRUE(std::regex_search(log, found, line)) << log;
     return found.empty() ? 0 : std::stoi(found[1]);
   }
   json statusNow() const {
     return json::parse(test::bodyOf(test::httpGet(portOf("dashboard"), "/status.json")));
   }
-  test::CommandResult palpate(const std::string& arguments) const {
-    return test::runCommand("(cd '" + directory.path().string() +
-                            "' && PALPATE_KEYS=keys " PALPATE_BIN_DIR "/palpate " + arguments +
-                            ")");
-  }
   /// Some points are solved, and nothing changes any more.
   json pausedOnTheWay() const {
-    EXPECT_TRUE(journalGrows(*serve, "state", 100'000));
-    EXPECT_EQ(palpate("pause state").exit_code, 0);
+    EXPECT_TRUE(journalGrows(*scheduler, "state", 100'000));
+    told("pause state");
     EXPECT_TRUE(test::eventually([&] {
       const json status = statusNow();
       return status.at("paused") == true && status.at("workers").at(0).at("state") == "idle";
@@ -182,13 +175,11 @@ TEST_F(PagesTest, WhatIsAskedWronglyIsSaid) {
 
   const std::string taken = std::to_string(port);
   const std::string again = "serve cube.toml --listen tcp://127.0.0.1:* --state other -o o.h5 ";
-  const test::CommandResult second = palpate(again + "--dashboard=" + taken);
-  EXPECT_EQ(second.exit_code, 1);
-  EXPECT_THAT(second.output, HasSubstr("Address already in use"));
+  EXPECT_THAT(told(again + "--dashboard=" + taken, 1), HasSubstr("Address already in use"));
   EXPECT_FALSE(std::filesystem::exists(directory / "other")) << "nothing was begun";
-  EXPECT_EQ(palpate(again + "--metrics nowhere").exit_code, 2);
-  EXPECT_EQ(palpate(again + "--dashboard=nowhere").exit_code, 2);
-  EXPECT_EQ(serve->stop(SIGTERM), 130);
+  told(again + "--metrics nowhere", 2);
+  told(again + "--dashboard=nowhere", 2);
+  EXPECT_EQ(scheduler->stop(SIGTERM), 130);
 }
 
 }  // namespace

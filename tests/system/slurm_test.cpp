@@ -99,8 +99,7 @@ struct SlurmTest : test::SmallBuild {
     return std::atoi(test::runCommand("squeue -h --array -t all | wc -l").output.c_str());
   }
   std::unique_ptr<test::Process> serve(const std::string& address = "10.77.0.1") {
-    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://" + address + ":*",
-                                       "--state", "state", "-o", "out.h5"});
+    return SmallBuild::serve("state", "out.h5", {}, "tcp://" + address + ":*");
   }
   /// By this program, in whose folder the workers are.
   std::unique_ptr<test::Process> fleet(std::vector<std::string> more,
@@ -177,9 +176,9 @@ TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
   ASSERT_EQ(test::runCommand("ip link set here up").exit_code, 0);
 
   // However fast this machine is, the time of the jobs is up while they solve.
-  ASSERT_EQ(start("palpate-scheduler", {"pause", "state"})->wait(), 0);
+  told("pause state");
   std::this_thread::sleep_until(begun + std::chrono::seconds(35));
-  ASSERT_EQ(start("palpate-scheduler", {"resume", "state"})->wait(), 0);
+  told("resume state");
   const auto isUp = [&] {
     return scheduler->output().find("left: interrupted") != std::string::npos;
   };

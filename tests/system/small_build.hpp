@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
@@ -46,10 +48,39 @@ struct SmallBuild : testing::Test {
     const int code = process.wait();
     EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
   }
+  /// The dataset of the scene as nothing disturbs its build. The cases of a program share those of
+  /// one scene, mesh and family of kernels.
   std::string undisturbed() {
+    static std::map<std::string, std::string> known;
+    const char* kernels = std::getenv("PALPATE_KERNELS");
+    std::string& dataset =
+        known[contentOf(directory / "cube.toml") + contentOf(directory / "cube.msh") +
+              (kernels != nullptr ? kernels : "")];
+    if (!dataset.empty()) return dataset;
     auto build = startBuild("undisturbed.h5", "1");
     expectFinished(*build);
-    return contentOf(directory / "undisturbed.h5");
+    return dataset = contentOf(directory / "undisturbed.h5");
+  }
+  /// `palpate` with a line of arguments, in the folder of the build.
+  CommandResult palpate(const std::string& arguments) const {
+    return runCommand("(cd '" + directory.path().string() + "' && PALPATE_KEYS='" +
+                      (directory / "keys").string() + "' " PALPATE_BIN_DIR "/palpate " + arguments +
+                      ")");
+  }
+  /// What it says, and that it ends with `code`.
+  std::string told(const std::string& arguments, int code = 0) const {
+    const CommandResult done = palpate(arguments);
+    EXPECT_EQ(done.exit_code, code) << arguments << ": " << done.output;
+    return done.output;
+  }
+  /// A scheduler, on a free port of this machine unless told where.
+  std::unique_ptr<Process> serve(const std::string& state, const std::string& out,
+                                 const std::vector<std::string>& more = {},
+                                 const std::string& listen = "tcp://127.0.0.1:*") {
+    std::vector<std::string> words = {"serve",   "cube.toml", "--listen", listen,
+                                      "--state", state,       "-o",       out};
+    words.insert(words.end(), more.begin(), more.end());
+    return start("palpate-scheduler", words);
   }
   std::uintmax_t journaled(const std::string& state) const {
     std::error_code none_yet;

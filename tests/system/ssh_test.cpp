@@ -42,10 +42,9 @@ struct SshTest : test::SmallBuild {
   }
   /// It listens when this returns.
   std::unique_ptr<test::Process> startServe() {
-    auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                             "--state", "state", "-o", "out.h5"});
+    auto scheduler = serve("state", "out.h5");
     endpointIn("state");
-    return serve;
+    return scheduler;
   }
   std::unique_ptr<test::Process> startFleet(const std::string& known,
                                             const std::string& program = PALPATE_BIN_DIR
@@ -57,14 +56,14 @@ struct SshTest : test::SmallBuild {
 };
 
 TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTheEnd) {
-  auto serve = startServe();
+  auto scheduler = startServe();
   auto fleet = startFleet(path("known"));
-  ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
+  ASSERT_TRUE(journalGrows(*scheduler, "state", 10000)) << fleet->output();
   for (const pid_t connection : fleet->children()) kill(connection, SIGKILL);
   EXPECT_TRUE(test::eventually([&] { return workers().empty(); }))
       << "they end with the connection";
   ASSERT_TRUE(test::eventually([&] { return !workers().empty(); })) << fleet->output();
-  expectFinished(*serve);
+  expectFinished(*scheduler);
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();
   EXPECT_THAT(fleet->output(),
               testing::AllOf(HasSubstr("127.0.0.1:2: ssh ended with signal 9 (Killed)"),
@@ -73,16 +72,16 @@ TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTh
 }
 
 TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
-  auto serve = startServe();
+  auto scheduler = startServe();
   auto fleet = startFleet(path("known"));
-  ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
+  ASSERT_TRUE(journalGrows(*scheduler, "state", 10000)) << fleet->output();
   EXPECT_EQ(fleet->stop(SIGTERM), 130) << fleet->output();
   EXPECT_TRUE(test::eventually([&] { return workers().empty(); }));
-  EXPECT_TRUE(serve->running());
+  EXPECT_TRUE(scheduler->running());
 }
 
 TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
-  auto serve = startServe();
+  auto scheduler = startServe();
   auto fleet = startFleet(path("nobody"));
   EXPECT_TRUE(test::eventually([&] {
     return fleet->output().find(
@@ -94,13 +93,13 @@ TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
 }
 
 TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilSomebodyPutsItThere) {
-  auto serve = startServe();
+  auto scheduler = startServe();
   auto fleet = startFleet(path("known"), path("worker"));
   EXPECT_TRUE(test::eventually([&] {
     return fleet->output().find("exit code 127 (--program is not there") != std::string::npos;
   })) << fleet->output();
   std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", path("worker"));
-  expectFinished(*serve);
+  expectFinished(*scheduler);
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();
   EXPECT_TRUE(workers().empty());
 }
