@@ -14,18 +14,16 @@ namespace {
 
 constexpr int counted_ticks = 1000;
 
-class RealTime : public ::testing::Test {
+class RealTime : public test::SharedSample {
  protected:
   void SetUp() override {
     if (test::allocationCount() < 0) GTEST_SKIP() << "a sanitizer has an allocator of its own";
+    ASSERT_NE(shared(), nullptr);  // opened before anything is counted
     const long before = test::allocationCount();
     void* volatile memory = std::malloc(100);
     std::free(memory);
     ASSERT_EQ(test::allocationCount(), before + 1);
   }
-
-  test::SampleFile file_;
-  test::DatasetHandle dataset_ = test::open(file_.path());
 };
 
 TEST_F(RealTime, QueriesDoNotAllocateInsideOutsideAndForNan) {
@@ -37,28 +35,27 @@ TEST_F(RealTime, QueriesDoNotAllocateInsideOutsideAndForNan) {
                          1e-5 * n, -0.002};
     for (int space = 0; space < 2; ++space)
       for (int method = 0; method < 2; ++method)
-        failures += palpate_query(dataset_.get(), space, method, p, &sample) == PALPATE_OK ? 0 : 1;
+        failures += palpate_query(shared(), space, method, p, &sample) == PALPATE_OK ? 0 : 1;
   }
   EXPECT_EQ(test::allocationCount(), before);
   EXPECT_EQ(failures, 0);
 }
 
 TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
-  const auto contact = test::touchWith(dataset_.get());
+  const auto contact = test::touchWith(shared());
   const auto guard = test::guardWith();
   auto touch = test::sized<palpate_touch>();
   auto force = test::sized<palpate_guarded_force>();
   int failures = 0, touching = 0;
   const long before = test::allocationCount();
   for (int n = 0; n < counted_ticks; ++n) {
-    const auto tool = test::pressing(dataset_.get(), n, counted_ticks);
+    const auto tool = test::pressing(shared(), n, counted_ticks);
     failures += palpate_contact_update(contact.get(), tool.data(), 1, &touch) == PALPATE_OK ? 0 : 1;
     failures += palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH,
                                     &force) == PALPATE_OK
                     ? 0
                     : 1;
-    failures +=
-        palpate_contact_use(contact.get(), dataset_.get(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
+    failures += palpate_contact_use(contact.get(), shared(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
     touching += touch.touching;
   }
   EXPECT_EQ(test::allocationCount(), before);
@@ -67,16 +64,15 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
 }
 
 TEST_F(RealTime, ShapesDoNotAllocate) {
-  std::vector<float> shape(3 *
-                           static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
+  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(shared()).vertex_count));
   int failures = 0;
   const long before = test::allocationCount();
   for (int n = 0; n < counted_ticks; ++n) {
     const double p[3] = {1e-5 * n, 0.001, 0};
-    failures += palpate_displacements(dataset_.get(), 1, p, shape.data(), shape.size(), nullptr) ==
-                        PALPATE_OK
-                    ? 0
-                    : 1;
+    failures +=
+        palpate_displacements(shared(), 1, p, shape.data(), shape.size(), nullptr) == PALPATE_OK
+            ? 0
+            : 1;
   }
   EXPECT_EQ(test::allocationCount(), before);
   EXPECT_EQ(failures, 0);
@@ -86,7 +82,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   palpate_contact* contact = nullptr;
   palpate_guard* guard = nullptr;
   palpate_dataset* dataset = nullptr;
-  const std::string file = file_.path().string();
+  const std::string file = sharedFile().string();
   const long before = test::allocationCount();
   ASSERT_EQ(palpate_dataset_open(file.c_str(), nullptr, &dataset), PALPATE_OK);
   const long needed = test::allocationCount() - before;
@@ -95,7 +91,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   palpate_status without_contact = PALPATE_OK, without_guard = PALPATE_OK;
   {
     const test::MemoryShortage shortage(0);
-    without_contact = palpate_contact_create(dataset_.get(), nullptr, &contact);
+    without_contact = palpate_contact_create(shared(), nullptr, &contact);
     without_guard = palpate_guard_create(nullptr, &guard);
   }
   EXPECT_EQ(without_contact, PALPATE_OUT_OF_MEMORY);
@@ -107,7 +103,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   // words of its own for want of memory. Threads share the fields between them, so this one may
   // have been granted what it needed.
   for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 40 + 1) {
-    dataset = dataset_.get();
+    dataset = shared();
     palpate_status status = PALPATE_OK;
     {
       const test::MemoryShortage shortage(granted);
@@ -121,7 +117,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
     EXPECT_EQ(status, PALPATE_OUT_OF_MEMORY) << palpate_last_error();
     EXPECT_EQ(dataset, nullptr);
   }
-  dataset = dataset_.get();
+  dataset = shared();
   {
     const test::MemoryShortage shortage(1);
     EXPECT_NE(palpate_dataset_open(file.c_str(), nullptr, &dataset), PALPATE_OK);

@@ -105,15 +105,6 @@ class Examples : public ::testing::Test {
 };
 test::TemporaryDirectory* Examples::prefix_ = nullptr;
 
-TEST_F(Examples, InCBuildsWithPkgConfig) {
-  const std::string config =
-      "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
-  EXPECT_THAT(outputOf(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
-  outputOf("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
-           shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
-           " $(" + config + "--cflags --libs palpate) -lm");
-}
-
 TEST_F(Examples, StructuresBeginWithTheirSizeWithoutAWarningInCAndInCpp) {
   const std::filesystem::path source = build_ / "begin.c";
   std::ofstream(source) << "#include <palpate.h>\n"
@@ -152,10 +143,13 @@ TEST_F(Examples, InCBuildsWithCMake) {
   expectForces(outputOf(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
 }
 
-TEST_F(Examples, InCSaysWhatIsWrongWithAFile) {
-  outputOf("cc -std=c99 " + shellWord(std::string(examples) + "/c/touch.c") + " -o " +
-           shellWord(build_ / "touch") + " $(PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) +
-           " pkg-config --cflags --libs palpate) -lm");
+TEST_F(Examples, InCBuildsWithPkgConfigAndSaysWhatIsWrongWithAFile) {
+  const std::string config =
+      "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
+  EXPECT_THAT(outputOf(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
+  outputOf("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
+           shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
+           " $(" + config + "--cflags --libs palpate) -lm");
   const test::CommandResult result =
       test::runCommand("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
                        shellWord(build_ / "touch") + " " + shellWord(build_ / "absent.h5"));

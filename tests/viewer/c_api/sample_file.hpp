@@ -41,6 +41,18 @@ inline DatasetHandle open(const std::filesystem::path& file,
   return DatasetHandle(dataset);
 }
 
+/// Cases that share the sample, open.
+struct SharedSample : testing::Test {
+  static std::filesystem::path sharedFile() {
+    static const SampleFile sample;
+    return sample.path();
+  }
+  static palpate_dataset* shared() {
+    static const DatasetHandle opened = open(sharedFile());
+    return opened.get();
+  }
+};
+
 struct DestroyContact {
   void operator()(palpate_contact* contact) const { palpate_contact_destroy(contact); }
 };
