@@ -13,11 +13,11 @@ BIN = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")
 LIBRARY = BIN.parent / "lib" / "libpalpate.so.0"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PACKAGE), "PALPATE_LIBRARY": str(LIBRARY), "PYTHONDONTWRITEBYTECODE": "1"}
 os.environ["PALPATE_LIBRARY"] = str(LIBRARY)
-sys.path.insert(0, str(PACKAGE))
+sys.path[:0] = [str(PACKAGE), str(ROOT / "tests" / "support")]
 
 try:
     import h5py
-    import numpy as np
+    from kuhn_box import box, write_gmsh
     # Its run-time must be loaded first: it ends Python where it is not.
     if any(name in LIBRARY.read_bytes() for name in (b"__asan_init", b"__tsan_init")):
         raise ImportError(f"NOT TESTED: {LIBRARY} has a sanitizer in it")
@@ -54,27 +54,6 @@ radius = 0.02
 """
 
 
-def block(n=4, edge=0.1):
-    """A cube as Gmsh writes it, n cells along an edge, six tetrahedra each."""
-    def number(i, j, k):
-        return 1 + i + (n + 1) * (j + (n + 1) * k)
-
-    nodes = [f"{number(i, j, k)} {i * edge / n} {j * edge / n} {k * edge / n}" for k in range(n + 1) for j in range(n + 1)
-             for i in range(n + 1)]
-    tetrahedra = []
-    for i, j, k in np.ndindex(n, n, n):
-        for way in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
-            corner, corners = [i, j, k], [number(i, j, k)]
-            for axis in way:
-                corner[axis] += 1
-                corners.append(number(*corner))
-            if way in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):  # odd permutations turn the tetrahedron inside out
-                corners[2], corners[3] = corners[3], corners[2]
-            tetrahedra.append(f"{len(tetrahedra) + 1} 4 2 0 1 " + " ".join(map(str, corners)))
-    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *nodes, "$EndNodes", "$Elements",
-                      str(len(tetrahedra)), *tetrahedra, "$EndElements", ""])
-
-
 class WithDatasets(unittest.TestCase):
     """A cube of 10 cm, touched at "tip" and "rim": `file`, in `folder`."""
 
@@ -84,7 +63,7 @@ class WithDatasets(unittest.TestCase):
             raise unittest.SkipTest(missing)
         cls.directory = tempfile.TemporaryDirectory()
         cls.folder = pathlib.Path(cls.directory.name)
-        (cls.folder / "block.msh").write_text(block(), encoding="utf-8")
+        write_gmsh(cls.folder / "block.msh", *box((4, 4, 4), 0.025))
         cls.file = cls.build("nodes", TIP, 0.02, 0.01)
 
     @classmethod

@@ -9,34 +9,20 @@ import unittest.mock
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+TESTS = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TESTS / "paper"), str(TESTS / "support")]
 sys.dont_write_bytecode = True
+
+from kuhn_box import box
 
 from peers import body, configurations, equilibrium, laws, loop, methods, reduced, sampled, setting
 
 MOONEY_RIVLIN = laws.MooneyRivlin(1300.0, 1280.0)
 
 
-def box(cells=(3, 2, 2), size=0.03):
-    """points (m) and tetrahedra (Kuhn's six to a cube) of a box of cubes of `size`."""
-    n = np.array(cells) + 1
-    points = size * np.array(list(np.ndindex(*n)), float)
-    at = lambda corner: np.ravel_multi_index(corner, n)
-    tetrahedra = []
-    for cell in np.ndindex(*cells):
-        for order in itertools.permutations(range(3)):
-            corner, four = np.array(cell), [at(cell)]
-            for axis in order:
-                corner = corner + np.eye(3, dtype=int)[axis]
-                four.append(at(corner))
-            x = points[four]
-            tetrahedra.append(four if np.linalg.det(x[1:] - x[0]) > 0 else [four[0], four[2], four[1], four[3]])
-    return points, np.array(tetrahedra)
-
-
 def held_box(law=MOONEY_RIVLIN, patch=False):
     """Held at x = 0, with the tool at a corner of the other end, or at all of an edge there."""
-    points, tetrahedra = box()
+    points, tetrahedra = box(size=0.03)
     far = np.isclose(points[:, 0], points[:, 0].max()) & np.isclose(points[:, 1], 0)
     tool = np.flatnonzero(far if patch else far & np.isclose(points[:, 2], 0))
     return body.Body(points, tetrahedra, np.flatnonzero(points[:, 0] == 0), tool, law)
