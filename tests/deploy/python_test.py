@@ -61,16 +61,6 @@ class PythonQueries(WithDatasets):
         self.assertGreater(answers.force[0, 2], 0)  # the tissue pushes back
         self.assertEqual(answers.force[2].tolist(), [0, 0, 0])
 
-    def testTheForceIsTheGradientOfTheEnergyAndTheStiffnessThatOfTheForce(self):
-        dataset, step = palpate.Dataset(self.file), 1e-6
-        p = np.random.default_rng(7).uniform(-0.008, 0.008, (50, 3))
-        at = dataset.query(p, active="tip")
-        for axis in range(3):
-            d = step * np.eye(3)[axis]
-            more, less = dataset.query(p + d, active="tip"), dataset.query(p - d, active="tip")
-            np.testing.assert_allclose(-(more.energy - less.energy) / (2 * step), at.force[:, axis], atol=2e-5)
-            np.testing.assert_allclose((more.force - less.force) / (2 * step), at.stiffness[:, :, axis], atol=2e-2)
-
     def testTheBodyIsThatOfTheFile(self):
         dataset = palpate.Dataset(self.file, methods=["tricubic"])
         self.assertEqual(dataset.methods, ("tricubic",))
