@@ -150,13 +150,6 @@ TEST_F(DeviceChoice, TheDefaultPathPressesAFingerThatIsNoSiteOfAnArea) {
   EXPECT_GT(inside, 10) << "it presses, and circles";
 }
 
-TEST_F(DeviceChoice, TheDefaultPathIsAFunctionOfTheModelAlone) {
-  const HandPath a = touchPath(model()), b = touchPath(model());
-  ASSERT_EQ(a.waypoints().size(), b.waypoints().size());
-  for (int n = 0; 0.1 * n < a.duration(); ++n)
-    EXPECT_EQ(a.at(0.1 * n).position, b.at(0.1 * n).position);
-}
-
 TEST_F(DeviceChoice, OpensEachKindByItsWord) {
   std::ofstream(directory / "hand.txt") << "0 0 0 0\n1 0 0 0.01\n";
   EXPECT_EQ(openDevice("virtual:" + (directory / "hand.txt").string(), {})->name(), "virtual hand");

@@ -186,30 +186,45 @@ TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {
                        {"tcp://nowhere", "PORT"});
 }
 
-/// A far side that the test speaks for, word by word.
-class FarSide {
+/// What both sides are that a test speaks for, word by word.
+class Side {
  public:
-  FarSide() : socket_(makeDeviceRouter(context_)) {
-    socket_.bind("tcp://127.0.0.1:*");
-    endpoint = socket_.get(zmq::sockopt::last_endpoint);
-  }
-  void send(const wire::DeviceMessage& message) { sendDeviceMessage(socket_, peer, message); }
-  void sendRaw(const std::string& bytes) {
-    socket_.send(zmq::buffer(peer), zmq::send_flags::sndmore);
-    socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
-  }
   /// The next message of that kind.
   wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
     wire::DeviceMessage found;
     EXPECT_TRUE(eventually([&] {
-      const auto incoming = receiveDeviceMessage(socket_, true);
+      const auto incoming = receiveDeviceMessage(socket_, is_router_);
       if (!incoming) return false;
-      peer = incoming->peer;
+      peer_ = incoming->peer;
       found = incoming->message;
       return found.body_case() == kind;
     })) << "no message of kind "
         << kind;
     return found;
+  }
+  void send(const wire::DeviceMessage& message) {
+    sendDeviceMessage(socket_, is_router_ ? peer_ : "", message);
+  }
+  void sendRaw(const std::string& bytes) {
+    if (is_router_) socket_.send(zmq::buffer(peer_), zmq::send_flags::sndmore);
+    socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
+  }
+
+ protected:
+  explicit Side(bool is_router)
+      : socket_(is_router ? makeDeviceRouter(context_) : makeDeviceDealer(context_)),
+        is_router_(is_router) {}
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+  bool is_router_;
+  std::string peer_;
+};
+
+class FarSide : public Side {
+ public:
+  FarSide() : Side(true) {
+    socket_.bind("tcp://127.0.0.1:*");
+    endpoint = socket_.get(zmq::sockopt::last_endpoint);
   }
   void sayHello(double max_force = 3) {
     wire::DeviceMessage message;
@@ -227,11 +242,7 @@ class FarSide {
     send(message);
   }
 
-  std::string endpoint, peer;
-
- private:
-  zmq::context_t context_;
-  zmq::socket_t socket_;
+  std::string endpoint;
 };
 
 /// Says what moves a cursor, and what no message of text may hold.
@@ -294,17 +305,16 @@ TEST(NetworkDevice, GivesALateDeviceNoMoreForceThanWasPromised) {
               1e-12);
 }
 
-/// A client that the test speaks for, word by word.
-class NearSide {
+class NearSide : public Side {
  public:
-  explicit NearSide(const std::string& endpoint) : socket_(makeDeviceDealer(context_)) {
+  explicit NearSide(const std::string& endpoint) : Side(false) {
     socket_.set(zmq::sockopt::immediate, false);
     socket_.connect(endpoint);
   }
   void greet(std::uint32_t protocol = device_protocol) {
     wire::DeviceMessage message;
     message.mutable_greeting()->set_protocol(protocol);
-    sendDeviceMessage(socket_, "", message);
+    send(message);
   }
   void push(std::uint64_t sequence, double x, double valid_for_s) {
     push(sequence, x, valid_for_s, newestReading());
@@ -315,51 +325,45 @@ class NearSide {
     message.mutable_force()->set_x(x);
     message.mutable_force()->set_valid_for_s(valid_for_s);
     message.mutable_force()->set_reading(reading);
-    sendDeviceMessage(socket_, "", message);
+    send(message);
   }
   std::uint64_t newestReading() {
     while (const auto incoming = receiveDeviceMessage(socket_, false))
       if (incoming->message.has_reading()) reading_ = incoming->message.reading().sequence();
     return reading_;
   }
-  void sendRaw(const std::string& bytes) {
-    socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
-  }
-  wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
-    wire::DeviceMessage found;
-    EXPECT_TRUE(eventually([&] {
-      const auto incoming = receiveDeviceMessage(socket_, false);
-      if (!incoming) return false;
-      found = incoming->message;
-      return found.body_case() == kind;
-    })) << "no message of kind "
-        << kind;
-    return found;
-  }
 
  private:
-  zmq::context_t context_;
-  zmq::socket_t socket_;
   std::uint64_t reading_ = 0;
 };
 
-TEST(DeviceServer, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
+/// A device that is lent, and a client that the test speaks for.
+struct DeviceServerTest : ::testing::Test {
   test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  NearSide client(server.endpoint());
-  client.greet();
-  client.expect(wire::DeviceMessage::kHello);
+  DeviceServer server{tray, "tcp://127.0.0.1:*"};
+  NearSide client{server.endpoint()};
   std::uint64_t number = 0;
-  ASSERT_TRUE(eventually([&] { return client.push(++number, 1.5, 0.5), tray.force().x() == 1.5; }));
+
+  void hold() {
+    client.greet();
+    client.expect(wire::DeviceMessage::kHello);
+  }
+  /// Forces of x are sent until `felt` is.
+  bool pushes(double x, double felt) {
+    return eventually([&] { return client.push(++number, x, 0.5), tray.force().x() == felt; });
+  }
+};
+
+TEST_F(DeviceServerTest, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
+  hold();
+  ASSERT_TRUE(pushes(1.5, 1.5));
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
   EXPECT_GE(server.state().lapses, 1U);
-  EXPECT_TRUE(eventually([&] { return client.push(++number, 1, 0.5), tray.force().x() == 1; }));
+  EXPECT_TRUE(pushes(1, 1));
 }
 
 /// Messages without end are no reason to hold a force: the device is read and written all the same.
-TEST(DeviceServer, LetsGoWhileOthersFloodIt) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+TEST_F(DeviceServerTest, LetsGoWhileOthersFloodIt) {
   std::vector<std::jthread> floods;
   for (int n = 0; n < 3; ++n)
     floods.emplace_back([&](const std::stop_token& stop) {
@@ -367,20 +371,13 @@ TEST(DeviceServer, LetsGoWhileOthersFloodIt) {
       while (!stop.stop_requested()) flood.sendRaw("no message");
     });
   ASSERT_TRUE(eventually([&] { return server.state().garbage > 10000; }));
-  NearSide client(server.endpoint());
-  client.greet();
-  client.expect(wire::DeviceMessage::kHello);
-  std::uint64_t number = 0;
-  ASSERT_TRUE(eventually([&] { return client.push(++number, 1.5, 0.5), tray.force().x() == 1.5; }));
+  hold();
+  ASSERT_TRUE(pushes(1.5, 1.5));
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
 }
 
-TEST(DeviceServer, TrustsNoForce) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  NearSide client(server.endpoint());
-  client.greet();
-  client.expect(wire::DeviceMessage::kHello);
+TEST_F(DeviceServerTest, TrustsNoForce) {
+  hold();
   client.push(1, std::numeric_limits<double>::infinity(), 0.5);
   client.push(2, 1, 1e9);
   client.push(3, 1, -1);
@@ -388,13 +385,11 @@ TEST(DeviceServer, TrustsNoForce) {
   EXPECT_TRUE(eventually([&] { return server.state().garbage == 4; })) << server.state().garbage;
   EXPECT_EQ(server.state().forces, 0U);
   EXPECT_TRUE(tray.force().isZero());
-  std::uint64_t number = 3;
-  EXPECT_TRUE(eventually([&] { return client.push(++number, -500, 0.5), tray.force().x() == -2; }));
+  number = 3;
+  EXPECT_TRUE(pushes(-500, -2)) << "the most of the device";
 }
 
-TEST(DeviceServer, IgnoresForcesThatTheNetworkHeldBack) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+TEST_F(DeviceServerTest, IgnoresForcesThatTheNetworkHeldBack) {
   test::StallingRelay relay(server.endpoint());
   NetworkDevice device({.endpoint = relay.endpoint(), .wait = 20s});
   ASSERT_TRUE(eventually([&] { return device.write({1, 0, 0}), tray.force().x() == 1; }));
@@ -412,24 +407,17 @@ TEST(DeviceServer, IgnoresForcesThatTheNetworkHeldBack) {
   EXPECT_TRUE(eventually([&] { return tray.force().x() == -1; }));
 }
 
-TEST(DeviceServer, IgnoresForcesThatAnswerNoReadingOfItsOwn) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  NearSide client(server.endpoint());
-  client.greet();
-  client.expect(wire::DeviceMessage::kHello);
+TEST_F(DeviceServerTest, IgnoresForcesThatAnswerNoReadingOfItsOwn) {
+  hold();
   client.push(1, 1, 0.5, 0);
   client.push(2, 1, 0.5, 1'000'000'000);
   EXPECT_TRUE(eventually([&] { return server.state().outdated == 2; })) << server.state().outdated;
   EXPECT_EQ(server.state().forces, 0U);
 }
 
-TEST(DeviceServer, FollowsOnlyTheClientThatHoldsTheDevice) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  NearSide holder(server.endpoint()), other(server.endpoint());
-  holder.greet();
-  holder.expect(wire::DeviceMessage::kHello);
+TEST_F(DeviceServerTest, FollowsOnlyTheClientThatHoldsTheDevice) {
+  hold();
+  NearSide other(server.endpoint());
   other.push(1, 1, 0.5);
   other.greet();
   EXPECT_THAT(other.expect(wire::DeviceMessage::kRefused).refused().reason(),
@@ -437,17 +425,13 @@ TEST(DeviceServer, FollowsOnlyTheClientThatHoldsTheDevice) {
   EXPECT_EQ(server.state().forces, 0U);
 }
 
-TEST(DeviceServer, RefusesAnotherProtocolWithBothVersions) {
-  test::TrayDevice tray;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  NearSide client(server.endpoint());
+TEST_F(DeviceServerTest, RefusesAnotherProtocolWithBothVersions) {
   client.greet(99);
   EXPECT_THAT(client.expect(wire::DeviceMessage::kRefused).refused().reason(), HasSubstr("99"));
 }
 
-TEST(DeviceServer, SaysWhoseEndpointIsTaken) {
-  test::TrayDevice tray, second;
-  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+TEST_F(DeviceServerTest, SaysWhoseEndpointIsTaken) {
+  test::TrayDevice second;
   test::expectError(ExitCode::failed, [&] { DeviceServer(second, {server.endpoint()}); },
                     {"in use", server.endpoint()});
 }

@@ -59,19 +59,6 @@ TEST(VirtualHand, FollowsItsPathCloselyWithoutForce) {
     EXPECT_NEAR(hand.read().position.x(), hand.path().at(i * 1e-3).position.x(), 5e-4) << i;
 }
 
-TEST(VirtualHand, GivesTheSameBitsForTheSameForces) {
-  const auto trace = [] {
-    VirtualHand hand(HandPath({{0, {0, 0, 0}}, {0.3, {0.05, 0.01, 0}}}), 1e-3, touchProfile());
-    std::vector<Eigen::Vector3d> positions;
-    for (int i = 0; i < 1000; ++i) {
-      positions.push_back(hand.read().position);
-      hand.write(-30 * positions.back());
-    }
-    return positions;
-  };
-  EXPECT_EQ(trace(), trace());
-}
-
 TEST(VirtualHand, FeelsNothingWhileHalted) {
   VirtualHand pushed(resting(), 1e-3, touchProfile());
   const Eigen::Vector3d start = pushed.read().position;
