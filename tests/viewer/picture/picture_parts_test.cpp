@@ -94,19 +94,6 @@ TEST(ForceHistory, CountsBoundsButNoneBeyondItsForce) {
   EXPECT_NEAR(history.largest(), 5.5, 1e-6);
 }
 
-TEST(GuardLamps, SayWhatAPersonUnderstands) {
-  for (int bit = 0; bit < guard_count; ++bit) {
-    const std::string words = lampWords(bit);
-    EXPECT_GE(words.size(), 8U);
-    EXPECT_LE(words.size(), 20U) << "two lamps share a line of the panel";
-    EXPECT_NE(words, guardWord(bit));
-    EXPECT_EQ(words.find('_'), std::string::npos);
-    EXPECT_EQ(std::string(lampSentence(bit)).back(), '.');
-  }
-  EXPECT_STREQ(lampWords(guard_count), "");
-  EXPECT_STREQ(lampSentence(-1), "");
-}
-
 TEST(ScreenScale, IsInQuartersAndNeverTooSmallOrHuge) {
   EXPECT_EQ(roundedScale(1.04), 1);
   EXPECT_EQ(roundedScale(1.5), 1.5);
