@@ -61,15 +61,6 @@ TEST(Doctor, AsksTheWorkerWhichKernelsSolve) {
   }
 }
 
-TEST(Doctor, PrintsAnAdviceUnderWhatNeedsOne) {
-  const std::string text = describe({{Finding::Verdict::good, "clock", "fast"},
-                                     {Finding::Verdict::bad, "device", "locked", "open it"}});
-  EXPECT_EQ(text,
-            "ok   clock               fast\n"
-            "BAD  device              locked\n"
-            "                         -> open it\n");
-}
-
 TEST(Doctor, PrintsOneJsonObjectPerLine) {
   std::istringstream lines(describeJson({{Finding::Verdict::note, "display", "none", "make one"}}));
   std::string line;

@@ -93,17 +93,6 @@ TEST_F(ComparisonTest, PageHasBothOnTheSameAxesWithExactPoints) {
     }
 }
 
-TEST_F(ComparisonTest, TextSaysItInATerminal) {
-  const std::string text = run();
-  EXPECT_THAT(text, AllOf(HasSubstr("They differ in material; compared by potential."),
-                          HasSubstr("tip"), HasSubstr("200.0 %"), HasSubstr("c10 = 3900 Pa")));
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const bool names_a_file = line.find(directory.path().string()) != std::string::npos;
-    EXPECT_TRUE(names_a_file || line.size() <= 100) << line;
-  }
-}
-
 TEST_F(ComparisonTest, OfDifferentBodiesSaysThatTheyAreAndWhatToDo) {
   for (Eigen::Vector3d& node : second.problem.mesh.nodes) node *= 1.5;
   const nlohmann::json compared = json();
@@ -176,11 +165,6 @@ TEST_F(ComparisonTest, OfASpaceWithoutSolutionsSaysWhichAndWhy) {
   }
   second.spaces[0].attempts.clear();
   expectBadInput([&] { run(); }, {"tip of ", "stiff.h5", "potential"});
-}
-
-TEST_F(ComparisonTest, IsWrittenNowhereWhenTheFolderIsMissing) {
-  options.html = directory / "missing" / "compare.html";
-  test::expectError(ExitCode::failed, [&] { run(); }, {"compare.html", "--html"});
 }
 
 }  // namespace

@@ -2,17 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/base/whole_file.hpp"
-#include "common/dataset/dataset_format.hpp"
-#include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
@@ -234,8 +230,7 @@ TEST_F(RefinedReport, WhoseProbesAllFailedUsesLeftOutPoints) {
   const nlohmann::json report = json();
   EXPECT_EQ(report["references"]["kind"], "left-out lattice points");
   options.json = false;
-  EXPECT_THAT(text(),
-              AllOf(HasSubstr("There are no solved probes"), HasSubstr("[accuracy] probes = 200")));
+  EXPECT_THAT(text(), HasSubstr("[accuracy] probes = 200"));
 }
 
 TEST_F(ReportCommand, WithoutProbesUsesLeftOutPointsAndSaysHowToGetProbes) {
@@ -281,8 +276,7 @@ TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   EXPECT_EQ(report["measured_lattice"], nullptr);
   EXPECT_EQ(report["failures"]["unreachable"]["points"], 64);
   options.json = false;
-  EXPECT_THAT(text(), AllOf(HasSubstr("There are no solved probes, and no coarser lattice"),
-                            HasSubstr("unreachable")));
+  EXPECT_THAT(text(), HasSubstr("unreachable"));
 }
 
 TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
@@ -293,8 +287,9 @@ TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
     EXPECT_TRUE(method["problem"].is_string()) << name;
 }
 
-TEST_F(ReportCommand, OfAFingerSaysHowSureItIsOverTheSurface) {
-  test::FingerBody().seal(directory / "sample.h5");
+/// How sure it is over the surface, and what its probes say of that.
+TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
+  test::FingerBody(40).seal(directory / "sample.h5");
   options.html = directory / "report.html";
   options.json = true;
   std::ostringstream output;
@@ -305,23 +300,7 @@ TEST_F(ReportCommand, OfAFingerSaysHowSureItIsOverTheSurface) {
   EXPECT_GT(area["samples"], 10);
   EXPECT_GT(area["relative_bound"]["median"], 0);
   EXPECT_EQ(area["depths"].size(), 5U);
-  const nlohmann::json drawn = drawings();
-  EXPECT_EQ(drawn["areas_alone"], true);
-  EXPECT_EQ(drawn["pictures"].size(), 0U) << "of single sites, which nobody feels";
-  const nlohmann::json& surface = drawn["areas"].at(0);
-  for (const char* which : {"median", "largest"})
-    EXPECT_EQ(3 * surface[which].size(), drawn["body"]["triangles"].size());
-  EXPECT_EQ(surface["ways"].size(), 3U) << "at three sites";
-  EXPECT_EQ(surface["probes"].size(), 0U);
-}
-
-TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
-  test::FingerBody(40).seal(directory / "sample.h5");
-  options.html = directory / "report.html";
-  options.json = true;
-  std::ostringstream output;
-  ASSERT_EQ(report(options, output), ExitCode::done);
-  const nlohmann::json probes = nlohmann::json::parse(output.str())["areas"].at(0)["probes"];
+  const nlohmann::json& probes = area["probes"];
   EXPECT_EQ(probes["places"], 40);
   EXPECT_EQ(probes["area"]["count"], 40);
   EXPECT_EQ(probes["not_answered"], 0);
@@ -329,17 +308,17 @@ TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
   EXPECT_LT(probes["area"]["relative"]["median"],
             0.2 * probes["nearest_site"]["relative"]["median"].get<double>());
   EXPECT_GE(probes["area"]["bound_holds"], 0.9);
-  const nlohmann::json drawn = drawings()["areas"].at(0);
+  const nlohmann::json page = drawings();
+  EXPECT_EQ(page["areas_alone"], true);
+  EXPECT_EQ(page["pictures"].size(), 0U) << "of single sites, which nobody feels";
+  const nlohmann::json& drawn = page["areas"].at(0);
+  for (const char* which : {"median", "largest"})
+    EXPECT_EQ(3 * drawn[which].size(), page["body"]["triangles"].size());
   ASSERT_EQ(drawn["probes"].size(), 40U);
   for (const nlohmann::json& probe : drawn["probes"])
     EXPECT_GT(probe["at"]["triangles"].size(), 0U) << "it is seen from somewhere";
   EXPECT_TRUE(std::ranges::any_of(
       drawn["ways"], [](const nlohmann::json& way) { return !way["held_out"][0].empty(); }));
-  options.json = false;
-  std::ostringstream shown;
-  ASSERT_EQ(report(options, shown), ExitCode::done);
-  EXPECT_THAT(shown.str(), AllOf(HasSubstr("Exact solutions at 40 random places"),
-                                 Not(HasSubstr("loop  ns per"))));
 }
 
 TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
@@ -373,20 +352,6 @@ TEST_F(ReportCommand, RefusesFilesThatAreNoDatasets) {
   expectBadInput([&] { report(options, output); }, {"sample.h5", "not an HDF5 file"});
 }
 
-TEST_F(ReportCommand, RefusesDatasetsOfAnotherFormatAndSaysWhatToDo) {
-  const std::string file = options.report.datasets.front().string();
-  sample.seal(file);
-  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  const hid_t version = H5Aopen(opened, layout::version_attribute, H5P_DEFAULT);
-  const std::array<std::int32_t, 2> newer = {99, 0};
-  ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT32, newer.data()), 0);
-  H5Aclose(version);
-  H5Fclose(opened);
-  std::ostringstream output;
-  expectBadInput([&] { report(options, output); },
-                 {"sample.h5", "format version 99.0", "use the program that made it"});
-}
-
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {
   options.html = directory / "." / "sample.h5";
   expectBadInput([&] { text(); }, {"--html", "sample.h5, which is read", "name another file"});
@@ -401,19 +366,6 @@ TEST_F(ReportCommand, LeavesNoPartOfAPageThatCannotBeWritten) {
                     {"report.html", "nothing can be written", "--html"});
   options.html = directory.path();
   test::expectError(ExitCode::failed, [&] { report(options, output); }, {"irectory"});
-}
-
-TEST_F(RefinedReport, ProgramPrintsTheTableAndWritesThePage) {
-  sample.seal(options.report.datasets.front());
-  const std::string file = options.report.datasets.front().string(),
-                    html = (directory / "page.html").string();
-  const test::CommandResult result = test::runCommand(
-      fmt::format("{}/palpate report -q '{}' --methods potential,trilinear --html '{}'",
-                  PALPATE_BIN_DIR, file, html));
-  EXPECT_EQ(result.exit_code, 0) << result.output;
-  EXPECT_THAT(result.output,
-              AllOf(HasSubstr("potential"), HasSubstr("trilinear"), Not(HasSubstr("tricubic"))));
-  EXPECT_TRUE(std::filesystem::exists(html));
 }
 
 TEST(ReportWords, FormatNumbersBriefly) {

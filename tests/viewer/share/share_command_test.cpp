@@ -2,14 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/base/whole_file.hpp"
-#include "common/dataset/dataset_format.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -73,25 +71,6 @@ TEST_F(ShareCommandTest, WithoutEmscriptenItSaysWhatToInstall) {
   seal("cube");
   test::expectError(ExitCode::failed, [&] { told(); },
                     {"Emscripten", "apt install emscripten", "build palpate"});
-  EXPECT_FALSE(std::filesystem::exists(options.output));
-}
-
-TEST_F(ShareCommandTest, ADatasetOfAnotherVersionIsRefusedAndItSaysWhatToDo) {
-  seal("cube");
-  const auto changeVersion = [&](std::int32_t major) {
-    const hid_t file = H5Fopen(options.dataset.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-    const hid_t version = H5Aopen(file, layout::version_attribute, H5P_DEFAULT);
-    const std::array<std::int32_t, 2> other = {major, 0};
-    EXPECT_GE(H5Awrite(version, H5T_NATIVE_INT32, other.data()), 0);
-    H5Aclose(version);
-    H5Fclose(file);
-  };
-  changeVersion(99);
-  test::expectError(ExitCode::usage, [&] { told(); },
-                    {"cube.h5", "format version 99.0", "use the program that made it"});
-  changeVersion(1);
-  test::expectError(ExitCode::usage, [&] { told(); },
-                    {"cube.h5", "format version 1.0", "seal it again", "palpate build"});
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
