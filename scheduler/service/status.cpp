@@ -10,18 +10,6 @@
 
 namespace palpate {
 
-void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point) {
-  space.set_points(space.points() + 1);
-  switch (point.tag) {
-    case Tag::unknown: return space.set_unknown(space.unknown() + 1);
-    case Tag::expandable: return space.set_expandable(space.expandable() + 1);
-    case Tag::terminating: return space.set_terminating(space.terminating() + 1);
-    case Tag::failed:
-      space.set_failed(space.failed() + 1);
-      ++(*status.mutable_failed_points())[std::string(name(point.cause))];
-  }
-}
-
 namespace {
 
 constexpr std::chrono::seconds pace_window{120};
@@ -60,16 +48,19 @@ void setStage(wire::SpaceStatus& row, Stage stage) {
 
 }  // namespace
 
+void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point) {
+  PointCounts one;
+  one.of_tag[static_cast<std::size_t>(point.tag)] = 1;
+  addCounts(space, one);
+  if (point.tag == Tag::failed) ++(*status.mutable_failed_points())[std::string(name(point.cause))];
+}
+
 wire::SpaceStatus sumOf(const wire::Status& status) {
   wire::SpaceStatus sum;
   sum.set_name("all");
-  for (const wire::SpaceStatus& space : status.spaces()) {
-    sum.set_points(sum.points() + space.points());
-    sum.set_unknown(sum.unknown() + space.unknown());
-    sum.set_expandable(sum.expandable() + space.expandable());
-    sum.set_terminating(sum.terminating() + space.terminating());
-    sum.set_failed(sum.failed() + space.failed());
-  }
+  for (const wire::SpaceStatus& space : status.spaces())
+    addCounts(sum, {.of_tag = {space.unknown(), space.expandable(), space.terminating(),
+                               space.failed()}});
   return sum;
 }
 
@@ -183,10 +174,13 @@ namespace {
 bool countsMakeSense(const wire::Status& status) {
   std::int64_t sum = 0;
   for (const wire::SpaceStatus& space : status.spaces()) {
+    std::int64_t points = 0;
     for (const std::int32_t count :
-         {space.unknown(), space.expandable(), space.terminating(), space.failed()})
-      if (count < 0 || count > space.points()) return false;
-    if (space.points() < 0) return false;
+         {space.unknown(), space.expandable(), space.terminating(), space.failed()}) {
+      if (count < 0) return false;
+      points += count;
+    }
+    if (points > space.points()) return false;
     sum += space.points();
   }
   return sum <= std::numeric_limits<std::int32_t>::max();
