@@ -6,6 +6,12 @@ namespace {
 /// As people see them elsewhere (status).
 std::string shortIdOf(std::string_view id) { return hexOfId(id).substr(0, 8); }
 
+std::string nameOf(const wire::Provenance& worker) {
+  std::string name = "worker " + shortIdOf(worker.worker()) + " on " + worker.host();
+  if (const auto key = PublicKey::fromBytes(worker.key())) name += ", key " + key->shortHex();
+  return name;
+}
+
 Event eventOf(EventWord word, const Worker& worker) {
   return Event(word)
       .with("worker", shortIdOf(worker.id))
@@ -20,29 +26,41 @@ std::array<double, 3> inSpacings(const LatticePoint& point, double divisions) {
 }  // namespace
 
 void Chronicle::joined(const Worker& worker) {
+  if (!mayTell()) return;
+  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+               worker.kernel_family);
   Event event = eventOf("worker_joined", worker).with("kernel_family", worker.kernel_family);
   if (worker.key) event.with("key", worker.key->shortHex());
-  addWithin(event);
+  add(event);
 }
 
 void Chronicle::left(const Worker& worker, const std::string& reason) {
-  addWithin(eventOf("worker_left", worker).with("reason", reason).with("results", worker.results));
+  if (!mayTell()) return;
+  spdlog::info("worker {} on {} left: {}", worker.pid, worker.host, reason);
+  add(eventOf("worker_left", worker).with("reason", reason).with("results", worker.results));
 }
 
 void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets) {
-  addWithin(eventOf("worker_lost", worker)
-                .with("how", how)
-                .with("targets", targets)
-                .with("results", worker.results));
+  if (!mayTell()) return;
+  spdlog::warn("worker {} on {} is {}; {} targets are handed out again", worker.pid, worker.host,
+               how, targets);
+  add(eventOf("worker_lost", worker)
+          .with("how", how)
+          .with("targets", targets)
+          .with("results", worker.results));
 }
 
 void Chronicle::ended(const Worker& worker, std::size_t targets) {
-  addWithin(
-      eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
+  if (!mayTell()) return;
+  spdlog::warn("worker {} on {} ended unexpectedly; {} targets are handed out again", worker.pid,
+               worker.host, targets);
+  add(eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
 }
 
 void Chronicle::refused(const std::string& host, std::uint32_t pid, const std::string& reason) {
-  addWithin(Event("worker_refused").with("host", host).with("pid", pid).with("reason", reason));
+  if (!mayTell()) return;
+  spdlog::warn("worker {} on {} was refused: {}", pid, host, reason);
+  add(Event("worker_refused").with("host", host).with("pid", pid).with("reason", reason));
 }
 
 void Chronicle::begin(const std::vector<SpacePlan>& plans) {
@@ -77,6 +95,9 @@ void Chronicle::failed(const ResultKey& key, const Failure& failure,
 }
 
 void Chronicle::setAside(const ResultKey& key, int deaths) {
+  spdlog::error(
+      "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without it",
+      textOf(key), deaths);
   add(of("set_aside", key).with("deaths", deaths));
 }
 
@@ -90,18 +111,26 @@ void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
   add(Event("priority").with("space", space).with("priority", priority));
 }
 
-void Chronicle::paused(bool paused) { add(paused ? Event("paused") : Event("resumed")); }
+void Chronicle::paused(bool paused) {
+  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
+  add(paused ? Event("paused") : Event("resumed"));
+}
 
 void Chronicle::disputed(const ResultKey& key, const wire::Provenance& one,
                          const wire::Provenance& other) {
-  addWithin(of("disputed", key)
-                .with("worker", shortIdOf(one.worker()))
-                .with("host", one.host())
-                .with("other_worker", shortIdOf(other.worker()))
-                .with("other_host", other.host()));
+  if (!mayTell()) return;
+  spdlog::error("{}: {} found other bits than {}: others are asked who is right", textOf(key),
+                nameOf(other), nameOf(one));
+  add(of("disputed", key)
+          .with("worker", shortIdOf(one.worker()))
+          .with("host", one.host())
+          .with("other_worker", shortIdOf(other.worker()))
+          .with("other_host", other.host()));
 }
 
 void Chronicle::keptOut(const KeptOut& liar) {
+  spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
+                name(liar.kind), liar.reason);
   Event event = Event("kept_out")
                     .with("kind", name(liar.kind))
                     .with("worker", shortIdOf(liar.who.worker()))
@@ -122,11 +151,16 @@ void Chronicle::add(const Event& event) {
   if (log_ != nullptr) log_->add(event);
 }
 
-void Chronicle::addWithin(const Event& event) {
+bool Chronicle::mayTell() {
   const auto left_out = budget_.spend(clock_);
-  if (!left_out) return;
-  if (*left_out > 0) add(Event("left_out").with("events", *left_out));
-  add(event);
+  if (left_out.value_or(0) > 0) {
+    spdlog::warn(
+        "workers come, go or are refused faster than anybody reads: {} lines about them "
+        "were left out; palpate status says how many are here, were refused or lost",
+        *left_out);
+    add(Event("left_out").with("events", *left_out));
+  }
+  return left_out.has_value();
 }
 
 Event Chronicle::of(EventWord word, const ResultKey& key) const {

@@ -1,23 +1,35 @@
 #pragma once
 
+#include <spdlog/spdlog.h>
+
 #include "scheduler/events/event_log.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
-#include "scheduler/service/peer_log.hpp"
+#include "scheduler/service/line_budget.hpp"
 #include "scheduler/service/worker_registry.hpp"
 
 namespace palpate {
 
-/// What happens in a coordinator, as events (docs/commands.md): which fields each has, and that
-/// what workers cause by coming and going stays within a budget. Without a log nothing happens. One
-/// thread.
+/// What happens in a coordinator, for people: lines of its log, and events (docs/commands.md), of
+/// which it knows what fields each has. What workers cause by coming and going stays within a
+/// budget. One thread.
 class Chronicle {
  public:
   using Time = LineBudget::Time;
 
-  /// `log` may be null; all must outlive this object.
+  /// Without `log`, which may be null, there are no events; all must outlive this object.
   Chronicle(const Problem& problem, EventLog* log, const Time& clock)
       : problem_(&problem), log_(log), clock_(clock), budget_(clock) {}
+
+  // Lines that peers cause and that are no event.
+  template <class... Args>
+  void info(spdlog::format_string_t<Args...> text, Args&&... args) {
+    if (mayTell()) spdlog::info(text, std::forward<Args>(args)...);
+  }
+  template <class... Args>
+  void warn(spdlog::format_string_t<Args...> text, Args&&... args) {
+    if (mayTell()) spdlog::warn(text, std::forward<Args>(args)...);
+  }
 
   // Of workers.
   void joined(const Worker& worker);
@@ -47,8 +59,8 @@ class Chronicle {
 
  private:
   void add(const Event& event);
-  /// Of what workers cause at will.
-  void addWithin(const Event& event);
+  /// Whether there is room for what workers cause at will. What was left out before is told first.
+  bool mayTell();
   Event of(EventWord word, const ResultKey& key) const;
 
   const Problem* problem_;

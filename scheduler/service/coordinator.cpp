@@ -95,7 +95,7 @@ void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
   state_.now = now;
   if (closed.count == 0) return;
   state_.counters["closed_connections"] += closed.count;
-  for (const std::string& why : closed.why) state_.peer_log.warn("{}", why);
+  for (const std::string& why : closed.why) state_.chronicle.warn("{}", why);
 }
 
 /// A scheduler that did nothing for a while blames nobody for the silence.

@@ -121,7 +121,6 @@ void People::pause(bool paused) {
   state_.paused = paused;
   recent_status_.clear();
   state_.chronicle.paused(paused);
-  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
 }
 
 People::Time People::serversDue() const {

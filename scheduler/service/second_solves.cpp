@@ -1,7 +1,5 @@
 #include "scheduler/service/second_solves.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
@@ -9,12 +7,6 @@
 
 namespace palpate {
 namespace {
-
-std::string nameOf(const wire::Provenance& worker) {
-  std::string name = "worker " + hexOfId(worker.worker()).substr(0, 8) + " on " + worker.host();
-  if (const auto key = PublicKey::fromBytes(worker.key())) name += ", key " + key->shortHex();
-  return name;
-}
 
 /// Of a result that has a start.
 ResultKey solverOfStart(const wire::Result& header) {
@@ -141,8 +133,6 @@ bool SecondSolves::isSame(const Worker& worker, const wire::Result& first,
 void SecondSolves::differs(const Worker& worker, const wire::Result& first,
                            const wire::Result& second) {
   ++state_.counters["divergent_results"];
-  state_.peer_log.error("{}: {} found other bits than {}: others are asked who is right",
-                        textOf(keyOf(second)), nameOf(worker.provenance), nameOf(first.given_by()));
   state_.chronicle.disputed(keyOf(second), first.given_by(), worker.provenance);
 }
 
@@ -159,11 +149,7 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
       keptOutBy(verdict, state_.store.keptOut(), reason, state_.settings.spot_checks.trusted_key);
   state_.counters["wrong_results"] += std::ssize(state_.liars);
   state_.tables.writeCounters(state_.counters);
-  for (const KeptOut& liar : state_.liars) {
-    state_.chronicle.keptOut(liar);
-    spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
-                  name(liar.kind), liar.reason);
-  }
+  for (const KeptOut& liar : state_.liars) state_.chronicle.keptOut(liar);
 }
 
 /// Machines that were here are reckoned with until nothing but checks was left for checks_wait.

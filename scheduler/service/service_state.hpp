@@ -4,7 +4,6 @@
 
 #include "scheduler/service/allotment.hpp"
 #include "scheduler/service/chronicle.hpp"
-#include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/spot_checks.hpp"
 #include "scheduler/state/result_group.hpp"
 
@@ -76,7 +75,6 @@ struct ServiceState {
   ResultGroup group = ResultGroup(store);
   Counters counters = tables.counters();
   std::vector<Outgoing> outbox = {};
-  PeerLog peer_log = PeerLog(now);
   Chronicle chronicle = Chronicle(problem, settings.events, now);
 
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;

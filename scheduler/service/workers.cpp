@@ -39,17 +39,15 @@ bool Workers::hello(const Incoming& incoming) {
   const wire::Hello& hello = incoming.message.hello();
   const auto key = state_.settings.keys_tell_who ? incoming.key : std::nullopt;
   if (const std::string objection = registry.objectionTo(hello, key); !objection.empty()) {
-    state_.peer_log.warn("worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
-                         objection);
     state_.chronicle.refused(printable(hello.host()), hello.pid(), objection);
     ++state_.counters["refused_workers"];
     state_.send(peer).mutable_refused()->set_reason(objection);
     return false;
   }
   if (registry.wouldChangeKernels(hello)) {
-    state_.peer_log.info("worker {} on {} is asked to take the {} kernels instead of {}",
-                         hello.pid(), printable(hello.host()), registry.kernelFamily(),
-                         hello.kernel_family());
+    state_.chronicle.info("worker {} on {} is asked to take the {} kernels instead of {}",
+                          hello.pid(), printable(hello.host()), registry.kernelFamily(),
+                          hello.kernel_family());
     state_.send(peer).mutable_use_kernels()->set_kernel_family(registry.kernelFamily());
     return false;
   }
@@ -63,8 +61,6 @@ bool Workers::hello(const Incoming& incoming) {
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
   const Worker& worker = registry.admit(peer, hello, key, state_.now);
   silence_due_ = std::min(silence_due_, state_.now + state_.settings.worker_lost);
-  state_.peer_log.info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
-                       worker.kernel_family);
   state_.chronicle.joined(worker);
   newcomers = true;
   const bool was_one_machine = isOneMachine();
@@ -86,9 +82,7 @@ void Workers::request(Worker& worker, const wire::Request& request) {
 }
 
 void Workers::goodbye(const Worker& worker, const wire::Goodbye& goodbye) {
-  const std::string reason = printable(goodbye.reason(), 200);
-  state_.peer_log.info("worker {} on {} left: {}", worker.pid, worker.host, reason);
-  state_.chronicle.left(worker, reason);
+  state_.chronicle.left(worker, printable(goodbye.reason(), 200));
   remove(worker, "left");
 }
 
@@ -168,8 +162,8 @@ void Workers::reassignOverdue() {
 
 void Workers::reassignLast(Worker& worker) {
   if (!worker.overdue_until)
-    state_.peer_log.info("worker {} on {} holds what others could do: they are given it",
-                         worker.pid, worker.host);
+    state_.chronicle.info("worker {} on {} is overdue; its last target goes to another worker",
+                          worker.pid, worker.host);
   ++state_.counters["overdue_targets"];
   leases.giveBackLast(worker.id);
   allotment.noteOverdue(worker, state_.now);
@@ -194,8 +188,9 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.peer_log.warn("worker {} on {} does not solve what it was given: it is handed out again",
-                         worker.pid, worker.host);
+    state_.chronicle.warn(
+        "worker {} on {} does not solve what it was given: it is handed out again", worker.pid,
+        worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
     leases.giveBack(id);
@@ -208,8 +203,6 @@ void Workers::loseSilent() {
   for (const auto& [id, worker] : registry.all())
     if (state_.now - worker.heard >= state_.settings.worker_lost) silent.push_back(&worker);
   for (const Worker* worker : silent) {
-    state_.peer_log.warn("worker {} on {} says nothing any more; {} targets are handed out again",
-                         worker->pid, worker->host, leases.leasedTo(worker->id));
     state_.chronicle.lost(*worker, "silent", leases.leasedTo(worker->id));
     lose(*worker);
   }
@@ -244,12 +237,9 @@ void Workers::unreachable(const std::string& peer) {
   if (worker == nullptr) return;
   // Its goodbye may wait unread behind what could not be sent to it any more.
   if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
-    state_.peer_log.info("worker {} on {} left", worker->pid, worker->host);
     state_.chronicle.left(*worker, "it was told to");
     return lose(*worker);
   }
-  state_.peer_log.info("worker {} on {} cannot be reached; {} targets are handed out again",
-                       worker->pid, worker->host, leases.leasedTo(worker->id));
   state_.chronicle.lost(*worker, "unreachable", leases.leasedTo(worker->id));
   lose(*worker);
 }
@@ -260,8 +250,6 @@ void Workers::processEnded(std::uint32_t pid) {
 
 void Workers::processEnded(const std::string& worker_id) {
   if (const Worker* worker = registry.find(worker_id)) {
-    state_.peer_log.warn("worker {} on {} ended unexpectedly; {} targets are handed out again",
-                         worker->pid, worker->host, leases.leasedTo(worker_id));
     state_.chronicle.ended(*worker, leases.leasedTo(worker_id));
     lose(*worker);
   }
@@ -278,12 +266,7 @@ void Workers::blame(const Leases::Suspects& suspects) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
     PALPATE_ASSERT(transition, "a plan asks for transitions between its own points");
     state_.tables.writeLosses({key.space, *transition}, losses);
-    if (losses.deaths != deaths_before_aside) continue;
-    state_.chronicle.setAside(key, losses.deaths);
-    spdlog::error(
-        "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without "
-        "it",
-        textOf(key), losses.deaths);
+    if (losses.deaths == deaths_before_aside) state_.chronicle.setAside(key, losses.deaths);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "scheduler/service/peer_log.hpp"
+#include "scheduler/service/line_budget.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -15,16 +15,6 @@ std::optional<std::int64_t> LineBudget::spend(Time now) {
   }
   --lines_;
   return std::exchange(left_out_, 0);
-}
-
-bool PeerLog::mayTell() {
-  const auto left_out = budget_.spend(clock_);
-  if (left_out.value_or(0) > 0)
-    spdlog::warn(
-        "workers come, go or are refused faster than anybody reads: {} lines about them "
-        "were left out; palpate status says how many are here, were refused or lost",
-        *left_out);
-  return left_out.has_value();
 }
 
 }  // namespace palpate
