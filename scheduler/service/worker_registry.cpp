@@ -118,23 +118,18 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   // A worker that connects anew comes from another peer; the old one is nobody then.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
-  worker = {.id = hello.worker(),
-            .peer = peer,
-            .provenance = provenanceOf(hello.worker(), printable(hello.host()), key),
-            .key = key,
-            .host = printable(hello.host()),
-            .pid = hello.pid(),
-            .kernel_family = hello.kernel_family(),
-            .credit = 0,
-            .heard = now,
-            .solving = {},
-            .probed = {},
-            .idle_since = {},
-            .results = worker.results,
-            .earned = 0,
-            .between_results = 0,
-            .moved = now,
-            .overdue_until = worker.overdue_until};
+  Worker fresh;
+  fresh.id = hello.worker();
+  fresh.peer = peer;
+  fresh.host = printable(hello.host());
+  fresh.provenance = provenanceOf(fresh.id, fresh.host, key);
+  fresh.key = key;
+  fresh.pid = hello.pid();
+  fresh.kernel_family = hello.kernel_family();
+  fresh.heard = fresh.moved = now;
+  fresh.results = worker.results;
+  fresh.overdue_until = worker.overdue_until;
+  worker = std::move(fresh);
   id_of_peer_[peer] = worker.id;
   return worker;
 }
