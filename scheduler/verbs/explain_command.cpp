@@ -19,13 +19,10 @@ struct ExplainOptions {
 };
 
 ExitCode explainPoint(const ExplainOptions& options) {
-  const std::vector<SpaceTable> spaces = spacesIn(options.where);
-  const bool somewhere = !options.at.empty();
-  const Eigen::Vector3d place =
-      somewhere ? Eigen::Vector3d(options.at.data()) : Eigen::Vector3d::Zero();
-  const SpaceTable& space =
-      somewhere ? siteNearest(spaces, options.active, place) : spaceNamed(spaces, options.active);
-  const wire::Explanation explanation = explain(space, options.point);
+  const KnownSpaces known = spacesIn(options.where);
+  std::optional<Eigen::Vector3d> place;
+  if (!options.at.empty()) place = Eigen::Vector3d(options.at.data());
+  const wire::Explanation explanation = explain(known.named(options.active, place), options.point);
   fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
   return ExitCode::done;
 }
@@ -34,7 +31,7 @@ std::function<ExitCode()> prepareExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active,
-                 "Name of the active node; may be left out where there is one, or with --at");
+                 "Name of the active node, area or site; may be left out where there is one");
   app.add_option("--at", options->at,
                  "Of a surface that a finger touches: its site nearest to this place, metres")
       ->expected(3);

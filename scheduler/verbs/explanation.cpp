@@ -1,6 +1,6 @@
 #include "scheduler/verbs/explanation.hpp"
 
-#include <limits>
+#include <algorithm>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -8,6 +8,7 @@
 #include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
+#include "common/scene/active_choice.hpp"
 #include "common/space/lattice.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/builds/recorded_build.hpp"
@@ -41,47 +42,22 @@ std::string textOf(const wire::Explanation& e) {
   return text;
 }
 
-/// Sites are called AREA-NUMBER.
-bool isOrIsSiteOf(const std::string& name, const std::string& area) {
-  if (!name.starts_with(area)) return false;
-  const std::string rest = name.substr(area.size());
-  return rest.empty() || (rest.size() > 1 && rest.front() == '-' &&
-                          rest.find_first_not_of("0123456789", 1) == std::string::npos);
-}
-
 }  // namespace
 
-const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
-  if (wanted.empty() && spaces.size() == 1) return spaces.front();
-  constexpr std::size_t most_listed = 12;
-  std::vector<std::string> known;
-  for (const SpaceTable& space : spaces) {
-    if (space.patch.name == wanted) return space;
-    if (known.size() < most_listed) known.push_back(space.patch.name);
-  }
-  std::string names = fmt::format("{}", fmt::join(known, ", "));
-  if (spaces.size() > most_listed) names += fmt::format(", ... ({} in all)", spaces.size());
-  if (spaces.back().patch.finger) names += "; the one nearest to a place is found with --at X Y Z";
-  if (wanted.empty()) throw badInput("--active is needed: the active nodes are {}", names);
-  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, names);
-}
-
-const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
-                              const Eigen::Vector3d& place) {
-  if (!place.allFinite()) throw badInput("--at: a place has three finite numbers, metres");
-  const SpaceTable* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (const SpaceTable& space : spaces) {
-    const ActivePatch& patch = space.patch;
-    if (!patch.finger || patch.probe) continue;
-    if (!area.empty() && !isOrIsSiteOf(patch.name, area)) continue;
-    const double distance = (patch.finger->center - place).norm();
-    if (distance >= least) continue;
-    nearest = &space;
-    least = distance;
-  }
-  if (!nearest) throw badInput("--at: {} no finger", area.empty() ? "there is" : area + " is");
-  return *nearest;
+const SpaceTable& KnownSpaces::named(const std::string& active,
+                                     const std::optional<Eigen::Vector3d>& place) const {
+  // Of a site, and of a place where an area is measured, which nobody else chooses.
+  const auto exact =
+      std::ranges::find(spaces, active, [](const SpaceTable& space) { return space.patch.name; });
+  if (exact != spaces.end() && !place) return *exact;
+  const ActiveChoice choice = chooseActive(scene, active);
+  requirePlace(choice, place.has_value());
+  if (!place) return spaces[choice.spaces.front()];
+  if (!place->allFinite()) throw badInput("--at: a place has three finite numbers, metres");
+  return spaces[*std::ranges::min_element(choice.spaces, {}, [&](std::size_t site) {
+    PALPATE_ASSERT(spaces[site].patch.finger, "the tables are in the order of their scene");
+    return (spaces[site].patch.finger->center - *place).squaredNorm();
+  })];
 }
 
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
@@ -123,9 +99,13 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   return explanation;
 }
 
-std::vector<SpaceTable> spacesIn(const std::string& where) {
-  if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
-  return spaceTables(RecordedBuild(where).plans());
+KnownSpaces spacesIn(const std::string& where) {
+  if (!std::filesystem::is_directory(where)) {
+    const Dataset dataset(where);
+    return {dataset.scene(), dataset.spaces()};
+  }
+  const RecordedBuild build(where);
+  return {build.problem().scene, spaceTables(build.plans())};
 }
 
 }  // namespace palpate

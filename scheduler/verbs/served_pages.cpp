@@ -128,8 +128,8 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
   // It takes as long as a start, and as much memory: one at a time.
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return httpError(503, "something else is being read: ask again");
-  const std::vector<SpaceTable> spaces = spacesIn(state_.string());
-  return jsonAnswer(toJson(palpate::explain(spaceNamed(spaces, valueIn(query, "active")), point)));
+  const KnownSpaces known = spacesIn(state_.string());
+  return jsonAnswer(toJson(palpate::explain(known.named(valueIn(query, "active")), point)));
 }
 
 }  // namespace palpate

@@ -83,37 +83,52 @@ TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
       {"(1, 1, 0)", "not in the lattice", "<= 1"});
 }
 
+/// The spaces of these active nodes, of which those with an area are sites of a finger there.
+KnownSpaces spacesOf(const std::vector<std::pair<const char*, const char*>>& names_and_areas) {
+  KnownSpaces known;
+  for (const auto& [name, area] : names_and_areas) {
+    ActiveSelection& active = known.scene.active.emplace_back();
+    active.name = name;
+    active.area = area;
+    SpaceTable& space = known.spaces.emplace_back();
+    space.patch.name = name;
+    if (active.area.empty()) continue;
+    active.tool = ToolKind::finger;
+    space.patch.finger = Finger{{0.01 * static_cast<double>(known.spaces.size()), 0, 0}, 0.02};
+  }
+  return known;
+}
+
 TEST_F(ExplanationTest, TheOnlyActiveNodeNeedsNoName) {
-  std::vector<SpaceTable> spaces = {space};
-  EXPECT_EQ(&spaceNamed(spaces, ""), &spaces[0]);
-  spaces.push_back(space);
-  spaces[1].patch.name = "corner";
-  EXPECT_EQ(&spaceNamed(spaces, "corner"), &spaces[1]);
-  test::expectBadInput([&] { spaceNamed(spaces, ""); }, {"--active", "tip, corner"});
-  test::expectBadInput([&] { spaceNamed(spaces, "toe"); }, {"toe", "tip, corner"});
+  const KnownSpaces one = spacesOf({{"tip", ""}}), two = spacesOf({{"tip", ""}, {"corner", ""}});
+  EXPECT_EQ(&one.named(""), &one.spaces[0]);
+  EXPECT_EQ(&two.named("corner"), &two.spaces[1]);
+  test::expectBadInput([&] { two.named(""); }, {"--active", "tip, corner"});
+  test::expectBadInput([&] { two.named("toe"); }, {"toe", "tip, corner"});
 }
 
 TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
-  std::vector<SpaceTable> spaces(20, space);
-  for (std::size_t n = 1; n < spaces.size(); ++n) {
-    spaces[n].patch.name = fmt::format("skin-{}", n);
-    spaces[n].patch.finger = Finger{{0.01 * static_cast<double>(n), 0, 0}, 0.02};
-  }
-  spaces[19].patch.name = "skin-left-1";
-  EXPECT_EQ(&siteNearest(spaces, "skin", {0.031, 0.001, 0}), &spaces[3]);
-  EXPECT_EQ(&siteNearest(spaces, "skin", {1, 0, 0}), &spaces[18]);
-  EXPECT_EQ(&siteNearest(spaces, "", {1, 0, 0}), &spaces[19]);
-  EXPECT_EQ(&siteNearest(spaces, "skin-7", {1, 0, 0}), &spaces[7]);
-  EXPECT_EQ(&siteNearest(spaces, "skin-left", {0, 0, 0}), &spaces[19]);
-  spaces[3].patch.probe = Eigen::Vector3d(0, 0, 0.01);  // a place where the area is measured
-  EXPECT_EQ(&siteNearest(spaces, "", {0.031, 0.001, 0}), &spaces[4]);
-  test::expectBadInput([&] { siteNearest(spaces, "skin", {NAN, 0, 0}); }, {"--at", "finite"});
-  test::expectBadInput(
-      [&] {
-        siteNearest(spaces, "tip", {1, 0, 0});
-      },
-      {"--at", "tip is no finger"});
-  test::expectBadInput([&] { spaceNamed(spaces, "skin"); }, {"skin-1, skin-2", "(20 in all)"});
+  KnownSpaces known =
+      spacesOf({{"tip", ""}, {"skin-1", "skin"}, {"skin-2", "skin"}, {"skin-left-1", "skin-left"}});
+  EXPECT_EQ(&known.named("skin", Eigen::Vector3d(0.021, 0.001, 0)), &known.spaces[1]);
+  EXPECT_EQ(&known.named("skin", Eigen::Vector3d(1, 0, 0)), &known.spaces[2]);
+  EXPECT_EQ(&known.named("skin-left", Eigen::Vector3d(0, 0, 0)), &known.spaces[3]);
+  EXPECT_EQ(&known.named("skin-2"), &known.spaces[2]);
+  EXPECT_EQ(&known.named("skin-1", Eigen::Vector3d(1, 0, 0)), &known.spaces[1]);
+  test::expectBadInput([&] { known.named("skin"); }, {"skin", "--at X Y Z"});
+  test::expectBadInput([&] { known.named("skin", Eigen::Vector3d(NAN, 0, 0)); },
+                       {"--at", "finite"});
+  test::expectBadInput([&] { known.named("tip", Eigen::Vector3d(1, 0, 0)); },
+                       {"--at", "\"tip\" is no finger"});
+}
+
+/// An event tells of it by its name, as it tells of all others.
+TEST_F(ExplanationTest, APlaceWhereAnAreaIsMeasuredHasAName) {
+  KnownSpaces known = spacesOf({{"skin-1", "skin"}, {"skin-probe-1", ""}});
+  known.scene.active[1].probe = Eigen::Vector3d(0, 0, 0.01);
+  known.scene.active[1].probe_of = "skin";
+  EXPECT_EQ(&known.named("skin-probe-1"), &known.spaces[1]);
+  EXPECT_EQ(&known.named("", Eigen::Vector3d(1, 0, 0)), &known.spaces[0]);
 }
 
 }  // namespace
