@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <functional>
 
+#include "common/base/assertion.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/whole_file.hpp"
 
@@ -168,6 +169,7 @@ std::vector<AllowedKey> KeyFolder::allowed() const {
 }
 
 void KeyFolder::allow(const AllowedKey& key) const {
+  PALPATE_ASSERT(key.roles != Roles::none, "a line without a role is refused when it is read");
   // A name with a line break in it would let another key in.
   const auto breaks = [](char c) {
     return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
@@ -247,6 +249,7 @@ Roles Admission::rolesOf(const PublicKey& key) {
         spdlog::warn("{}; those who were let in before still are", error.what());
       trouble_ = error.what();
     }
+  PALPATE_ASSERT(roles_.contains(own_), "the own key is let in, whatever the list says");
   const auto found = roles_.find(key);
   return found == roles_.end() ? Roles::none : found->second;
 }

@@ -43,6 +43,7 @@ void Bundler::close() {
 
 std::vector<Letter> Bundler::take() {
   close();
+  PALPATE_ASSERT(bytes_ == 0 && open_.payload.empty(), "a payload leaves with its message");
   return std::exchange(closed_, {});
 }
 
@@ -71,6 +72,7 @@ std::vector<Incoming> unbundled(Incoming incoming) {
     at += part.payload.size();
     if (!message.has_bundle() && isReadable(message)) part.message = std::move(message);
   }
+  PALPATE_ASSERT(at == payload.size(), "a bundle of other payloads was not taken apart");
   return parts;
 }
 

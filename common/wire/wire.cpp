@@ -330,7 +330,9 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
           endpoint, endpoint);
     throw failure("cannot listen on {}: {}", endpoint, error.what());
   }
-  return socket.get(zmq::sockopt::last_endpoint);
+  std::string bound = socket.get(zmq::sockopt::last_endpoint);
+  PALPATE_ASSERT(!bound.empty() && !bound.ends_with(":*"), "workers and people are told this one");
+  return bound;
 }
 
 std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint) {

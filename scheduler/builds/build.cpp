@@ -24,7 +24,10 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
       store_(directory_, problem_, segment_bytes),
-      coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {}
+      coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {
+  PALPATE_ASSERT(coordinator_.plans().size() == problem_.active.size(),
+                 "what is recorded names spaces by their numbers in the scene");
+}
 
 /// Before anybody works for it.
 const CoordinatorSettings& Build::checked(const CoordinatorSettings& settings) const {
@@ -64,6 +67,7 @@ SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& proble
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         const RecordSource& find, bool partial) {
   SpaceRowsList rows = rowsOf(plans);
+  PALPATE_ASSERT(rows.size() == problem.active.size(), "a dataset has the spaces of its scene");
   const auto fields = [&](std::size_t space, std::int32_t point) {
     return NodalFields::decode(recordOf(plans, space, point, find).payload,
                                problem.mesh.nodes.size(), problem.pressures.count());

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 
 RecordedBuild::RecordedBuild(std::filesystem::path directory)
@@ -23,6 +25,8 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
     // meanwhile.
     tables_.emplace(directory_);
   } while (tables_->keptOut() != liars);
+  PALPATE_ASSERT(plans().size() == problem_.active.size(),
+                 "what is recorded names spaces by their numbers in the scene");
 }
 
 bool RecordedBuild::complete() {

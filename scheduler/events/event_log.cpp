@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
 
@@ -52,7 +53,9 @@ void EventLog::add(const Event& event) {
   const auto now = std::chrono::system_clock::now();
   if (lost_ > 0 && waiting_.empty())
     waiting_ = Event("left_out").with("events", lost_).line(now) + '\n';
-  waiting_ += event.line(now) + '\n';
+  const std::string line = event.line(now);
+  PALPATE_ASSERT(line.find('\n') == std::string::npos, "readers take each line for an event");
+  waiting_ += line + '\n';
   ++lines_;
   if (waiting_.size() >= most_waiting) flush();
 }

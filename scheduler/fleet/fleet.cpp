@@ -39,7 +39,11 @@ int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   const int wanted = static_cast<int>(std::min<std::int64_t>(worth, limits.most));
   const int missing = wanted - view.running - view.queued;
   if (missing < 0) return -std::min(-missing, view.queued);
-  return std::min(missing, std::max(0, limits.most_queued - view.queued));
+  const int more = std::min(missing, std::max(0, limits.most_queued - view.queued));
+  PALPATE_ASSERT(
+      more + view.running + view.queued <= std::max(limits.most, view.running + view.queued),
+      "an engine is asked for no more workers than it may be");
+  return more;
 }
 
 }  // namespace palpate

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 
 void Backoff::failed(Time now) {
@@ -24,6 +26,8 @@ Launches::Change Launches::see(const std::vector<Ended>& ended, const std::vecto
     change.held = true;
   }
   if (!held()) backoff_.succeeded();
+  PALPATE_ASSERT(in_a_row_ >= 0 && last_failures_.size() <= most_in_a_row,
+                 "what is told of failures is what was counted");
   return change;
 }
 

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/base/text.hpp"
 
 namespace palpate {
@@ -103,6 +104,7 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {
     const std::vector<std::string> ids = idsOf(jobs.queued);
+    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "workers that run stay");
     engine_.cancel({ids.end() + more, ids.end()});
   }
 } catch (const Error& error) {

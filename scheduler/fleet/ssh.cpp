@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
 
@@ -79,6 +80,7 @@ void SshHosts::keep(Time now) {
                    ended.how, meaningOf(ended.how), host.retry.pause().count());
     }
     if (host.connection.running() > 0 || host.done || !host.retry.over(now)) continue;
+    PALPATE_ASSERT(host.connection.running() == 0, "a machine has one connection");
     host.connection.start();
     host.begun = now;
     spdlog::info("{}: workers are started", host.name);

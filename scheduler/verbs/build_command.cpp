@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/base/assertion.hpp"
 #include "common/base/machine.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/verbs/served_build.hpp"
@@ -32,9 +33,10 @@ class LocalWorkers : public Crew {
  public:
   LocalWorkers(const Server& server, Build& build, int workers)
       : coordinator_(build.coordinator()),
+        workers_(static_cast<std::size_t>(workers)),
         pool_({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
                "--keys", build.directory().keys().string(), "--alone", "--quiet"}) {
-    for (int n = 0; n < workers; ++n) pool_.start();
+    while (pool_.running() < workers_) pool_.start();
   }
 
   void look() override {
@@ -66,10 +68,12 @@ class LocalWorkers : public Crew {
           "see their messages above; the same command goes on from what is recorded",
           deaths_, ended.how);
     spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
+    PALPATE_ASSERT(pool_.running() < workers_, "a worker is started in the place of another");
     pool_.start();
   }
 
   Coordinator& coordinator_;
+  const std::size_t workers_;
   WorkerPool pool_;
   const Clock::time_point started_ = Clock::now();
   std::int64_t recorded_ = 0;

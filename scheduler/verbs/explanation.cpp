@@ -52,6 +52,7 @@ const SpaceTable& KnownSpaces::named(const std::string& active,
   if (exact != spaces.end() && !place) return *exact;
   const ActiveChoice choice = chooseActive(scene, active);
   requirePlace(choice, place.has_value());
+  PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "the tables are those of the scene");
   if (!place) return spaces[choice.spaces.front()];
   if (!place->allFinite()) throw badInput("--at: a place has three finite numbers, metres");
   return spaces[*std::ranges::min_element(choice.spaces, {}, [&](std::size_t site) {

@@ -273,6 +273,7 @@ class ServedBuild {
       progress.show(coordinator);
       if (interrupted()) coordinator.stop(Clock::now());
     }
+    PALPATE_ASSERT(coordinator.next() != Next::go_on, "a turn ends early only to begin anew");
     if (coordinator.next() == Next::stuck) coordinator.dismiss();
     progress.end();
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 
 std::optional<StatusBoard::Snapshot> StatusBoard::ask(std::chrono::milliseconds patience) {
@@ -11,7 +13,9 @@ std::optional<StatusBoard::Snapshot> StatusBoard::ask(std::chrono::milliseconds 
     made_.wait_for(lock, patience, [this] { return isFresh(Clock::now()); });
   }
   if (!status_) return std::nullopt;
-  return Snapshot{status_, Clock::now() - made_at_};
+  const Snapshot snapshot{status_, Clock::now() - made_at_};
+  PALPATE_ASSERT(snapshot.age.count() >= 0, "whoever asks has the clock of whoever offers");
+  return snapshot;
 }
 
 void StatusBoard::offer(const std::function<wire::Status()>& make) {
