@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/index.hpp"
-#include "common/mesh/bump_integrals.hpp"
+#include "common/mesh/anchor_bump.hpp"
 
 namespace palpate {
 namespace {
@@ -12,23 +11,13 @@ namespace {
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
                      std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
-  Eigen::Vector3d missing = touch.displacement - touch.excess();
-  double radius = 0, bump = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double share = touch.anchor.barycentric[static_cast<Eigen::Index>(c)];
-    missing -= share * Eigen::Map<const Eigen::Vector3f>(out.data() + 3 * at(t[c])).cast<double>();
-    radius += 2 * share * surface.longestEdgeAt(t[c]);
-  }
+  // A corner always lies within the radius.
+  double radius = 0;
   for (std::size_t c = 0; c < 3; ++c)
-    bump += touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
-            bumpAt(surface.vertices()[at(t[c])], touch.anchor_position, radius);
-  // A corner always lies within the radius
-  const Eigen::Vector3f height = (missing / bump).cast<float>();
-  for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
-    const auto share =
-        static_cast<float>(bumpAt(surface.vertices()[v], touch.anchor_position, radius));
-    if (share > 0) Eigen::Map<Eigen::Vector3f>(out.data() + 3 * v) += share * height;
-  }
+    radius +=
+        2 * touch.anchor.barycentric[static_cast<Eigen::Index>(c)] * surface.longestEdgeAt(t[c]);
+  moveAnchor(surface.vertices(), t, touch.anchor.barycentric, touch.anchor_position, radius,
+             touch.displacement - touch.excess(), out);
 }
 
 }  // namespace

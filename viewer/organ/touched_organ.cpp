@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/index.hpp"
-#include "common/mesh/bump_integrals.hpp"
+#include "common/mesh/anchor_bump.hpp"
 
 namespace palpate {
 namespace {
@@ -114,23 +113,11 @@ void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const 
 void TouchedOrgan::passThroughTool(const SurfacePoint& anchor, const Eigen::Vector3d& p,
                                    std::span<float> out) {
   const Triangle& t = organ_.triangles[at(anchor.triangle)];
-  const Eigen::Vector3d s = positionOf(anchor);
-  Eigen::Vector3d missing = p;
-  double radius = 0, bump = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double share = anchor.barycentric[static_cast<Eigen::Index>(c)];
-    missing -= share * Eigen::Map<const Eigen::Vector3f>(out.data() + 3 * at(t[c])).cast<double>();
+  double radius = 0;
+  for (std::size_t c = 0; c < 3; ++c)
     radius = std::max(radius,
                       2 * (organ_.vertices[at(t[c])] - organ_.vertices[at(t[(c + 1) % 3])]).norm());
-  }
-  for (std::size_t c = 0; c < 3; ++c)
-    bump += anchor.barycentric[static_cast<Eigen::Index>(c)] *
-            bumpAt(organ_.vertices[at(t[c])], s, radius);
-  const Eigen::Vector3f height = (missing / bump).cast<float>();
-  for (std::size_t v = 0; v < organ_.vertices.size(); ++v) {
-    const auto share = static_cast<float>(bumpAt(organ_.vertices[v], s, radius));
-    if (share > 0) Eigen::Map<Eigen::Vector3f>(out.data() + 3 * v) += share * height;
-  }
+  moveAnchor(organ_.vertices, t, anchor.barycentric, positionOf(anchor), radius, p, out);
 }
 
 }  // namespace palpate
