@@ -60,7 +60,4 @@ struct Comparison {
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places = 6);
 
-/// For a terminal: at most 100 columns but for file names, ends with a newline.
-std::string comparisonText(const Comparison& comparison);
-
 }  // namespace palpate

@@ -61,7 +61,7 @@ struct NodeMeasures {
   std::vector<ErrorMeasures> methods;  ///< on the measured lattice, in the order of Report::methods
 };
 
-/// Everything `palpate report` says, measured; its writers only format (reportText,
+/// Everything `palpate report` says, measured; its writers only format (report_text.hpp,
 /// report_json.hpp, report_page.hpp).
 struct Report {
   std::vector<Dataset> open;  ///< the datasets, as given
@@ -103,8 +103,5 @@ const LatticeMeasures& shownLattice(const Report& report);
 /// Numbers of all active nodes, by the mean error of the default method: the largest first, those
 /// without one last.
 std::vector<std::size_t> worstFirst(const Report& report);
-
-/// For a terminal: at most 100 columns, ends with a newline.
-std::string reportText(const Report& report);
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report_json.hpp"
 #include "viewer/report/report_page.hpp"
+#include "viewer/report/report_text.hpp"
 
 namespace palpate {
 namespace {
