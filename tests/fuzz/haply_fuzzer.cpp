@@ -1,5 +1,5 @@
 #include "tests/fuzz/fuzzer.hpp"
-#include "viewer/devices/haply_device.hpp"
+#include "viewer/devices/haply_message.hpp"
 
 namespace palpate::fuzz {
 namespace {

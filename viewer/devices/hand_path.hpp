@@ -8,8 +8,6 @@
 
 namespace palpate {
 
-class HapticModel;
-
 /// Where a hand wants to be at a time.
 struct HandWaypoint {
   double time = 0;                                     ///< s, ascending
@@ -56,11 +54,5 @@ class HandPath {
 /// Reads lines of "TIME X Y Z [BUTTONS]" (seconds, metres, a whole number); "#" begins a comment;
 /// the word "repeat" on the last line makes it go on forever. Error (bad input) with file and line.
 HandPath readHandPath(const std::filesystem::path& file);
-
-/// The script of a hand that explores a body: for one active node after the other it approaches
-/// along the outward normal, presses, slides in a circle, comes back and goes on outside of the
-/// body; over a finger's area it slides, pressed in, from site to site until it has been at all of
-/// them; and all of it again, forever. A function of the model alone.
-HandPath touchPath(const HapticModel& model);
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "common/base/error.hpp"
+#include "viewer/devices/haply_message.hpp"
 #include "viewer/haptics/real_time.hpp"
 
 namespace palpate {

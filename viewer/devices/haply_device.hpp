@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <thread>
 
 #include "viewer/devices/device_exchange.hpp"
@@ -53,22 +52,5 @@ class HaplyDevice : public ThreadedDevice {
   const std::string place_;  ///< of the service, for a person
   std::jthread thread_;      ///< the last member: it ends before what it uses goes
 };
-
-/// What one message of the service says about a device.
-struct HaplyState {
-  enum class Kind : std::uint8_t {
-    reading,    ///< the device is there, and its position
-    no_device,  ///< the service lists no such device
-    malformed   ///< no message of the service
-  } kind = Kind::malformed;
-  std::string id;         ///< of the device; no_device: those that are listed, "049D, 04A1"
-  DeviceReading reading;  ///< our axes, origin that of the service
-  std::string trouble;    ///< not calibrated, no power supply
-};
-/// Never throws for any text. id: empty takes the first one.
-HaplyState readHaplyState(std::string_view text, const std::string& id);
-
-/// The message that makes the force of a device `force` (N, our axes).
-std::string haplyForceMessage(const std::string& id, const Eigen::Vector3d& force);
 
 }  // namespace palpate

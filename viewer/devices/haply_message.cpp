@@ -1,6 +1,6 @@
-#include <nlohmann/json.hpp>
+#include "viewer/devices/haply_message.hpp"
 
-#include "viewer/devices/haply_device.hpp"
+#include <nlohmann/json.hpp>
 
 namespace palpate {
 namespace {

@@ -1,3 +1,5 @@
+#include "viewer/devices/touch_path.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -5,7 +7,6 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "viewer/devices/hand_path.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {

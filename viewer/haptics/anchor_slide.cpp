@@ -1,8 +1,9 @@
+#include "viewer/haptics/anchor_slide.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/index.hpp"
-#include "viewer/haptics/contact.hpp"
 
 namespace palpate {
 namespace {
@@ -126,38 +127,40 @@ double wayAllowed(const ContactOptions& options, double motion, const Eigen::Vec
 
 }  // namespace
 
-void Contact::slide(const Eigen::Vector3d& tool, double motion) noexcept {
-  const TouchSurface& surface = model_->surface();
+void slideAnchor(const HapticModel& model, std::size_t method, const ContactOptions& options,
+                 const Eigen::Vector3d& tool, double motion, SurfacePoint& anchor,
+                 BlendedForce& force) noexcept {
+  const TouchSurface& surface = model.surface();
   const auto evaluateAt = [&](const SurfacePoint& point) {
-    force_.evaluate(*model_, method_, point, tool - surface.position(point));
+    force.evaluate(model, method, point, tool - surface.position(point));
   };
   double gone = 0, allowed = 0, shorter = 1;
   for (int piece = 0; piece < most_pieces; ++piece) {
-    const Descent descent = steepestDescent(surface, anchor_, force_);
-    if (piece == 0) allowed = wayAllowed(options_, motion, force_.force(), descent.energy.change);
-    const Eigen::Vector3d normal = surface.normal(anchor_);
+    const Descent descent = steepestDescent(surface, anchor, force);
+    if (piece == 0) allowed = wayAllowed(options, motion, force.force(), descent.energy.change);
+    const Eigen::Vector3d normal = surface.normal(anchor);
     const double excess =
-        descent.slope - options_.friction * std::max(0.0, force_.force().dot(normal));
-    if (!(excess > 1e-9 * force_.force().norm() && gone < allowed)) break;
+        descent.slope - options.friction * std::max(0.0, force.force().dot(normal));
+    if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
 
     // How fast the excess falls along the way. A flat direction gets a share of the largest
     // stiffness, so that the way is bounded there too.
     const Eigen::Vector3d& direction = descent.direction;
     const double falls = direction.dot(descent.energy.hessian * direction) +
-                         options_.friction * normal.dot(descent.energy.change * direction);
-    const double stiffness = std::max(falls, 0.1 * force_.stiffness().norm());
+                         options.friction * normal.dot(descent.energy.change * direction);
+    const double stiffness = std::max(falls, 0.1 * force.stiffness().norm());
     const double wanted = shorter * excess / stiffness;
     double length = std::min(wanted, allowed - gone);
     const SurfacePoint next = moved(descent, length);
-    const bool was_enough = length == wanted && excess < small_excess * force_.force().norm();
-    const double energy = force_.sum().energy;
+    const bool was_enough = length == wanted && excess < small_excess * force.force().norm();
+    const double energy = force.sum().energy;
     evaluateAt(next);
-    if (force_.sum().energy > energy + 1e-12 * std::abs(energy)) {
-      evaluateAt(anchor_);
+    if (force.sum().energy > energy + 1e-12 * std::abs(energy)) {
+      evaluateAt(anchor);
       shorter /= 4;
       continue;
     }
-    anchor_ = next;
+    anchor = next;
     gone += length;
     if (was_enough) break;
   }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "viewer/haptics/anchor_slide.hpp"
+
 namespace palpate {
 namespace {
 
@@ -96,7 +98,8 @@ bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;
   force_.evaluate(*model_, method_, anchor_, pressing - surface.position(anchor_));
-  if (options_.mode == ContactMode::unilateral) slide(pressing, (tool - last_tool_).norm());
+  if (options_.mode == ContactMode::unilateral)
+    slideAnchor(*model_, method_, options_, pressing, (tool - last_tool_).norm(), anchor_, force_);
   const Eigen::Vector3d displacement = pressing - surface.position(anchor_),
                         normal = surface.normal(anchor_);
   if (options_.mode == ContactMode::unilateral && displacement.dot(normal) >= 0 &&

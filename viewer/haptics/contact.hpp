@@ -4,20 +4,10 @@
 #include <cstdint>
 
 #include "viewer/haptics/blended_force.hpp"
+#include "viewer/haptics/contact_options.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
-
-struct ContactOptions {
-  ContactMode mode = ContactMode::unilateral;
-  double friction = 0.2;         ///< Coulomb's coefficient, >= 0; unilateral only
-  double grab_distance = 0.005;  ///< m; glued: the tool takes hold of a surface this near
-  double most_slide = 0.002;     ///< m per tick that the anchor may slide at most
-  /// Of the force, per tick: what sliding may change it by beyond what the tool's own motion does.
-  /// So the force stays continuous where the anchor runs down from a ridge between two triangles.
-  /// Smaller is softer, and lags behind.
-  double most_relaxation = 0.005;
-};
 
 /// What the tissue does to the tool: the force on it, not limited yet, with what is known of it,
 /// blended from the spaces of the anchor. stiffness: d force / d tool with the anchor held. inside:
@@ -100,13 +90,6 @@ class Contact {
   void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
   void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
   bool press(const Eigen::Vector3d& tool) noexcept;
-  /// Moves the anchor along the surface against the tangent of W, by the way of steepest descent at
-  /// edges and vertices, until |tangent| <= friction F.n or the way is used up; then the force is
-  /// that at the anchor. tool: m, where the displacement is tool - anchor. motion: m, of the tool
-  /// in this tick. Each piece of the way stays in one triangle, and is taken back where W would
-  /// grow, so W never does. The anchor stays on touchable triangles. The way is cut off after a few
-  /// evaluations and goes on in the next tick.
-  void slide(const Eigen::Vector3d& tool, double motion) noexcept;
   void end(bool stepped) noexcept;
   void describe(const Eigen::Vector3d& displacement) noexcept;
 

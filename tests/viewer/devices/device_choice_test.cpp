@@ -14,7 +14,7 @@
 #include "tests/viewer/devices/tray_device.hpp"
 #include "viewer/devices/device_command.hpp"
 #include "viewer/devices/device_server.hpp"
-#include "viewer/devices/hand_path.hpp"
+#include "viewer/devices/touch_path.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {

@@ -14,6 +14,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/devices/polling.hpp"
 #include "tests/viewer/devices/real_time_threads.hpp"
+#include "viewer/devices/haply_message.hpp"
 #include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
