@@ -262,55 +262,5 @@ TEST(PotentialField, ConvergesAtLeastWithTheFourthPowerOfTheSpacing) {
             1e-2 * forceError("trilinear", StiffeningEnergy(), 0.005));
 }
 
-TEST(PotentialField, ForceIsMinusTheGradientOfItsEnergy) {
-  const auto field = fieldOf("potential", StiffeningEnergy(), 0.005);
-  const double step = 1e-6;
-  for (const Vector3d& p : pointsInCube(0.009)) {
-    Vector3d differences;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vector3d d = step * Vector3d::Unit(axis);
-      differences[axis] =
-          (field->evaluate(p - d).energy - field->evaluate(p + d).energy) / (2 * step);
-    }
-    const ForceSample sample = field->evaluate(p);
-    EXPECT_LE((sample.force - differences).norm(), 1e-6 * sample.force.norm());
-    EXPECT_EQ(sample.stiffness, sample.stiffness.transpose());
-  }
-}
-
-/// Work of the field along a circle through many cells, relative to the work of its absolute value.
-double relativeLoopWork(const ForceField& field) {
-  const int steps = 20000;
-  const Vector3d u = Vector3d(1, 2, 0.5).normalized(),
-                 v = u.cross(Vector3d(0, 0.3, 1)).normalized();
-  double work = 0, total = 0;
-  for (int n = 0; n < steps; ++n) {
-    const double angle = 2 * M_PI * (n + 0.5) / steps;
-    const Vector3d p = 0.009 * (std::cos(angle) * u + std::sin(angle) * v);
-    const Vector3d step = 0.009 * 2 * M_PI / steps * (-std::sin(angle) * u + std::cos(angle) * v);
-    const double part = field.evaluate(p).force.dot(step);
-    work += part;
-    total += std::abs(part);
-  }
-  return std::abs(work) / total;
-}
-
-TEST(PotentialField, ReturnsNoWorkFromAClosedLoopWhereTrilinearDoes) {
-  EXPECT_LT(relativeLoopWork(*fieldOf("potential", StiffeningEnergy(), 0.005)), 1e-9);
-  EXPECT_GT(relativeLoopWork(*fieldOf("trilinear", StiffeningEnergy(), 0.005)), 1e-6);
-}
-
-TEST(PotentialField, StiffnessIsContinuousAcrossFaces) {
-  const double spacing = 0.005;
-  const auto field = fieldOf("potential", StiffeningEnergy(), spacing);
-  for (const Vector3d& p : pointsInCube(0.009)) {
-    Vector3d low = p, high = p;
-    low.x() = -1e-13;
-    high.x() = 1e-13;
-    const Matrix3d below = field->evaluate(low).stiffness, above = field->evaluate(high).stiffness;
-    EXPECT_LE((below - above).norm(), 1e-8 * below.norm());
-  }
-}
-
 }  // namespace
 }  // namespace palpate

@@ -30,35 +30,6 @@ Vector3d inBall(std::mt19937& random) {
   }
 }
 
-TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
-  const PotentialField field(unevenSpace());
-  std::mt19937 random(4);
-  for (int n = 0; n < 6000; ++n) {
-    Vector3d low = inBall(random), high;
-    const int axis = n % 3;
-    const double grid = n % 2 == 0 ? spacing : spacing / 4;
-    const double face = grid * std::round(low[axis] / grid);
-    high = low;
-    low[axis] = face - 1e-12;
-    high[axis] = face + 1e-12;
-    const ForceSample below = field.evaluate(low), above = field.evaluate(high);
-    EXPECT_LE((below.force - above.force).norm(), 1e-7) << low.transpose();
-    EXPECT_LE((below.stiffness - above.stiffness).norm(), 1e-5) << low.transpose();
-  }
-}
-
-TEST(PotentialField, IsContinuousOverTheSphere) {
-  const PotentialField field(unevenSpace());
-  std::mt19937 random(6);
-  for (int n = 0; n < 1000; ++n) {
-    const Vector3d direction = inBall(random).normalized();
-    const ForceSample in = field.evaluate(direction * (radius - 1e-12)),
-                      out = field.evaluate(direction * (radius + 1e-12));
-    EXPECT_TRUE(in.inside);
-    EXPECT_LE((in.force - out.force).norm(), 1e-7);
-  }
-}
-
 TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
   const PotentialField field(unevenSpace());
   const test::StiffeningEnergy energy;
@@ -113,9 +84,10 @@ TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
   }
 }
 
-TEST(PotentialField, IsContinuousAcrossCellsThatAJumpCrosses) {
+/// Across refined cells, the rim, failed points, and cells that a jump crosses.
+TEST(PotentialField, ItsStiffnessIsContinuousToo) {
   std::mt19937 random(16);
-  for (const SpaceTable& space : {jumpingSpace(), unevenSpace(jumping_energy)}) {
+  for (const SpaceTable& space : {unevenSpace(), jumpingSpace(), unevenSpace(jumping_energy)}) {
     const PotentialField field(space);
     for (int n = 0; n < 3000; ++n) {
       Vector3d low = inBall(random), high;

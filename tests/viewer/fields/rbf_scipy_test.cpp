@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 
-#include "common/base/error.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -14,18 +13,6 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-/// Standard output of a program run by the distribution's Python, which has SciPy as package
-/// python3-scipy.
-std::string outputOf(const std::string& arguments, int& status) {
-  const std::string command = "/usr/bin/python3 " + arguments;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) throw failure("cannot run {}", command);
-  std::string output;
-  for (int c; (c = std::fgetc(pipe)) != EOF;) output += static_cast<char>(c);
-  status = pclose(pipe);
-  return output;
-}
 
 constexpr const char* program = R"(
 import sys, warnings
@@ -42,9 +29,7 @@ INSTANTIATE_TEST_SUITE_P(RbfField, BesideScipy, ::testing::Values("linear", "cub
                          [](const auto& kernel) { return std::string(kernel.param); });
 
 TEST_P(BesideScipy, ForcesAreThoseOfItsRbfInterpolator) {
-  int status = 0;
-  outputOf("-c 'import scipy.interpolate' 2> /dev/null", status);
-  if (status != 0)
+  if (test::runCommand("/usr/bin/python3 -c 'import scipy.interpolate'").exit_code != 0)
     GTEST_SKIP() << "NOT COMPARED WITH SCIPY: /usr/bin/python3 has no scipy; install python3-scipy";
 
   const SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
@@ -65,12 +50,11 @@ TEST_P(BesideScipy, ForcesAreThoseOfItsRbfInterpolator) {
   queries.close();
   std::ofstream(directory / "rbf.py") << program;
 
-  const std::string output = outputOf(fmt::format("{} {} {} {}", (directory / "rbf.py").string(),
-                                                  (directory / "points.txt").string(),
-                                                  (directory / "queries.txt").string(), GetParam()),
-                                      status);
-  ASSERT_EQ(status, 0);
-  std::istringstream forces(output);
+  const test::CommandResult interpolated = test::runCommand(fmt::format(
+      "/usr/bin/python3 {} {} {} {}", (directory / "rbf.py").string(),
+      (directory / "points.txt").string(), (directory / "queries.txt").string(), GetParam()));
+  ASSERT_EQ(interpolated.exit_code, 0) << interpolated.output;
+  std::istringstream forces(interpolated.output);
   const auto field = makeForceField(std::string("rbf-") + GetParam(), space);
   for (const Vector3d& p : places) {
     Vector3d expected;

@@ -30,6 +30,17 @@ class AreaContact : public ::testing::Test {
       if (surface.faceNormal(t).z() > 0.9) return t;
     return -1;
   }
+  /// Where the anchor is in the shape that is shown of a touch.
+  Eigen::Vector3d shownAtAnchor(const Touch& touch) const {
+    std::vector<float> shape(3 * surface.vertices().size());
+    DeformedShape(surface.vertices().size()).evaluate(model, touch, shape);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < 3; ++c)
+      sum += touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
+             Eigen::Vector3f::Map(&shape[3 * at(surface.triangles()[at(touch.anchor.triangle)][c])])
+                 .cast<double>();
+    return sum;
+  }
   const HapticModel& model = shared();
   const TouchSurface& surface = model.surface();
 };
@@ -208,44 +219,21 @@ TEST_F(AreaContact, WithTheGuardAHoleAndAFoldGiveBoundedForcesAndNoEnergy) {
   EXPECT_GT(covered_less, 100);
 }
 
-TEST_F(AreaContact, TheToolAndTheShapeThatAreShownStopWhereTheAnswersEnd) {
+TEST_F(AreaContact, TheShapePassesThroughTheToolAndStopsWhereTheAnswersEnd) {
   Contact contact(model, {.friction = 10});
-  for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - 0.0005 * n});
-  const Touch& touch = contact.touch();
-  ASSERT_TRUE(touch.touching);
-  ASSERT_FALSE(touch.inside);
-  EXPECT_GT(touch.beyond, 0.01);
-  EXPECT_NEAR((touch.displacement - touch.excess()).norm(),
-              touch.displacement.norm() - touch.beyond, 1e-12);
-  std::vector<float> shape(3 * surface.vertices().size());
-  DeformedShape deformed(surface.vertices().size());
-  deformed.evaluate(model, touch, shape);
-  Eigen::Vector3d at_anchor = Eigen::Vector3d::Zero();
-  for (std::size_t c = 0; c < 3; ++c)
-    at_anchor +=
-        touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
-        Eigen::Vector3f::Map(&shape[3 * at(surface.triangles()[at(touch.anchor.triangle)][c])])
-            .cast<double>();
-  EXPECT_LT((at_anchor - (touch.displacement - touch.excess())).norm(), 1e-5);
-}
-
-TEST_F(AreaContact, TheShapePassesThroughTheTool) {
-  Contact contact(model, {.friction = 10});
-  for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - 0.0001 * n});
-  const Touch& touch = contact.touch();
-  ASSERT_TRUE(touch.touching);
-  std::vector<float> shape(3 * surface.vertices().size());
-  DeformedShape deformed(surface.vertices().size());
-  deformed.evaluate(model, touch, shape);
-  Eigen::Vector3d at_anchor = Eigen::Vector3d::Zero();
-  for (int c = 0; c < 3; ++c)
-    at_anchor += touch.anchor.barycentric[c] *
-                 Eigen::Vector3f::Map(
-                     &shape[static_cast<std::size_t>(
-                         3 * surface.triangles()[static_cast<std::size_t>(touch.anchor.triangle)]
-                                                [static_cast<std::size_t>(c)])])
-                     .cast<double>();
-  EXPECT_LT((at_anchor - touch.displacement).norm(), 1e-6);
+  const auto at_depth = [&](double depth) -> const Touch& {
+    for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - depth * n / 100});
+    return contact.touch();
+  };
+  const Touch& shallow = at_depth(0.01);
+  ASSERT_TRUE(shallow.touching && shallow.inside);
+  EXPECT_LT((shownAtAnchor(shallow) - shallow.displacement).norm(), 1e-6);
+  const Touch& deep = at_depth(0.05);
+  ASSERT_TRUE(deep.touching && !deep.inside);
+  EXPECT_GT(deep.beyond, 0.01);
+  EXPECT_NEAR((deep.displacement - deep.excess()).norm(), deep.displacement.norm() - deep.beyond,
+              1e-12);
+  EXPECT_LT((shownAtAnchor(deep) - (deep.displacement - deep.excess())).norm(), 1e-5);
 }
 
 }  // namespace

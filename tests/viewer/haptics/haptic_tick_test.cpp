@@ -69,20 +69,6 @@ TEST_F(HapticTickTest, LetsGoWithoutAFaultWhenTheHandIsAway) {
   EXPECT_EQ(tick.state().guards, 0U);
 }
 
-TEST_F(HapticTickTest, GivesTheSameForcesToTheLastBit) {
-  std::vector<Eigen::Vector3d> runs[2];
-  for (auto& run : runs) {
-    ScriptedHand hand(test::pressingAndSliding());
-    HapticTick tick({&model()}, hand, options());
-    for (int n = 0; n < 5000; ++n) tick.run();
-    run = hand.forces;
-  }
-  EXPECT_TRUE(runs[0] == runs[1]);
-  double largest = 0;
-  for (const Eigen::Vector3d& force : runs[0]) largest = std::max(largest, force.norm());
-  EXPECT_GT(largest, 0.2);
-}
-
 TEST_F(HapticTickTest, SlidesWithoutStepsOfTheForce) {
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick({&model()}, hand, options());

@@ -105,54 +105,34 @@ bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
   return std::ranges::equal(a, b, [](const T& x, const T& y) { return sameBits(x, y); });
 }
 
-template <class Value>
-std::vector<Value> listOf(const std::vector<HapticState>& states,
-                          Value (*value)(const HapticState&)) {
-  std::vector<Value> list;
-  for (const HapticState& state : states) list.push_back(value(state));
-  return list;
-}
-
 TEST(Recording, HoldsEveryTickToTheLastBit) {
   const TemporaryDirectory folder;
   const std::vector<HapticState> states = someStates(1000);
   someRecorder(1000).save(folder / "run.h5");
   hdf5::Reader in(folder / "run.h5");
   in.findArrays();
-  const auto expect = [&]<class Value>(const char* path, Value (*value)(const HapticState&)) {
-    EXPECT_TRUE(sameBits(in.readList<Value>(path), listOf(states, value))) << path;
-  };
   using State = const HapticState&;
-  expect(
-      "/time", +[](State s) { return s.time; });
-  expect(
-      "/device/position", +[](State s) { return s.reading.position; });
-  expect(
-      "/device/buttons", +[](State s) { return s.reading.buttons; });
-  expect(
-      "/device/status", +[](State s) { return s.reading.status; });
-  expect(
-      "/tool/position", +[](State s) { return s.tool; });
-  expect(
-      "/force/rendered", +[](State s) { return s.force; });
-  expect(
-      "/force/raw", +[](State s) { return s.touch.force; });
-  expect(
-      "/contact/touching", +[](State s) { return std::uint8_t{s.touch.touching}; });
-  expect(
-      "/contact/inside", +[](State s) { return std::uint8_t{s.touch.inside}; });
-  expect(
-      "/contact/coverage", +[](State s) { return s.touch.coverage; });
-  expect(
-      "/contact/energy", +[](State s) { return s.touch.energy; });
-  expect(
-      "/contact/error_bound", +[](State s) { return s.touch.error_bound; });
-  expect(
-      "/guards", +[](State s) { return s.guards; });
-  expect(
-      "/model", +[](State s) { return s.model; });
-  expect(
-      "/method", +[](State s) { return s.method; });
+  const auto expect = [&](const char* path, auto value) {
+    using Value = std::decay_t<decltype(value(states.front()))>;
+    std::vector<Value> wanted;
+    for (State state : states) wanted.push_back(value(state));
+    EXPECT_TRUE(sameBits(in.readList<Value>(path), wanted)) << path;
+  };
+  expect("/time", [](State s) { return s.time; });
+  expect("/device/position", [](State s) { return s.reading.position; });
+  expect("/device/buttons", [](State s) { return s.reading.buttons; });
+  expect("/device/status", [](State s) { return s.reading.status; });
+  expect("/tool/position", [](State s) { return s.tool; });
+  expect("/force/rendered", [](State s) { return s.force; });
+  expect("/force/raw", [](State s) { return s.touch.force; });
+  expect("/contact/touching", [](State s) { return std::uint8_t{s.touch.touching}; });
+  expect("/contact/inside", [](State s) { return std::uint8_t{s.touch.inside}; });
+  expect("/contact/coverage", [](State s) { return s.touch.coverage; });
+  expect("/contact/energy", [](State s) { return s.touch.energy; });
+  expect("/contact/error_bound", [](State s) { return s.touch.error_bound; });
+  expect("/guards", [](State s) { return s.guards; });
+  expect("/model", [](State s) { return s.model; });
+  expect("/method", [](State s) { return s.method; });
   const auto anchors = in.readList<Eigen::Vector3d>("/contact/anchor"),
              displacements = in.readList<Eigen::Vector3d>("/contact/displacement");
   ASSERT_EQ(anchors.size(), states.size());
@@ -327,14 +307,10 @@ void rewrite(const std::filesystem::path& file, const char* path, std::vector<T>
 
 TEST(Recording, WithImpossibleValuesIsRefused) {
   const TemporaryDirectory folder;
-  const auto fresh = [&] { someRecorder(3).save(folder / "run.h5"); };
-  const auto refused = [&](const std::string& where) {
-    test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); },
-                      {"run.h5", where});
-  };
-  fresh();
+  someRecorder(3).save(folder / "run.h5");
   rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 4, 0}, {3});
-  refused("/device/status");
+  test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); },
+                    {"run.h5", "/device/status"});
 }
 
 TEST(Recording, IsRefusedForDamageInWhatAReplayDoesNotNeedToo) {
