@@ -173,8 +173,7 @@ TEST_F(AccidentTest, AWorkerToldToEndSaysGoodbyeInTimeWhateverItsSolverDoes) {
   worker->signal(SIGTERM);
   ASSERT_TRUE(solver.waitUntilItEnds());
   EXPECT_EQ(worker->wait(), 130) << worker->output();
-  EXPECT_TRUE(test::eventually(
-      [&] { return scheduler->output().find("left: interrupted") != std::string::npos; }));
+  EXPECT_TRUE(test::says(*scheduler, "left: interrupted"));
   auto another = work(endpoint);
   expectFinished(*scheduler);
   EXPECT_THAT(scheduler->output(), Not(HasSubstr("ended unexpectedly")));

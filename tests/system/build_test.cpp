@@ -273,8 +273,7 @@ TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
   build->stop(SIGKILL);
   EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
   auto again = startBuild("out.h5", "2");
-  ASSERT_TRUE(
-      test::eventually([&] { return again->output().find("paused by") != std::string::npos; }));
+  ASSERT_TRUE(test::says(*again, "paused by"));
   EXPECT_THAT(ask("status"), HasSubstr("running, paused"));
   EXPECT_THAT(ask("resume"), HasSubstr("goes on"));
   expectFinished(*again);

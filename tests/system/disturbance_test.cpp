@@ -260,8 +260,7 @@ TEST_F(RemoteWorkerTest, WhatAKilledOneHeldIsHandedOutAgainWithoutWaitingForItsS
   auto far = work(endpoint);
   if (two_networks) network.goHere();
   const std::string its_name = "worker " + std::to_string(far->pid()) + " on ";
-  ASSERT_TRUE(
-      test::eventually([&] { return scheduler->output().find(its_name) != std::string::npos; }));
+  ASSERT_TRUE(test::says(*scheduler, its_name));
   ASSERT_TRUE(journalGrows(*scheduler, "served", 20000));
   const auto killed_at = Clock::now();
   far->stop(SIGKILL);

@@ -61,8 +61,7 @@ TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
   expectDone("node", "key new");
   expectDone("node", "key trust " + keyOf("head"));
   auto worker = workAs("node");
-  EXPECT_TRUE(test::eventually(
-      [&] { return worker->output().find("does not let this key in") != std::string::npos; }));
+  EXPECT_TRUE(test::says(*worker, "does not let this key in"));
   expectDone("head", "key allow " + keyOf("node") + " worker node");
   EXPECT_TRUE(test::eventually([&] {
     return scheduler->output().find("joined") != std::string::npos || !worker->running();

@@ -110,8 +110,7 @@ TEST_F(OperatingTest, EventsAreFollowedWhileTheyHappen) {
 TEST_F(OperatingTest, ALogForProgramsHoldsNothingElse) {
   auto scheduler = serve("state", "out.h5", {"--log-format", "json"});
   endpointIn("state");
-  EXPECT_TRUE(
-      test::eventually([&] { return scheduler->output().find("listening") != std::string::npos; }));
+  EXPECT_TRUE(test::says(*scheduler, "listening"));
   EXPECT_EQ(scheduler->stop(SIGTERM), 130);
   for (const auto& line : objects(scheduler->output())) {
     EXPECT_EQ(line.at("verb"), "serve");

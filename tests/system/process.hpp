@@ -114,4 +114,9 @@ class Process {
   pid_t pid_ = -1;
 };
 
+/// Whether it says so, now or soon.
+inline bool says(const Process& process, const std::string& words) {
+  return eventually([&] { return process.output().find(words) != std::string::npos; });
+}
+
 }  // namespace palpate::test

@@ -31,9 +31,7 @@ struct SshTest : test::SmallBuild {
     sshd = std::make_unique<test::Process>(
         "/usr/sbin/sshd", std::vector<std::string>{"-D", "-e", "-f", path("sshd_config")},
         directory.path());
-    ASSERT_TRUE(test::eventually([&] {
-      return sshd->output().find("Server listening") != std::string::npos;
-    })) << sshd->output();
+    ASSERT_TRUE(test::says(*sshd, "Server listening")) << sshd->output();
   }
   std::string path(const char* name) const { return (directory / name).string(); }
   void makeKey(const char* name) const {
@@ -83,11 +81,9 @@ TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
 TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("nobody"));
-  EXPECT_TRUE(test::eventually([&] {
-    return fleet->output().find(
-               "exit code 255 (it does not get through; its words are above); again in 5 s") !=
-           std::string::npos;
-  })) << fleet->output();
+  EXPECT_TRUE(test::says(
+      *fleet, "exit code 255 (it does not get through; its words are above); again in 5 s"))
+      << fleet->output();
   EXPECT_THAT(fleet->output(), HasSubstr("Host key verification failed"));
   EXPECT_EQ(fleet->stop(SIGTERM), 130);
 }
@@ -95,9 +91,7 @@ TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
 TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilSomebodyPutsItThere) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("known"), path("worker"));
-  EXPECT_TRUE(test::eventually([&] {
-    return fleet->output().find("exit code 127 (--program is not there") != std::string::npos;
-  })) << fleet->output();
+  EXPECT_TRUE(test::says(*fleet, "exit code 127 (--program is not there")) << fleet->output();
   std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", path("worker"));
   expectFinished(*scheduler);
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();

@@ -85,23 +85,15 @@ TEST_F(ViewTest, EndsAfterItsDurationOnTheClock) {
   EXPECT_EQ(run.at("ticks"), 500);
 }
 
-TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
-  auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
-  run->signal(SIGINT);
-  EXPECT_EQ(run->wait(), 130);
-  EXPECT_THAT(run->output(), HasSubstr("latency"));
-  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
-}
-
-TEST_F(ViewTest, AClosedTerminalKeepsTheRecording) {
-  auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
-  run->signal(SIGHUP);
-  EXPECT_EQ(run->wait(), 130);
-  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+TEST_F(ViewTest, AnInterruptAndAClosedTerminalKeepItsMeasurementsAndItsRecording) {
+  for (const int number : {SIGINT, SIGHUP}) {
+    std::filesystem::remove(directory / "run.h5");
+    auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
+    ASSERT_TRUE(test::says(*run, "virtual hand at"));
+    EXPECT_EQ(run->stop(number), 130);
+    EXPECT_THAT(run->output(), HasSubstr("latency"));
+    EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+  }
 }
 
 TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
@@ -128,8 +120,7 @@ TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
 
 TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
   auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  ASSERT_TRUE(test::says(*run, "virtual hand at"));
   seal(2);
   EXPECT_EQ(run->wait(), 0) << run->output();
   EXPECT_THAT(run->output(), HasSubstr("cube.h5 was replaced"));
@@ -180,8 +171,7 @@ TEST_F(ViewTest, DrawsWhileTheLoopKeepsItsTime) {
 TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
   const test::VirtualScreen screen;
   auto run = start({"cube.h5", "--duration", "5", "--json"});
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("mouse at") != std::string::npos; }));
+  ASSERT_TRUE(test::says(*run, "mouse at"));
   test::Person person(screen.name(), "Palpate");
   person.pointAt(490, 311);
   person.holdButton();
@@ -217,8 +207,7 @@ TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReadAgain) {
   arguments.insert(arguments.end(), {"--method", "rbf-cubic"});
   const auto begin = Clock::now();
   auto run = start(arguments);
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("mouse at") != std::string::npos; }));
+  ASSERT_TRUE(test::says(*run, "mouse at"));
   const auto prepared = Clock::now() - begin;
   test::Person person(screen.name(), "Palpate");
   person.press("F5");
@@ -233,8 +222,7 @@ TEST_F(ViewTest, FeelsWhatWasReadAgain) {
   const test::VirtualScreen screen;
   std::filesystem::copy(directory / "cube.h5", directory / "soft.h5");
   auto run = start({"cube.h5", "--device", "virtual", "--json"});
-  ASSERT_TRUE(
-      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  ASSERT_TRUE(test::says(*run, "virtual hand at"));
   seal(4);
   test::Person person(screen.name(), "Palpate");
   // Forces are read again on processors that nothing else wants, and here other tests run.
