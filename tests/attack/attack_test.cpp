@@ -71,6 +71,21 @@ class Attacker {
   zmq::socket_t socket_;
 };
 
+/// So many of one role.
+std::shared_ptr<std::vector<Attacker>> crowd(zmq::context_t& context, const test::Fortress& target,
+                                             const std::string& name, const std::string& role,
+                                             int count) {
+  const KeyFolder keys = target.stranger(name, role);
+  auto all = std::make_shared<std::vector<Attacker>>();
+  for (int n = 0; n < count; ++n) all->emplace_back(context, target, keys);
+  return all;
+}
+std::shared_ptr<Attacker> loner(zmq::context_t& context, const test::Fortress& target,
+                                const std::string& name, const std::string& role = "worker",
+                                int buffered = 1000) {
+  return std::make_shared<Attacker>(context, target, target.stranger(name, role), buffered);
+}
+
 /// One step of an attack; it is called again and again.
 using Step = std::function<void()>;
 using Attack = std::function<Step(zmq::context_t&, test::Fortress&)>;
@@ -173,8 +188,7 @@ std::string randomText(std::size_t bytes) { return std::string(bytes, '\x5a'); }
 TEST_F(AttackTest, OfLongMessagesByAWorker) {
   withstand("long messages", {"closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
-              auto enemy =
-                  std::make_shared<Attacker>(context, target, target.stranger("long", "worker"), 1);
+              auto enemy = loner(context, target, "long", "worker", 1);
               return [enemy, n = 0]() mutable {
                 // Their library gives it away when it is whole: 20 MB.
                 if (!enemy->sendFrame(randomText(60000), ++n % 350 != 0))
@@ -188,7 +202,7 @@ TEST_F(AttackTest, OfLargeFrames) {
   // at the lowest priority, before anybody hears of it.
   static const std::string frame(100 << 20, 'x');
   withstand("frames of 100 MB", {}, [](zmq::context_t& context, test::Fortress& target) {
-    auto enemy = std::make_shared<Attacker>(context, target, target.stranger("large", "worker"), 1);
+    auto enemy = loner(context, target, "large", "worker", 1);
     return [enemy] {
       zmq::message_t message(const_cast<char*>(frame.data()), frame.size(), nullptr);
       if (!enemy->socket().send(message, zmq::send_flags::dontwait))
@@ -200,12 +214,10 @@ TEST_F(AttackTest, OfLargeFrames) {
 TEST_F(AttackTest, OfWorkersThatAskForTheProblemAndReadNothing) {
   withstand("slow readers", {"unread_answers", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
-              const KeyFolder keys = target.stranger("slow", "worker");
-              auto enemies = std::make_shared<std::vector<Attacker>>();
-              for (int n = 0; n < 20; ++n) {
-                enemies->emplace_back(context, target, keys);
-                enemies->back().socket().set(zmq::sockopt::rcvhwm, 1);
-                enemies->back().hello("slow-" + std::to_string(n));
+              auto enemies = crowd(context, target, "slow", "worker", 20);
+              for (std::size_t n = 0; n < 20; ++n) {
+                (*enemies)[n].socket().set(zmq::sockopt::rcvhwm, 1);
+                (*enemies)[n].hello("slow-" + std::to_string(n));
               }
               return [enemies] {
                 Message ask;
@@ -218,9 +230,7 @@ TEST_F(AttackTest, OfWorkersThatAskForTheProblemAndReadNothing) {
 
 TEST_F(AttackTest, OfWorkersThatHoardWork) {
   withstand("hoarders", {}, [](zmq::context_t& context, test::Fortress& target) {
-    const KeyFolder keys = target.stranger("hoarder", "worker");
-    auto enemies = std::make_shared<std::vector<Attacker>>();
-    for (int n = 0; n < 30; ++n) enemies->emplace_back(context, target, keys);
+    auto enemies = crowd(context, target, "hoarder", "worker", 30);
     return [enemies, round = 0]() mutable {
       for (std::size_t n = 0; n < enemies->size(); ++n) {
         Attacker& enemy = (*enemies)[n];
@@ -243,7 +253,7 @@ TEST_F(AttackTest, OfHellosWithoutEnd) {
   // Whether that many come that the connection is closed depends on the machine.
   std::atomic<std::int64_t> answers = 0;
   withstand("hellos", {}, [&](zmq::context_t& context, test::Fortress& target) {
-    auto enemy = std::make_shared<Attacker>(context, target, target.stranger("hello", "worker"));
+    auto enemy = loner(context, target, "hello");
     return [enemy, &answers, n = 0]() mutable {
       enemy->hello("worker-" + std::to_string(++n));
       answers += enemy->read();
@@ -255,9 +265,7 @@ TEST_F(AttackTest, OfHellosWithoutEnd) {
 TEST_F(AttackTest, OfSmallMessagesThatMeanNothing) {
   withstand("garbage", {"bad_messages", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
-              const KeyFolder keys = target.stranger("garbage", "worker");
-              auto enemies = std::make_shared<std::vector<Attacker>>();
-              for (int n = 0; n < 10; ++n) enemies->emplace_back(context, target, keys);
+              auto enemies = crowd(context, target, "garbage", "worker", 10);
               return [enemies] {
                 for (Attacker& enemy : *enemies) {
                   enemy.sendFrame("\xff\xff");
@@ -270,9 +278,7 @@ TEST_F(AttackTest, OfSmallMessagesThatMeanNothing) {
 TEST_F(AttackTest, OfQuestionsForTheStatus) {
   withstand("questions", {"closed_connections", "unread_answers"},
             [](zmq::context_t& context, test::Fortress& target) {
-              const KeyFolder keys = target.stranger("curious", "observer");
-              auto enemies = std::make_shared<std::vector<Attacker>>();
-              for (int n = 0; n < 10; ++n) enemies->emplace_back(context, target, keys);
+              auto enemies = crowd(context, target, "curious", "observer", 10);
               return [enemies] {
                 Message question;
                 question.mutable_status_request();
@@ -287,8 +293,7 @@ TEST_F(AttackTest, OfQuestionsForTheStatus) {
 TEST_F(AttackTest, OfResultsThatNobodyAskedFor) {
   withstand("forged results", {"bad_messages", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
-              auto enemy =
-                  std::make_shared<Attacker>(context, target, target.stranger("forger", "worker"));
+              auto enemy = loner(context, target, "forger");
               enemy->hello("forger");
               return [enemy] {
                 Message message;
@@ -304,8 +309,7 @@ TEST_F(AttackTest, OfResultsThatNobodyAskedFor) {
 /// What an observer says that workers and operators may say.
 TEST_F(AttackTest, OfAnObserverThatWantsMore) {
   withstand("an observer", {"bad_messages"}, [](zmq::context_t& context, test::Fortress& target) {
-    auto enemy =
-        std::make_shared<Attacker>(context, target, target.stranger("observer", "observer"));
+    auto enemy = loner(context, target, "observer", "observer");
     return [enemy] {
       Message stop;
       stop.mutable_stop_request();

@@ -19,43 +19,22 @@ struct NamedMaterial {
 /// One material of every law; those with det F = 1 without `bulk`. Soft tissue, kPa.
 inline std::vector<NamedMaterial> everyMaterial() {
   std::vector<NamedMaterial> all;
-  const auto add = [&all](LawName law) -> Material& {
-    all.push_back({std::string(word(law)), {}});
-    all.back().material.law = law;
-    return all.back().material;
-  };
-  for (const LawName law :
-       {LawName::linear, LawName::st_venant_kirchhoff, LawName::modified_st_venant_kirchhoff}) {
-    Material& m = add(law);
-    m.young = 15480;
-    m.poisson = 0.45;
-  }
-  {
-    Material& m = add(LawName::mooney_rivlin);
-    m.c10 = 1300;
-    m.c01 = 1280;
-  }
-  add(LawName::neo_hookean).mu = 5000;
-  {
-    Material& m = add(LawName::yeoh);
-    m.c10 = 1500;
-    m.c20 = 400;
-    m.c30 = 900;
-  }
-  add(LawName::ogden).ogden = {{6300 / 2.0, 1.3}, {120, 5.0}, {-1000 / 2.0, -2.0}};
-  {
-    Material& m = add(LawName::veronda_westmann);
-    m.c1 = 3500;
-    m.c2 = 1.5;
-  }
-  {
-    Material& m = add(LawName::holzapfel_gasser_ogden);
-    m.mu = 3000;
-    m.k1 = 2000;
-    m.k2 = 1.2;
-    m.dispersion = 0.1;
-    m.fibers = {Eigen::Vector3d(1, 0.5, 0).normalized(), Eigen::Vector3d(0, 0.6, 0.8)};
-  }
+  for (const Material& material : std::vector<Material>{
+           {.law = LawName::linear, .young = 15480, .poisson = 0.45},
+           {.law = LawName::st_venant_kirchhoff, .young = 15480, .poisson = 0.45},
+           {.law = LawName::modified_st_venant_kirchhoff, .young = 15480, .poisson = 0.45},
+           {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280},
+           {.law = LawName::neo_hookean, .mu = 5000},
+           {.law = LawName::yeoh, .c10 = 1500, .c20 = 400, .c30 = 900},
+           {.law = LawName::ogden, .ogden = {{6300 / 2.0, 1.3}, {120, 5.0}, {-1000 / 2.0, -2.0}}},
+           {.law = LawName::veronda_westmann, .c1 = 3500, .c2 = 1.5},
+           {.law = LawName::holzapfel_gasser_ogden,
+           .mu = 3000,
+           .k1 = 2000,
+           .k2 = 1.2,
+           .dispersion = 0.1,
+           .fibers = {Eigen::Vector3d(1, 0.5, 0).normalized(), Eigen::Vector3d(0, 0.6, 0.8)}}})
+    all.push_back({std::string(word(material.law)), material});
   return all;
 }
 

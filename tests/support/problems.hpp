@@ -12,9 +12,7 @@ inline Scene mooneyRivlinScene() {
   Scene scene;
   scene.name = "test";
   scene.mesh = "test.msh";
-  scene.regions[0].material.law = LawName::mooney_rivlin;
-  scene.regions[0].material.c10 = 1300;
-  scene.regions[0].material.c01 = 1280;
+  scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
   return scene;
 }
 
@@ -22,10 +20,7 @@ inline Scene mooneyRivlinScene() {
 /// only where it may be.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
-  scene.regions[0].material = {};
-  scene.regions[0].material.law = law;
-  scene.regions[0].material.young = 15480;
-  scene.regions[0].material.poisson = poisson;
+  scene.regions[0].material = {.law = law, .young = 15480, .poisson = poisson};
   if (!isIncompressible(scene.regions[0].material))
     scene.discretization.pressure = PressureSpace::none;
   return scene;

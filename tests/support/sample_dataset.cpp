@@ -38,15 +38,10 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement,
   Scene& scene = problem.scene;
   scene.name = "sample";
   scene.mesh = "sample.msh";
-  scene.regions[0].material.law =
-      pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
-  if (pressure == PressureSpace::none) {
-    scene.regions[0].material.young = 15e3;
-    scene.regions[0].material.poisson = 0.4;
-  } else {
-    scene.regions[0].material.c10 = 1300;
-    scene.regions[0].material.c01 = 1280;
-  }
+  scene.regions[0].material =
+      pressure == PressureSpace::none
+          ? Material{.law = LawName::linear, .young = 15e3, .poisson = 0.4}
+          : Material{.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
   scene.discretization = {displacement, pressure};
   scene.fixed.nodes = problem.fixed;
   scene.workspace = {

@@ -52,9 +52,7 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
   Scene& scene = problem.scene;
   scene.name = "touchable";
   scene.mesh = "touchable.msh";
-  scene.regions[0].material.law = LawName::mooney_rivlin;
-  scene.regions[0].material.c10 = 1300;
-  scene.regions[0].material.c01 = 1280;
+  scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
   scene.fixed.nodes = problem.fixed;
   problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
   problem.pressures = pressureSlots(problem);
