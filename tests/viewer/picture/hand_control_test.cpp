@@ -7,6 +7,11 @@
 namespace palpate {
 namespace {
 
+const HapticModel& handledCube() {
+  static const HapticModel model = test::cubeModel();
+  return model;
+}
+
 /// A person who holds the left button and draws the mouse to the right, from `from`, for half a
 /// second.
 HandControl dragged(test::MouseRun& run, const Eigen::Vector2d& from) {
@@ -26,8 +31,7 @@ HandControl dragged(test::MouseRun& run, const Eigen::Vector2d& from) {
 }
 
 TEST(HandControl, GivesADragOnTheBodyToTheHandAndLeavesTheCamera) {
-  const HapticModel cube = test::cubeModel();
-  test::MouseRun run(cube);
+  test::MouseRun run(handledCube());
   const Eigen::Vector3d eye = run.camera.position();
   const HandControl control = dragged(run, run.onScreen({0.05, 0.05, 0.1}));
   EXPECT_TRUE(run.state().touch.touching);
@@ -38,8 +42,7 @@ TEST(HandControl, GivesADragOnTheBodyToTheHandAndLeavesTheCamera) {
 }
 
 TEST(HandControl, TurnsTheBodyByADragBesideIt) {
-  const HapticModel cube = test::cubeModel();
-  test::MouseRun run(cube);
+  test::MouseRun run(handledCube());
   const Eigen::Vector3d eye = run.camera.position();
   dragged(run, {0.7, 0.45});
   EXPECT_FALSE(run.touched);
@@ -47,8 +50,7 @@ TEST(HandControl, TurnsTheBodyByADragBesideIt) {
 }
 
 TEST(HandControl, ShowsARingWhereThePersonPointsAtTheBody) {
-  const HapticModel cube = test::cubeModel();
-  test::MouseRun run(cube);
+  test::MouseRun run(handledCube());
   HandControl control;
   PersonsInput input;
   input.motion.over_view = true;

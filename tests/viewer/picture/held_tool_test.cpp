@@ -9,9 +9,7 @@ namespace {
 
 class HeldToolTest : public ::testing::Test {
  protected:
-  HeldToolTest() : model(test::cubeModel()) {
-    camera.frame({0, 0, 0}, 0.1, {1, 0, 0}, Eigen::Vector3d::UnitZ(), 1);
-  }
+  HeldToolTest() { camera.frame({0, 0, 0}, 0.1, {1, 0, 0}, Eigen::Vector3d::UnitZ(), 1); }
   void freeAbove(double gap) {
     HapticState state;
     const NearestPoint top = model.surface().tree().nearest({0.05, 0.05, 1});
@@ -19,7 +17,11 @@ class HeldToolTest : public ::testing::Test {
     held.update(model, state, true, camera, 0.1);
   }
 
-  HapticModel model;
+  static const HapticModel& shared() {
+    static const HapticModel model = test::cubeModel();
+    return model;
+  }
+  const HapticModel& model = shared();
   OrbitCamera camera;
   HeldTool held;
 };

@@ -61,8 +61,11 @@ int differences(const Image& a, const Image& b, int right, int bottom) {
 
 class PictureTest : public ::testing::Test {
  protected:
-  PictureTest() : model(test::tenNodeModel()) {}
-
+  /// Sealing and preparing it takes longer than most pictures.
+  static const HapticModel& shared() {
+    static const HapticModel model = test::tenNodeModel();
+    return model;
+  }
   /// The hand above the middle of the touchable surface, or pressed into it by `depth` metres.
   HapticState pressed(double depth) {
     HapticState state = pressedInto(model, depth);
@@ -109,7 +112,7 @@ class PictureTest : public ::testing::Test {
   }
 
   test::VirtualScreen screen;
-  HapticModel model;
+  const HapticModel& model = shared();
   double time = 0;
 };
 

@@ -79,10 +79,20 @@ class ReportCommand : public ::testing::Test {
 class RefinedReport : public ReportCommand {
  protected:
   RefinedReport() { sample.refine(); }
+
+  /// The report of this sample by the usual options, and what its page draws: made once a program.
+  const nlohmann::json& usual() {
+    static const nlohmann::json report = json();
+    return report;
+  }
+  const nlohmann::json& usuallyDrawn() {
+    static const nlohmann::json drawn = (page(), drawings());
+    return drawn;
+  }
 };
 
 TEST_F(RefinedReport, MeasuresEveryMethodWithTheProbes) {
-  const nlohmann::json report = json();
+  const nlohmann::json& report = usual();
   EXPECT_EQ(report["references"]["kind"], "probes");
   EXPECT_EQ(report["references"]["count"], 3);
   EXPECT_EQ(report["target"]["of_scene"], true);
@@ -108,7 +118,7 @@ TEST_F(RefinedReport, MeasuresTheWorkAroundClosedLoops) {
 }
 
 TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
-  const nlohmann::json report = json();
+  const nlohmann::json& report = usual();
   double sum = 0;
   int count = 0;
   for (const SpaceTable& space : sample.spaces) {
@@ -127,13 +137,13 @@ TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
 
 TEST_F(RefinedReport, ShowsTheLatticeBeforeItWasRefinedToo) {
   std::vector<int> factors;
-  const nlohmann::json report = json();
+  const nlohmann::json& report = usual();
   for (const nlohmann::json& lattice : report["lattices"]) factors.push_back(lattice["factor"]);
   EXPECT_THAT(factors, ::testing::ElementsAre(2, 1, 0));
 }
 
 TEST_F(RefinedReport, CountsFailuresByCauseAndJumps) {
-  const nlohmann::json report = json();
+  const nlohmann::json& report = usual();
   EXPECT_EQ(report["failures"]["wrong_inertia"]["points"], 1);
   EXPECT_EQ(report["failures"]["wrong_inertia"]["attempts"], 1);
   EXPECT_EQ(report["failures"]["factorization_failed"]["attempts"], 1);
@@ -153,7 +163,7 @@ TEST_F(RefinedReport, PageNeedsNothingFromElsewhere) {
 }
 
 TEST_F(RefinedReport, ShowsEqs13And14OverTheWay) {
-  const nlohmann::json report = json();
+  const nlohmann::json& report = usual();
   ASSERT_EQ(report["ways"].size(), 8U);
   std::size_t count = 0;
   double largest = 0;
@@ -170,9 +180,7 @@ TEST_F(RefinedReport, ShowsEqs13And14OverTheWay) {
 }
 
 TEST_F(RefinedReport, MarksHeldOutSolutionsOnCurvesThatLeadToThem) {
-  page();
-  const nlohmann::json drawn = drawings();
-  for (const nlohmann::json& picture : drawn["pictures"])
+  for (const nlohmann::json& picture : usuallyDrawn()["pictures"])
     for (const nlohmann::json& way : picture["ways"]) {
       EXPECT_GT(way["held_out"][0].size(), 0U);
       EXPECT_EQ(way["sampled"].size(), forceFieldMethods().size());
@@ -180,8 +188,7 @@ TEST_F(RefinedReport, MarksHeldOutSolutionsOnCurvesThatLeadToThem) {
 }
 
 TEST_F(RefinedReport, DrawsActiveNodesOnTheOrganWithTheirBounds) {
-  page();
-  const nlohmann::json drawn = drawings();
+  const nlohmann::json& drawn = usuallyDrawn();
   for (const nlohmann::json& node : drawn["nodes"]) {
     EXPECT_GE(node["largest_bound"].get<double>(), node["mean_bound"].get<double>());
     const std::int32_t number = node["node"];
