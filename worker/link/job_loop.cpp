@@ -36,15 +36,12 @@ class ProblemSolver {
     for (int n = 0; n < job.targets_size(); ++n) {
       const wire::Target& target = job.targets(n);
       if (!mailbox.begin(job.id(), target.point())) return;
-      Outcome outcome;
-      if (start) {
-        const int transitions = static_cast<int>(std::max(1U, target.steps()));
-        // The plan decides what is tried again and from where: no rescue on the way.
-        outcome = walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
-                      .outcome;
-      } else {
-        outcome.end = start_failure;
-      }
+      const int transitions = static_cast<int>(std::max(1U, target.steps()));
+      // The plan decides what is tried again and from where: no rescue on the way.
+      const Outcome outcome =
+          start ? walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
+                      .outcome
+                : Outcome{start_failure, {}};
       FinishedTarget finished;
       finished.last_of_job = n + 1 == job.targets_size();
       describe(job, target, finished.result);

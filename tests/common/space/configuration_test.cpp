@@ -72,5 +72,14 @@ TEST(Cause, OfAnUnknownValueIsNone) {
   EXPECT_FALSE(causeNamed("bad_luck"));
 }
 
+TEST(Outcome, OfAFailureHasNoForcesAndOfAConfigurationNoCause) {
+  const Outcome failed = {Failure{.cause = Cause::step_budget}, {}};
+  EXPECT_FALSE(failed.converged());
+  EXPECT_THROW(failed.equilibrium(), std::bad_variant_access);
+  const Outcome reached = {Configuration{}, {}};
+  EXPECT_TRUE(reached.converged());
+  EXPECT_THROW(reached.failure(), std::bad_variant_access);
+}
+
 }  // namespace
 }  // namespace palpate
