@@ -17,7 +17,8 @@ class ProblemSolver {
       : problem_(std::move(problem)),
         lattice_(uniformLattice(problem_->scene)),
         build_(problemId(*problem_)),
-        solver_(*problem_, kernels, optionsFor(problem_->scene.workspace)) {}
+        solver_(*problem_, kernels,
+                {.largest_force = solved_force_share * problem_->scene.workspace.max_force}) {}
 
   const std::shared_ptr<const Problem>& problem() const { return problem_; }
 
@@ -52,12 +53,6 @@ class ProblemSolver {
   }
 
  private:
-  static TransitionOptions optionsFor(const Workspace& workspace) {
-    TransitionOptions options;
-    options.largest_force = solved_force_share * workspace.max_force;
-    return options;
-  }
-
   Eigen::Vector3d displacementOf(const wire::Point& point) const {
     return lattice_.displacementOf(fromWire(point));
   }

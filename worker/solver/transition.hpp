@@ -12,7 +12,7 @@
 namespace palpate {
 
 struct TransitionOptions {
-  NewtonOptions newton;
+  NewtonOptions newton = {};
   /// Of NewtonOptions, for the steps on the way, which nobody stores.
   double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
