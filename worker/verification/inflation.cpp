@@ -30,12 +30,6 @@ double exactTube() {
   return 2 * (c10 + c01) * (std::log(a / b) - (1 / (a * a) - 1 / (b * b)) / 2);
 }
 
-void holdSymmetryPlanes(BodyModel& body) {
-  hold(body, nodesInPlane(body.mesh, 0, 0), "x");
-  hold(body, nodesInPlane(body.mesh, 1, 0), "y");
-  hold(body, nodesInPlane(body.mesh, 2, 0), "z");
-}
-
 /// The pressure that keeps the nodes of `wall` at `stretch` times where they were. `radial` has a 1
 /// for each coordinate that grows: d = 3 of a sphere, 2 of a tube. `hollow`: the volume inside at
 /// rest, which grows by d stretch^(d-1) of itself per unit of stretch. Newton starts at r^d = R^d +

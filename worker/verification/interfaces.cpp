@@ -30,9 +30,7 @@ constexpr double laminate_stretch = 1.3;
 Row laminateRow(const std::string& element, const Discretization& discretization, double contrast) {
   BodyModel body = bodyOfTwo(cubeMesh(1, 4), discretization, contrast,
                              [](const Eigen::Vector3d& X) { return X[2] < 0.75; });
-  hold(body, "xmin", "x");
-  hold(body, "ymin", "y");
-  hold(body, "zmin", "z");
+  holdSymmetryPlanes(body);
   hold(body, "xmax", "x");
   Rig rig(body);
   const NewtonResult result = rig.equilibrium(displaced(rig.system(), [](const Eigen::Vector3d& X) {
@@ -69,9 +67,7 @@ Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
 double strainWithin(const Discretization& discretization, double contrast, int n) {
   BodyModel body = bodyOfTwo(ballOctantMesh(body_radius, n), discretization, contrast,
                              [](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
-  hold(body, "xmin", "x");
-  hold(body, "ymin", "y");
-  hold(body, "zmin", "z");
+  holdSymmetryPlanes(body);
   hold(body, "outside", "xyz");
   // The sphere is made of triangles: its displacement encloses a volume that is not quite the same.
   for (Material& material : body.materials) material.bulk = 1e4 * mu_of_soft;

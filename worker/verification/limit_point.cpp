@@ -14,9 +14,7 @@ const double exact_stretch = 1 / std::sqrt(3), exact_pressure = tissue::young / 
 /// On three planes of symmetry; a pressure of 1 Pa (of the area at rest) on the side xmax.
 BodyModel cube() {
   BodyModel body = bodyOf(cubeMesh(edge_of_cube, 1), p1_displacement, stVenantKirchhoff());
-  hold(body, "xmin", "x");
-  hold(body, "ymin", "y");
-  hold(body, "zmin", "z");
+  holdSymmetryPlanes(body);
   const auto pressed = facesWhere(
       body.mesh, [](const Eigen::Vector3d& X) { return X[0] > edge_of_cube * (1 - 1e-9); });
   addTraction(body, pressed, {-1, 0, 0});

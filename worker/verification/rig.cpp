@@ -48,6 +48,11 @@ void hold(BodyModel& body, const std::string& group, std::string_view axes) {
   hold(body, body.mesh.node_groups.at(group), axes);
 }
 
+void holdSymmetryPlanes(BodyModel& body) {
+  for (const int axis : {0, 1, 2})
+    hold(body, nodesInPlane(body.mesh, axis, 0), std::string_view("xyz").substr(axis, 1));
+}
+
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value) {
   const double size = boundingBox(mesh).diagonal().norm();
   std::vector<std::int32_t> nodes;

@@ -39,6 +39,10 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes);
 void hold(BodyModel& body, const std::string& group, std::string_view axes);
 
+/// Holds what lies in the planes x = 0, y = 0 and z = 0 there: the body is a part of a symmetric
+/// one.
+void holdSymmetryPlanes(BodyModel& body);
+
 /// Sorted nodes, the mid-edge ones too, in the plane where coordinate `axis` is `value` (to 1e-9 of
 /// the body's size).
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value);
