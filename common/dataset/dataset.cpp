@@ -122,6 +122,8 @@ Dataset::Dataset(const std::filesystem::path& file)
   spaces_ = readSpaces(in, scene_, body_.mesh);
   input_->fields.emplace(in, scene_, body_.mesh, spaces_);
   probe_places_ = splitOff(spaces_);
+  PALPATE_ASSERT(spaces_.size() + probe_places_.size() == scene_.active.size(),
+                 "areasOf() numbers spaces, and places of probes, by the scene");
   for (SpaceTable& space : spaces_) space.max_force = scene_.workspace.max_force;
   content_id_ = idIn(in, layout::content_attribute);
   build_id_ = idIn(in, layout::build_attribute);
@@ -139,7 +141,10 @@ NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
   if (!isSolved(record.tag))
     throw badInput("{}: lattice point {} of {} is {}: it has no nodal fields", file_.string(),
                    point, table.patch.name, name(record.tag));
-  return input_->fields->read(space, table, static_cast<std::size_t>(point), 1);
+  NodalFields kept = input_->fields->read(space, table, static_cast<std::size_t>(point), 1);
+  PALPATE_ASSERT(kept.displacement.size() == 3 * body_.stored.size(),
+                 "readMesh and FieldsReader agree on what the scene stores");
+  return kept;
 }
 
 NodalFields Dataset::surfaceFields(std::size_t space) const {

@@ -76,6 +76,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
   const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
   const hsize_t n_pressures = storedPressures(problem);
   const bool quantized = isQuantized(problem.scene);
+  const std::size_t bytes_each = storedBytes(problem);
   hsize_t n_rows = 0;
   for (const auto& space : spaces) n_rows += static_cast<hsize_t>(space->points());
   hdf5::RowWriter displacements(out, displacement_path, elementOf(quantized),
@@ -109,6 +110,8 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       const std::string_view bytes =
           quantized ? bytesOf(std::span(integers.values)) : bytesOf(std::span(displacement));
       const auto pressure = pressures ? std::span(given.pressure) : std::span<const float>();
+      PALPATE_ASSERT(bytes.size() + pressure.size_bytes() == bytes_each,
+                     "estimates of datasets count what is written");
       if (pressures) pressures->addBytes(bytesOf(pressure));
       displacements.addBytes(bytes);
       steps.push_back(integers.step);

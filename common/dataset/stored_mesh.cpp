@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/dataset/dataset_format.hpp"
 
 namespace palpate {
@@ -62,6 +63,9 @@ std::vector<std::int32_t> readDerived(const Reader& in, const char* path,
 
 void writeMesh(hdf5::Writer& out, const Problem& problem) {
   const Mesh& mesh = problem.mesh;
+  PALPATE_ASSERT(
+      mesh.edges.empty() == (problem.scene.discretization.displacement == DisplacementSpace::p1),
+      "readMesh asks the scene whether there are mid-edge nodes");
   out.makeGroup("/mesh");
   out.writeList(points_path, mesh.nodes, "m");
   out.writeList(tetrahedra_path, mesh.tetrahedra, "1");

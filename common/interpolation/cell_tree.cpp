@@ -41,6 +41,7 @@ CellTree::CellTree(const SpaceTable& space)
     for (std::int32_t j = -extent_; j < extent_; ++j)
       for (std::int32_t k = -extent_; k < extent_; ++k)
         addCell(space, {{i * divisions_, j * divisions_, k * divisions_}, 0}, place++);
+  PALPATE_ASSERT(!leaves_.empty(), "cells at rest reach into the ball");
   makeSlots(space);
   markUnsupported();
 }
@@ -107,6 +108,7 @@ void CellTree::hang(CellSlot& slot) const {
         (coarsest.leaf < 0 || leaves_[at(place.leaf)].level < leaves_[at(coarsest.leaf)].level))
       coarsest = place;
   }
+  PALPATE_ASSERT(coarsest.leaf >= 0, "a slot is a corner of a leaf, which is beside it");
   if (isCorner(coarsest.local)) return;
   slot.kind = SlotKind::hanging;
   slot.number = -1;

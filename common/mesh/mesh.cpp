@@ -341,6 +341,7 @@ MeshQuality measure(const Mesh& mesh) {
   quality.mean_edge =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   const std::vector<NodeSet> pieces = piecesOf(mesh);
+  PALPATE_ASSERT(!pieces.empty(), "the first tetrahedron is of a piece");
   quality.pieces = static_cast<std::int32_t>(pieces.size());
   std::vector<bool> seen(mesh.nodes.size());
   for (const NodeSet& piece : pieces)
@@ -361,6 +362,8 @@ void finishMesh(Mesh& mesh, const std::string& source) {
   dropOrphans(mesh);
   orient(mesh, source);
   deriveSurface(mesh, source);
+  // Without an outside its volumes, all of them positive, would add up to nothing.
+  PALPATE_ASSERT(!mesh.surface.empty(), "nearestOnSurface and fingers look for a triangle of it");
 }
 
 }  // namespace palpate

@@ -59,6 +59,7 @@ SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
     least = distance;
     nearest = {triangle, barycentric};
   }
+  PALPATE_ASSERT(nearest.triangle >= 0, "positionOf takes a point of a triangle");
   return nearest;
 }
 

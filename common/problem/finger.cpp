@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
@@ -65,6 +66,8 @@ bool isFinger(const Finger& finger) {
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
                         const Finger& finger) {
   FingerWeights weights = checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger);
+  PALPATE_ASSERT(!weights.nodes.empty() && weights.nodes.size() == weights.weights.size(),
+                 "a finger that rests on free nodes has a weight for each");
   ActivePatch patch;
   patch.name = name;
   NodeSet vertices = surfaceNodes(mesh);

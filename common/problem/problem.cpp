@@ -335,6 +335,7 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
 }
 
 std::int32_t probesIn(const Scene& scene, std::size_t space) {
+  PALPATE_ASSERT(space < scene.active.size(), "there is a space for each active node");
   const ActiveSelection& active = scene.active[space];
   if (active.isProbe()) return 1;
   const auto measures = [&](const ActiveSelection& other) {

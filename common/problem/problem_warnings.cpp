@@ -43,6 +43,7 @@ class Warnings {
         scene_(problem.scene),
         quality_(measure(problem.mesh)),
         distance_to_fixed_(usualDistanceToFixed()) {
+    PALPATE_ASSERT(problem.active.size() == scene_.active.size(), "resolve() expanded surfaces");
     warnings_ = unjoinedText(problem.mesh, quality_, scene_.mesh.string());
     warnOfMaterials();
     warnOfStability();
@@ -212,6 +213,7 @@ class Warnings {
   double usualDistanceToFixed() const {
     std::vector<double> distances;
     for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
+    PALPATE_ASSERT(!distances.empty(), "a scene has an active node");
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     return *middle;

@@ -430,6 +430,8 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const std::vector<Region>& regions, const std::vector<std::uint16_t>& region_of,
     const Mesh& mesh) {
   if (!hasFibers(regions)) return {};
+  PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(),
+                 "selectRegions gave each one a region");
   std::vector<const std::vector<Eigen::Vector3d>*> fields;
   const auto line = [&](std::size_t region) { return regions[region].lines.of("fiber"); };
   for (std::size_t r = 0; r < regions.size(); ++r)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/units.hpp"
@@ -367,6 +368,8 @@ Scene readTables(const toml::table& table, const std::string& source) {
       "fixed", root.require("fixed", "write a [fixed] table that says which nodes are held"),
       {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
+  PALPATE_ASSERT(!scene.active.empty() && !scene.regions.empty(),
+                 "resolve() and resolvedToml() take a body that can be touched");
   scene.device = readDevice(root);
   scene.workspace = readWorkspace(root, scene.device);
   scene.accuracy = readAccuracy(root);

@@ -88,6 +88,7 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
     return !part.contains(spacing_ * Eigen::Vector3d(p[0], p[1], p[2]), spacing_ / 2);
   });
   uniform_size_ = size();
+  PALPATE_ASSERT(uniform_size_ > 0 && points_.front() == LatticePoint{}, "number 0 is rest");
   for (LatticePoint& point : points_)
     for (std::int32_t& coordinate : point) coordinate *= divisions;
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;

@@ -85,6 +85,8 @@ SpaceTable tableOf(const SpaceRows& rows) {
   for (std::int32_t n = 0; n < rows.points(); ++n) table.points.push_back(rows.point(n));
   rows.eachAttempt([&](const FailedAttempt& attempt) { table.attempts.push_back(attempt); });
   for (std::int32_t n = 0; n < rows.probes(); ++n) table.probes.push_back(rows.probe(n));
+  PALPATE_ASSERT(std::ssize(table.points) == table.lattice.size(),
+                 "the first points of a lattice are the space's");
   return table;
 }
 
