@@ -107,6 +107,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
       cost.usual_reach = std::min(lattice.radius(), static_cast<double>(n + 1) * lattice.spacing());
   }
   cost.reached = reached / points;
+  PALPATE_ASSERT(cost.reached >= 0 && cost.reached <= 1 + 1e-9, "a share of the lattice points");
 
   const double seconds_each = waiting * seconds / points;
   const auto bytes_each = static_cast<double>(storedBytes(problem));

@@ -74,6 +74,7 @@ SceneReport reportOf(const Problem& problem) {
   report.nearly_flat = nearlyFlat(problem.mesh);
   report.lattice = uniformLattice(problem.scene);
   report.spaces = spacesOf(problem);
+  PALPATE_ASSERT(!report.spaces.empty(), "probes measure areas, which have sites");
   PALPATE_ASSERT(problem.region_of.size() == problem.mesh.tetrahedra.size(),
                  "resolve() puts every tetrahedron in a region of the scene");
   report.tetrahedra_in.resize(problem.scene.regions.size());

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
 #include "common/base/whole_file.hpp"
@@ -39,6 +40,8 @@ std::vector<const ElementKernels*> supportedKernels() {
 
 const ElementKernels& chooseKernels() {
   const auto supported = supportedKernels();
+  PALPATE_ASSERT(supported.front()->family == name(cpuFamily()),
+                 "builds compare the words of arithmeticOf() with those of arithmetic()");
   const std::string_view wanted = chosenFamily();
   if (wanted.empty()) return *supported.front();
   std::string names;
