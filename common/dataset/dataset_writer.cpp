@@ -14,9 +14,7 @@ void checkArguments(const std::string& file, const Problem& problem, const Space
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     const ActivePatch &given = spaces[s]->patch(), &active = problem.active[s];
     const Lattice expected = uniformLattice(problem.scene, active);
-    if (given.name != active.name || given.node != active.node || given.nodes != active.nodes ||
-        given.weights != active.weights || given.finger != active.finger ||
-        given.probe != active.probe)
+    if (given != active)
       throw failure(
           "{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
           given.name, active.name);

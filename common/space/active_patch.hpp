@@ -42,6 +42,7 @@ struct ActivePatch {
   /// Of a finger where an area is measured: its space is the rest position and this one
   /// displacement, metres.
   std::optional<Eigen::Vector3d> probe = {};
+  bool operator==(const ActivePatch&) const = default;
 };
 
 }  // namespace palpate
