@@ -48,18 +48,13 @@ wire::Problem toMessage(const Problem& problem) {
     active.set_nodes(bytesOfArray(patch.nodes));
     active.set_weights(bytesOfArray(patch.weights));
     if (patch.finger) {
-      const std::vector<Eigen::Vector3d> center = {patch.finger->center};
-      active.set_finger_center(bytesOfArray(center));
+      active.set_finger_center(bytesOfArray(std::span(&patch.finger->center, 1)));
       active.set_finger_radius(patch.finger->radius);
-      const std::vector<Eigen::Vector3d> outward = {patch.finger->reach.outward};
-      active.set_finger_outward(bytesOfArray(outward));
+      active.set_finger_outward(bytesOfArray(std::span(&patch.finger->reach.outward, 1)));
       active.set_finger_pull(patch.finger->reach.pull);
       active.set_finger_width(patch.finger->reach.width);
     }
-    if (patch.probe) {
-      const std::vector<Eigen::Vector3d> probe = {*patch.probe};
-      active.set_probe(bytesOfArray(probe));
-    }
+    if (patch.probe) active.set_probe(bytesOfArray(std::span(&*patch.probe, 1)));
   }
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
