@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -22,24 +23,20 @@ std::vector<std::string> choicesOf(const Scene& scene) {
 
 ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
   const std::vector<std::string> names = choicesOf(scene);
+  PALPATE_ASSERT(!names.empty(), "probes measure areas, which have sites that can be touched");
   if (name.empty() && names.size() > 1)
     throw badInput("the scene has several active nodes; choose one with --active: {}",
                    fmt::join(names, ", "));
-  ActiveChoice choice = {{}, name.empty() ? names.front() : name};
-  for (std::size_t s = 0; s < scene.active.size(); ++s) {
-    if (scene.active[s].isProbe()) continue;
-    if (scene.active[s].name == choice.name) {
-      choice.spaces = {s};
-      choice.is_finger = scene.active[s].tool == ToolKind::finger;
-      return choice;
-    }
-    if (scene.active[s].area == choice.name) choice.spaces.push_back(s);
-  }
-  if (choice.spaces.empty())
+  const std::string& chosen = name.empty() ? names.front() : name;
+  for (std::size_t s = 0; s < scene.active.size(); ++s)
+    if (const ActiveSelection& active = scene.active[s]; active.name == chosen && !active.isProbe())
+      return {{s}, chosen, false, active.tool == ToolKind::finger};
+  const std::vector<ActiveChoice> areas = areasOf(scene);
+  const auto area = std::ranges::find(areas, chosen, &ActiveChoice::name);
+  if (area == areas.end())
     throw badInput("--active: there is no active node \"{}\"; there are: {}", name,
                    fmt::join(names, ", "));
-  choice.is_area = choice.is_finger = true;
-  return choice;
+  return *area;
 }
 
 std::vector<ActiveChoice> areasOf(const Scene& scene) {

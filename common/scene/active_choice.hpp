@@ -10,7 +10,7 @@ struct ActiveChoice {
   std::string name;                 ///< of the active node or the area
   bool is_area = false;
   bool is_finger = false;  ///< its tool; always of an area
-  /// Where an area is measured (Dataset::probePlaces), of areasOf() alone.
+  /// Where an area is measured (Dataset::probePlaces).
   std::vector<std::size_t> probe_places = {};
 };
 
