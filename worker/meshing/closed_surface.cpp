@@ -492,6 +492,12 @@ class SurfaceRepair {
     std::vector<std::int32_t> bodies;
     for (std::int32_t s = 0; s < static_cast<std::int32_t>(shells_.size()); ++s)
       if (isBody(shells_[s])) bodies.push_back(s);
+    // Shells that cut each other may each seem to be inside of another.
+    if (bodies.empty())
+      throw wrong(
+          "its {} pieces reach into each other: join them in the program that made them (Blender: "
+          "Boolean union)",
+          shells_.size());
     std::ranges::sort(bodies, [this](std::int32_t a, std::int32_t b) {
       return std::abs(shells_[a].volume) > std::abs(shells_[b].volume);
     });

@@ -46,6 +46,29 @@ TriangleSoup tornSphere(double gap) {
   return torn;
 }
 
+/// An octahedron in the cube of sides 2, its corners `off` the middles of these. Its first triangle
+/// begins with a corner at `first` on a diagonal of the cube, over one face; over the face behind
+/// is one at -`last`. `scale`: of all.
+TriangleSoup spikedOctahedron(double off, double first, double last, double scale) {
+  TriangleSoup soup;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int sign : {1, -1}) {
+      soup.points.emplace_back(Eigen::Vector3d::Constant(scale * off));
+      soup.points.back()[axis] = scale * sign;
+    }
+  for (int face = 0; face < 8; ++face) {
+    const Triangle t = {face & 1, 2 + (face >> 1 & 1), 4 + (face >> 2)};
+    if (face != 0 && face != 7) {
+      soup.triangles.push_back(t);
+      continue;
+    }
+    const auto tip = static_cast<std::int32_t>(soup.points.size());
+    soup.points.emplace_back(Eigen::Vector3d::Constant(scale * (face == 0 ? first : -last)));
+    for (int i = 0; i < 3; ++i) soup.triangles.push_back({tip, t[i], t[(i + 1) % 3]});
+  }
+  return soup;
+}
+
 TEST(ClosedSurface, CutsWhatLiesBehindATriangleWithoutArea) {
   TriangleSoup soup = boxSurface({1, 1, 1}, 1);
   // One edge of a side gets a corner in its middle, on one of its two triangles alone.
@@ -209,6 +232,14 @@ TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAske
   EXPECT_NEAR(surface.volume, 24, 1e-12);
   EXPECT_EQ(surface.points.size(), boxSurface({2, 3, 4}).points.size());
   EXPECT_THAT(surface.notes, Contains(HasSubstr("of 2 bodies the largest")));
+}
+
+TEST(ClosedSurface, RefusesBodiesOfWhichEachIsInTheOther) {
+  const TriangleSoup one = spikedOctahedron(0, 0.4, 0.4, 1),
+                     other = spikedOctahedron(0.05, 0.2, 0.6, -1);
+  EXPECT_EQ(closed(one).triangles.size(), 12u);
+  EXPECT_EQ(closed(other).triangles.size(), 12u);
+  refuses(together(one, other), {"organ.stl", "2 pieces"});
 }
 
 TEST(ClosedSurface, LeavesOutAnOpenScrapBesideTheLargest) {
