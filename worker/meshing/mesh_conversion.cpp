@@ -5,8 +5,6 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
-#include "common/base/foreign_program.hpp"
-#include "worker/meshing/meshing_programs.hpp"
 
 namespace palpate {
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/foreign_program.hpp"
+
 namespace palpate {
 
 /// What convert_mesh.py made of a mesh file.
@@ -26,5 +28,15 @@ struct ConversionWishes {
 /// that names the package for a missing Python or module.
 ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesystem::path& folder,
                           ConversionWishes wishes = {});
+
+/// Longer than any body that can be computed on takes to be meshed.
+inline constexpr std::chrono::minutes longest_meshing(30);
+
+/// Runs gmsh, tetgen or Python to its end, or until this process is interrupted.
+inline Ran runMeshing(ForeignProgram program) {
+  program.patience = longest_meshing;
+  program.heeds_interrupts = true;
+  return runToItsEnd(program);
+}
 
 }  // namespace palpate

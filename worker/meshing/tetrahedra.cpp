@@ -17,7 +17,6 @@
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "worker/meshing/mesh_conversion.hpp"
-#include "worker/meshing/meshing_programs.hpp"
 
 namespace palpate {
 namespace {
@@ -307,6 +306,7 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
 
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source) {
+  PALPATE_ASSERT(surface.volume > 0 && !surface.triangles.empty(), "closedSurface() faces outward");
   if (fineness.size) refuseSize(*fineness.size, surface, source);
   Filling filling(surface, folder);
   struct Way {
