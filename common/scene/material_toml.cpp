@@ -96,9 +96,9 @@ void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
 }
 
 double numberOf(const TomlSection& section, const NumberKey& number) {
-  const double value = section.require(number.key, number.meaning, &TomlSection::number);
-  if (number.sign == Sign::positive && !(value > 0))
-    throw section.wrong(number.key, "{} must be greater than 0", value);
+  const auto reading =
+      number.sign == Sign::positive ? &TomlSection::positive : &TomlSection::number;
+  const double value = section.require(number.key, number.meaning, reading);
   if (number.sign == Sign::not_negative && value < 0)
     throw section.wrong(number.key, "{} must not be negative", value);
   return value;
