@@ -158,10 +158,6 @@ NodalFields Dataset::surfaceFields(std::size_t space) const {
           rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
 }
 
-std::vector<float> Dataset::surfaceDisplacements(std::size_t space) const {
-  return surfaceFields(space).displacement;
-}
-
 void Dataset::verifyAll() const {
   for (const hdf5::ArrayInfo& array : input_->in.arrays()) input_->in.verify(array);
 }

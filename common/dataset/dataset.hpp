@@ -72,8 +72,6 @@ class Dataset {
   /// [point][surface node][axis], and pressures, Pa, [point][surface node], where they are stored
   /// (storedPressures), else none. NaN in points that are not solved.
   NodalFields surfaceFields(std::size_t space) const;
-  /// The displacements of surfaceFields().
-  std::vector<float> surfaceDisplacements(std::size_t space) const;
   /// Reads and verifies every array, the nodal fields too. Error names the first damaged one.
   void verifyAll() const;
 

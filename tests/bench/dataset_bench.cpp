@@ -75,7 +75,7 @@ std::string measured(const char* name, const Problem& problem) {
   const Dataset dataset(file);
   const double opening = secondsSince(start);
   start = Clock::now();
-  const std::size_t n_values = dataset.surfaceDisplacements(0).size();
+  const std::size_t n_values = dataset.surfaceFields(0).displacement.size();
   return fmt::format(
       "\"{}\":{{\"spaces\":{},\"points_each\":{},\"stored_nodes\":{},\"megabytes\":{:.1f},\"seal_seconds\":{:.2f},\"open_seconds\":{:.4f},\"surface_of_one_space_seconds\":{:.4f},\"surface_values\":{}}}",
       name, spaces.size(), lattice.size(), dataset.storedNodes().size(),

@@ -57,7 +57,7 @@ void useDatasetValues(std::string_view bytes) {
   const Dataset dataset(file);
   dataset.verifyAll();
   for (std::size_t space = 0; space < dataset.spaces().size(); ++space)
-    dataset.surfaceDisplacements(space);
+    dataset.surfaceFields(space);
   touchAll(HapticModel(dataset));
 }
 

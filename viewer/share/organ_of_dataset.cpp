@@ -23,7 +23,7 @@ using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMa
 
 /// The displacements of one space, a row per point; zero where nothing is solved.
 Shapes shapesOf(const Dataset& dataset, std::size_t space) {
-  const std::vector<float> values = dataset.surfaceDisplacements(space);
+  const std::vector<float> values = dataset.surfaceFields(space).displacement;
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   Shapes shapes = Eigen::Map<const Shapes>(values.data(), std::ssize(values) / width, width);
   return shapes.array().isNaN().select(0.0f, shapes);

@@ -231,10 +231,10 @@ TEST_F(ChangedDataset, FieldsAreComparedWithTheirOwnHash) {
   expectErrors(Hashes::forged, {{"f['points/displacement'][3, 0, 0] = 7"}});
   const Dataset dataset(directory / "changed-0.h5");
   EXPECT_NO_THROW(dataset.fields(0, 2));
-  EXPECT_NO_THROW(dataset.surfaceDisplacements(1));
+  EXPECT_NO_THROW(dataset.surfaceFields(1));
   test::expectError(ExitCode::failed, [&] { dataset.fields(0, 3); },
                     {"changed-0.h5", "/points/displacement", "point 3 of tip"});
-  test::expectError(ExitCode::failed, [&] { dataset.surfaceDisplacements(0); }, {"point 3 of tip"});
+  test::expectError(ExitCode::failed, [&] { dataset.surfaceFields(0); }, {"point 3 of tip"});
 }
 
 TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {

@@ -239,7 +239,7 @@ TEST_F(SealedDataset, GivesBackTheSurfaceOfSolvedPoints) {
   EXPECT_EQ(dataset.storedNodes(), dataset.surfaceNodes());
   EXPECT_EQ(dataset.surfaceNodes().size(), 26u) << "the middle of the cube is not seen";
   for (std::size_t s = 0; s < 2; ++s) {
-    const std::vector<float> all = dataset.surfaceDisplacements(s);
+    const std::vector<float> all = dataset.surfaceFields(s).displacement;
     ASSERT_EQ(all.size(), 33 * 26 * 3u);
     for (const std::int32_t point : {0, 1, 20, 31}) {
       const auto expected = displacementsOf(dataset.surfaceNodes(), sample.fields(s, point));
@@ -248,7 +248,7 @@ TEST_F(SealedDataset, GivesBackTheSurfaceOfSolvedPoints) {
       EXPECT_TRUE(std::equal(expected.begin(), expected.end(), all.begin() + point * 26 * 3));
     }
   }
-  EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
+  EXPECT_TRUE(std::isnan(dataset.surfaceFields(0).displacement[7 * 26 * 3]));
   expectBadInput([&] { dataset.fields(0, 7); }, {"sample.h5", "tip", "failed"});
 }
 
@@ -259,7 +259,7 @@ TEST_F(SealedDataset, KeepsAllNodesAndPressuresWhenAsked) {
   EXPECT_EQ(all.storedNodes().size(), 27u);
   EXPECT_EQ(all.fields(1, 9).displacement, sample.fields(1, 9).displacement);
   EXPECT_EQ(all.fields(1, 9).pressure, sample.fields(1, 9).pressure);
-  EXPECT_EQ(all.surfaceDisplacements(1), surface.surfaceDisplacements(1));
+  EXPECT_EQ(all.surfaceFields(1).displacement, surface.surfaceFields(1).displacement);
   const std::vector<float> pressures = all.surfaceFields(0).pressure;
   ASSERT_EQ(pressures.size(), 33 * 26u);
   for (std::size_t n = 0; n < 26; ++n) {
@@ -285,7 +285,7 @@ TEST_F(SealedDataset, QuantizesWithinItsBound) {
       for (std::size_t i = 0; i < exact.size(); ++i)
         EXPECT_LE(std::abs(stored[i] - exact[i]), 0.51 / 32767 * largest) << i;
     }
-    EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
+    EXPECT_TRUE(std::isnan(dataset.surfaceFields(0).displacement[7 * 26 * 3]));
   }
 }
 
@@ -298,7 +298,7 @@ TEST_F(SealedDataset, IsReadWhereNothingIsSolved) {
   sample.seal(copy);
   const Dataset dataset(copy);
   EXPECT_EQ(dataset.spaces()[1].points[0].cause, Cause::unreachable);
-  for (const float value : dataset.surfaceDisplacements(1)) EXPECT_TRUE(std::isnan(value));
+  EXPECT_THAT(dataset.surfaceFields(1).displacement, testing::Each(testing::IsNan()));
 }
 
 TEST_F(SealedDataset, WithoutPressureSpaceHasNoPressures) {

@@ -225,7 +225,7 @@ TEST_F(CDataset, AnswersNanWithoutForceAndWithoutAnError) {
 TEST_F(CDataset, GivesTheShapeOfASolvedPoint) {
   const Dataset reference(sharedFile());
   const SpaceTable& space = reference.spaces()[1];
-  const std::vector<float> solved = reference.surfaceDisplacements(1);
+  const std::vector<float> solved = reference.surfaceFields(1).displacement;
   const std::size_t row = 3 * reference.surfaceNodes().size();
   std::vector<float> shape(row);
   const Eigen::Vector3d p = space.lattice.displacement(4);
