@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <span>
 #include <tuple>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -172,14 +172,16 @@ constexpr std::array<Step, 26> steps = [] {
 
 }  // namespace
 
-Lattice::Neighbours Lattice::findNeighbours(std::int32_t index) const {
+std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
   PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
   const LatticePoint& point = points_[index];
   const LatticePoint center = {point[0] / divisions_, point[1] / divisions_, point[2] / divisions_};
   const auto place = static_cast<std::int64_t>(*placeInCube(point));
   const std::int64_t side = 2 * std::int64_t{extent_} + 1;
   const auto isInside = [&](std::int32_t x) { return std::abs(x) <= extent_; };
-  Neighbours found;
+  // By the length of the step, then the point's norm, then its coordinates.
+  std::array<std::pair<std::int64_t, std::int32_t>, 26> found;
+  std::size_t count = 0;
   for (std::size_t s = 0; s < steps.size(); ++s) {
     const auto [i, j, k] = steps[s];
     if (!isInside(center[0] + i) || !isInside(center[1] + j) || !isInside(center[2] + k)) continue;
@@ -191,20 +193,12 @@ Lattice::Neighbours Lattice::findNeighbours(std::int32_t index) const {
     // Of steps of one length the norm grows with the product.
     const std::int64_t along =
         std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
-    found.sorted[found.count++] = {
-        (squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
+    found[count++] = {(squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
   }
-  std::ranges::sort(std::span(found.sorted).first(found.count), {}, &Neighbour::rank);
-  return found;
-}
-
-std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
+  std::sort(found.begin(), found.begin() + count);
   std::vector<std::int32_t> neighbours;
-  neighbours.reserve(steps.size());
-  visitNeighbours(index, [&](std::int32_t n) {
-    neighbours.push_back(n);
-    return false;
-  });
+  neighbours.reserve(count);
+  for (std::size_t n = 0; n < count; ++n) neighbours.push_back(found[n].second);
   return neighbours;
 }
 

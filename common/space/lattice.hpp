@@ -87,14 +87,6 @@ class Lattice {
   /// in each coordinate, in the order in which they are tried as parents: shortest transition
   /// first, then nearest to the origin, then lexicographic (i, j, k).
   std::vector<std::int32_t> neighbours(std::int32_t index) const;
-  /// Calls visit(number) for each of them in that order, until it returns true; whether it did.
-  template <class Visit>
-  bool visitNeighbours(std::int32_t index, const Visit& visit) const {
-    const Neighbours near = findNeighbours(index);
-    for (std::size_t n = 0; n < near.count; ++n)
-      if (visit(near.sorted[n].number)) return true;
-    return false;
-  }
 
   /// Its first `count` points, all uniform ones at least.
   Lattice first(std::int32_t count) const;
@@ -103,16 +95,6 @@ class Lattice {
   void add(const LatticePoint& point);
 
  private:
-  struct Neighbour {
-    std::int64_t rank;  ///< the length of the step, then the point's norm, then its coordinates
-    std::int32_t number;
-  };
-  struct Neighbours {
-    std::array<Neighbour, 26> sorted;
-    std::size_t count = 0;
-  };
-  Neighbours findNeighbours(std::int32_t index) const;
-
   std::optional<std::size_t> placeInCube(const LatticePoint& point) const;
 
   double radius_ = 0;

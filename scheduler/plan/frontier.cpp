@@ -62,25 +62,26 @@ void Frontier::advance(std::int32_t point, const Known& known) {
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   const std::int64_t norm = squaredNorm(known.lattice.point(point));
   const std::vector<FailedAttempt>& failed = known.points.attempts(point);
-  const auto isReady = [&](std::int32_t candidate) {
+  std::vector<std::int32_t> candidates;
+  if (failed.size() < budget) candidates = known.lattice.neighbours(point);
+  for (const std::int32_t candidate : candidates) {
     const Point& c = points_[candidate];
     if (round_ == 0) {
       // Strictly nearer to the origin: two points never wait for each other.
-      if (squaredNorm(known.lattice.point(candidate)) >= norm) return false;
+      if (squaredNorm(known.lattice.point(candidate)) >= norm) continue;
       if (c.phase == Phase::waiting || c.phase == Phase::open) {
         p.phase = Phase::waiting;
         p.blocker = candidate;
-        return true;
+        return;
       }
     } else if (c.round_reached == round_) {
-      return false;  // does not count yet: which comes first would depend on timing
+      continue;  // does not count yet: which comes first would depend on timing
     }
     const bool tried = std::ranges::find(failed, candidate, &FailedAttempt::parent) != failed.end();
-    if (known.points.tag(candidate) != Tag::expandable || tried) return false;
+    if (known.points.tag(candidate) != Tag::expandable || tried) continue;
     makeReady(point, candidate);
-    return true;
-  };
-  if (failed.size() < budget && known.lattice.visitNeighbours(point, isReady)) return;
+    return;
+  }
   p.phase = Phase::unreached;
   settle(point);
 }
@@ -90,11 +91,10 @@ void Frontier::releaseWaiting(const Known& known) {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
     newly_settled_.pop_back();
-    known.lattice.visitNeighbours(settled, [&](std::int32_t neighbour) {
+    for (const std::int32_t neighbour : known.lattice.neighbours(settled)) {
       const Point& n = points_[neighbour];
       if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour, known);
-      return false;
-    });
+    }
   }
 }
 
