@@ -18,6 +18,7 @@
 #include "common/base/file_descriptor.hpp"
 #include "common/base/program.hpp"
 #include "common/base/text.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -38,29 +39,16 @@ FileDescriptor memoryFile(const char* name) {
   return beyondStandard(std::move(file));
 }
 
-void writeWhole(const FileDescriptor& file, const std::string& text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const ssize_t written = write(file.get(), text.data() + at, text.size() - at);
-    if (written < 0 && errno != EINTR) throw failure("a file in memory: {}", errnoText());
-    if (written > 0) at += static_cast<std::size_t>(written);
-  }
-  if (lseek(file.get(), 0, SEEK_SET) != 0) throw failure("a file in memory: {}", errnoText());
-}
-
 std::string readWhole(const FileDescriptor& file) {
-  const off_t size = lseek(file.get(), 0, SEEK_END);
-  if (size < 0) throw failure("a file in memory: {}", errnoText());
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::size_t length = 0;
-  while (length < text.size()) {
-    const ssize_t read =
-        pread(file.get(), text.data() + length, text.size() - length, static_cast<off_t>(length));
-    if (read < 0 && errno != EINTR) throw failure("a file in memory: {}", errnoText());
-    if (read == 0) break;
-    if (read > 0) length += static_cast<std::size_t>(read);
+  std::string text;
+  std::array<char, 1 << 16> part{};
+  for (;;) {
+    const ssize_t read = pread(file.get(), part.data(), part.size(), std::ssize(text));
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) throw failure("a file in memory: {}", errnoText());
+    if (read == 0) return text;
+    text.append(part.data(), static_cast<std::size_t>(read));
   }
-  text.resize(length);
-  return text;
 }
 
 /// Between fork and exec: only calls that are safe there. What stops it goes through the pipe.
@@ -140,7 +128,7 @@ Ran runToItsEnd(const ForeignProgram& program) {
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
-  writeWhole(in, program.input);
+  if (!writeAt(in.get(), 0, program.input)) throw failure("a file in memory: {}", errnoText());
   const pid_t child = start(program, {in.get(), out.get(), err.get()});
   int status = 0;
   switch (endOf(child, program, status)) {

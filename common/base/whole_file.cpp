@@ -17,13 +17,10 @@ namespace palpate {
 namespace {
 
 void syncToDisk(const std::filesystem::path& path, int flags) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  // close() may change it.
-  const int reason = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!synced)
-    throw failure("{}: cannot be flushed to disk: {}", path.string(), std::strerror(reason));
+  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | flags));
+  if (file && fsync(file.get()) == 0) return;
+  const std::string reason = errnoText();
+  throw failure("{}: cannot be flushed to disk: {}", path.string(), reason);
 }
 
 Error unwritable(const std::filesystem::path& file, std::string_view what) {
