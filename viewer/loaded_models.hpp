@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/scene/device_profile.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
@@ -64,7 +65,10 @@ class ModelsReload {
   /// Of all forces, 0 to 1.
   double share() const { return share_; }
   /// Once, when it has ended. Error as of LoadedModels.
-  std::unique_ptr<LoadedModels> take() { return whole_.get(); }
+  std::unique_ptr<LoadedModels> take() {
+    PALPATE_ASSERT(whole_.valid(), "what was read again is taken once");
+    return whole_.get();
+  }
 
  private:
   std::stop_source stop_;

@@ -66,6 +66,7 @@ class ViewSession {
       spdlog::info("ended before the forces were prepared: nothing was felt or recorded");
       return ExitCode::done;
     }
+    PALPATE_ASSERT(device_ && tick_, "a session that goes on has opened its device");
     catchInterrupts();
     // A reader of our output that goes must not end us with a force on.
     std::signal(SIGPIPE, SIG_IGN);
@@ -317,6 +318,7 @@ class ViewSession {
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {
+    PALPATE_ASSERT(fresh, "a reload that fails throws");
     const bool ran = loop_ != nullptr;
     endLoop();
     tick_.reset();
@@ -333,6 +335,7 @@ class ViewSession {
   /// room.
   void saveRecording() const {
     if (!recorder_) return;
+    PALPATE_ASSERT(!loop_, "a loop gives all its states before they are written");
     try {
       recorder_->save(options_.record);
     } catch (const Error& error) {

@@ -32,6 +32,8 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
       choice_(chooseActive(dataset.scene(), active)),
       first_(dataset.spaces()[choice_.spaces.front()]),
       method_(method) {
+  PALPATE_ASSERT(choice_.spaces.back() < dataset.spaces().size(),
+                 "a dataset has the spaces of its scene");
   requirePlace(choice_, with_places);
   if (!with_places) {
     field_ = makeForceField(method, first_);
@@ -48,7 +50,10 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
 }
 
 ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
-  if (!area_) return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
+  if (!area_) {
+    PALPATE_ASSERT(!touch.at, "who asks with a place makes answers for places");
+    return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
+  }
   PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);

@@ -60,6 +60,8 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
     places.emplace_back(dataset.mesh(), dataset.fixedNodes(),
                         centersOf(chosenOf(model.spaces(), area.spaces)), area.radius);
   }
+  PALPATE_ASSERT(areas.size() == places.size() && spaces.size() == model.spaces().size(),
+                 "numbers that callers give are those of the model");
 }
 
 }  // namespace palpate

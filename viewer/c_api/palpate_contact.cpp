@@ -1,6 +1,7 @@
 #include <array>
 #include <memory>
 
+#include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
 #include "viewer/c_api/touch_struct.hpp"
@@ -13,6 +14,8 @@ struct palpate_contact {
   palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
                   std::int32_t method)
       : loaded(dataset.loaded), contact(loaded->model, options) {
+    PALPATE_ASSERT(at(method) < loaded->model.methods().size(),
+                   "translate() looked at the number of the method");
     contact.use(loaded->model, at(method));
   }
   std::shared_ptr<const LoadedDataset> loaded;

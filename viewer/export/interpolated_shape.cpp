@@ -11,6 +11,8 @@ namespace {
 /// sum += factor * values.
 void addTo(Eigen::VectorXd& sum, double factor, const std::vector<float>& values) {
   if (sum.size() == 0) sum = Eigen::VectorXd::Zero(std::ssize(values));
+  PALPATE_ASSERT(sum.size() == std::ssize(values),
+                 "configurations of a dataset have the same nodes");
   sum += factor * Eigen::Map<const Eigen::VectorXf>(values.data(), sum.size()).cast<double>();
 }
 
@@ -43,6 +45,8 @@ NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
     addTo(displacements, factor, row->second.displacement);
     addTo(pressures, factor, row->second.pressure);
   }
+  PALPATE_ASSERT(displacements.size() == 3 * std::ssize(dataset_.storedNodes()),
+                 "a configuration has all stored nodes");
   return {toFloats(displacements), toFloats(pressures)};
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <span>
 
+#include "common/base/assertion.hpp"
 #include "common/base/bytes32.hpp"
 #include "common/base/markup.hpp"
 
@@ -60,6 +61,14 @@ class Arrays {
   std::string appended_;
 };
 
+/// Whether each has a tuple for every point, or cell.
+bool areOf(std::size_t count, const std::vector<GridArray>& arrays) {
+  return std::ranges::all_of(arrays, [&](const GridArray& array) {
+    const auto sizeOf = [](const auto& values) { return values.size(); };
+    return std::visit(sizeOf, array.values) == count * static_cast<std::size_t>(array.components);
+  });
+}
+
 std::string cellsOf(const Grid& grid, Arrays& arrays) {
   std::vector<std::int32_t> ends;
   for (std::size_t n = 1; n <= grid.cellCount(); ++n)
@@ -80,6 +89,9 @@ std::string xmlText(std::string_view text) {
 }
 
 std::string vtuBytes(const Grid& grid) {
+  PALPATE_ASSERT(
+      areOf(grid.pointCount(), grid.point_data) && areOf(grid.cellCount(), grid.cell_data),
+      "a grid has a value for every point and cell");
   Arrays arrays;
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"

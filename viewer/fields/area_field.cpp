@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/machine.hpp"
 #include "common/base/parallel.hpp"
@@ -238,6 +239,7 @@ void AreaField::prepareAll(const std::function<void(double)>& progress) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
   });
+  PALPATE_ASSERT(made_count_ == siteCount(), "to judge a site takes the site");
   is_whole_ = true;
   fits_ = {};
   made_ = {};
@@ -373,6 +375,9 @@ void AreaField::beginStation(std::size_t station) {
 }
 
 void AreaField::interpolateTo(std::size_t station) {
+  PALPATE_ASSERT(std::ranges::all_of(sitesOfStation(station),
+                                     [&](std::size_t site) { return made_[site].has_value(); }),
+                 "a station's sites are made before it");
   const CellTree& tree = trees_[at_stations_[station].tree];
   std::vector<SiteJet>& jets = at_stations_[station].jets;
   jets.resize(tree.slots().size());
@@ -392,6 +397,7 @@ void AreaField::beginJudgement(std::size_t site) {
 }
 
 void AreaField::judge(std::size_t site) {
+  PALPATE_ASSERT(made_[site].has_value(), "a site is made before it is judged");
   const SiteJets& own = *made_[site];
   judgements_[site].region = own.region;
   std::vector<Doubt>& doubts = judgements_[site].doubts;

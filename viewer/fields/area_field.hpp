@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/base/assertion.hpp"
 #include "common/mesh/near_points.hpp"
 #include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
@@ -188,7 +189,9 @@ class AreaField {
 class FieldAtPlace : public ForceField {
  public:
   FieldAtPlace(std::shared_ptr<const AreaField> area, const Eigen::Vector3d& place)
-      : area_(std::move(area)), place_(place) {}
+      : area_(std::move(area)), place_(place) {
+    PALPATE_ASSERT(area_, "areas are made before the fields at their sites");
+  }
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override {
     return area_->evaluate(place_, displacement);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 
 namespace palpate {
@@ -27,6 +28,7 @@ DisplacementField::DisplacementField(const SpaceTable& space, std::span<const fl
 DisplacementField::DisplacementField(const PointBlend& blend, std::span<const float> displacements)
     : tree_(blend.tree()) {
   const ShapeRows shapes = blend.rowsOf(displacements, 3);
+  PALPATE_ASSERT(shapes.rows() == std::ssize(blend.points()), "shares of points name these rows");
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
   if (modeCount() == 0) return;  // nothing moves, and rows without columns lie nowhere
   const Eigen::MatrixXd of_points = (shapes * modes_.transpose()).cast<double>();

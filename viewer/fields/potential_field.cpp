@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -124,7 +126,9 @@ PotentialField::PotentialField(const CellData& data,
                                const std::vector<LocalPolynomial>& polynomials)
     : CellField("potential", data, Limit::bound),
       jets_(energyJets(data.tree, polynomials)),
-      error_(data.tree, polynomials, jets_, data.suspect) {}
+      error_(data.tree, polynomials, jets_, data.suspect) {
+  PALPATE_ASSERT(jets_.size() == tree().slots().size(), "derivatives are per slot");
+}
 
 void PotentialField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
                                  ForceSample& sample) const noexcept {

@@ -1,9 +1,13 @@
 #include "viewer/fields/pressure_field.hpp"
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 
 PressureField::PressureField(const SpaceTable& space, std::span<const float> pressures)
-    : blend_(space), rows_(blend_.rowsOf(pressures, 1)) {}
+    : blend_(space), rows_(blend_.rowsOf(pressures, 1)) {
+  PALPATE_ASSERT(rows_.rows() == std::ssize(blend_.points()), "shares of points name these rows");
+}
 
 void PressureField::add(const Eigen::Vector3d& displacement, double weight,
                         std::span<float> out) const noexcept {

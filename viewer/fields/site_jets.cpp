@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "viewer/fields/potential_field.hpp"
 
 namespace palpate {
@@ -115,6 +116,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     };
     setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }
+  PALPATE_ASSERT(coverage.size() == jets.size(), "coverage and jets are per slot");
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });

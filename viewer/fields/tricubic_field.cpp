@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -163,7 +165,9 @@ const CellData& withStencilSupport(CellData& data) {
 }  // namespace
 
 TricubicField::TricubicField(CellData data)
-    : CellField("tricubic", withStencilSupport(data)), nodes_(makeNodes(data)) {}
+    : CellField("tricubic", withStencilSupport(data)), nodes_(makeNodes(data)) {
+  PALPATE_ASSERT(nodes_.size() == tree().slots().size(), "derivatives are per slot");
+}
 
 void TricubicField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
                                 ForceSample& sample) const noexcept {

@@ -291,6 +291,8 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
     organ.triangles.resize(triangles);
     organ.touch_of_triangle.resize(triangles);
   }
+  PALPATE_ASSERT(organ.touch_of_triangle.size() == triangles,
+                 "every triangle is of a touch or none");
   for (std::size_t t = 0; t < triangles; ++t)
     carry(bytes, organ.triangles[t], organ.touch_of_triangle[t]);
   carryList(bytes, organ.touches, least_touch, [&](auto& touch) { carryTouch(bytes, touch); });

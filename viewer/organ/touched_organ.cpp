@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/mesh/anchor_bump.hpp"
 
 namespace palpate {
@@ -17,7 +18,12 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
       share_fields_(organ_.spaces.size()),
       one_(organ_.shapes.mode_count),
       sum_(organ_.shapes.mode_count) {
+  PALPATE_ASSERT(
+      organ_.shapes.modes.size() == 3 * organ_.vertices.size() * organ_.shapes.mode_count &&
+          organ_.shapes.shares.size() == organ_.spaces.size(),
+      "a mode moves every vertex, and every space has shares of it");
   for (const CarriedTouch& touch : organ_.touches) {
+    PALPATE_ASSERT(!touch.spaces.empty(), "decode() refuses a touch without a space");
     Touched& touched = touched_.emplace_back();
     if (touch.finger_radius == 0) continue;
     std::vector<const SpaceTable*> sites;
@@ -83,6 +89,7 @@ void TouchedOrgan::addShares(std::int32_t space, const Eigen::Vector3d& p, float
 
 void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const Eigen::Vector3d& p,
                            std::span<float> out) {
+  PALPATE_ASSERT(out.size() == 3 * organ_.vertices.size(), "a shape moves every vertex");
   std::ranges::fill(out, 0.0f);
   std::ranges::fill(sum_, 0.0f);
   const CarriedTouch& carried = organ_.touches.at(touch);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/assertion.hpp"
 #include "common/dataset/dataset.hpp"
 #include "viewer/answers/force_answers.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -174,6 +175,8 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
   forEachTouch(options.at, options.displacement, input, answers.workspaceRadius(),
                [&](const TouchInput& touch) {
                  const ForceAnswer answer = answers.answer(touch);
+                 PALPATE_ASSERT(answer.finger.has_value() == touch.at.has_value(),
+                                "an answer has a place where the question has one");
                  if (!answer.sample.inside) code = ExitCode::partly_failed;
                  // At once: whoever asks line by line waits for each answer.
                  output << answerText(answers, touch.displacement, answer, options.json)

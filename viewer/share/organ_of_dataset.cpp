@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/problem/sites.hpp"
@@ -25,6 +26,8 @@ using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMa
 Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   const std::vector<float> values = dataset.surfaceFields(space).displacement;
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
+  PALPATE_ASSERT(std::ssize(values) == width * std::ssize(dataset.spaces()[space].points),
+                 "a dataset stores displacements of the nodes of its surface");
   Shapes shapes = Eigen::Map<const Shapes>(values.data(), std::ssize(values) / width, width);
   return shapes.array().isNaN().select(0.0f, shapes);
 }
@@ -148,6 +151,8 @@ CarriedOrgan organOf(const Dataset& dataset) {
   for (const TouchArea& area : surface.areas()) add(touchOf(area, dataset));
   for (std::size_t space = 0; space < organ.spaces.size(); ++space)
     if (touch_of_space[space] < 0) add(touchOf(space, dataset));
+  PALPATE_ASSERT(std::ranges::find(touch_of_space, -1) == touch_of_space.end(),
+                 "every space is of an area or touched by itself");
   for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
     organ.touch_of_triangle.push_back(surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))]
                                                            : -1);
