@@ -208,6 +208,14 @@ TEST(Architecture, NoProgramUsesAnother) {
   EXPECT_THAT(wrong, ::testing::IsEmpty()) << "what two programs need belongs to common";
 }
 
+TEST(Architecture, WhatAnswersWithoutAWindowReachesNeitherPictureNorDevices) {
+  Names reached;
+  addReachable(linkedFolders(), "viewer/query", reached);
+  EXPECT_THAT(reached, ::testing::Contains("viewer/answers"));
+  EXPECT_THAT(reached, ::testing::Not(::testing::Contains("viewer/picture")));
+  EXPECT_THAT(reached, ::testing::Not(::testing::Contains("viewer/devices")));
+}
+
 TEST(Architecture, NoFoldersIncludeEachOther) {
   EXPECT_THAT(circles(includeGraph(folderOf)), ::testing::IsEmpty());
 }

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-TEST(Programs, NoProgramLinksOpenMpi) {
+TEST(Programs, NoProgramLinksOpenMpiAndOnlyTheClientOpenGl) {
   int programs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(PALPATE_BIN_DIR)) {
     if (!entry.path().filename().string().starts_with("palpate")) continue;
@@ -19,6 +19,9 @@ TEST(Programs, NoProgramLinksOpenMpi) {
     EXPECT_THAT(
         libraries.output,
         ::testing::Not(::testing::ContainsRegex("libmpi|openmpi|open-rte|open-pal|libmpich")))
+        << entry.path();
+    EXPECT_EQ(libraries.output.find("libglfw") != std::string::npos,
+              entry.path().filename() == "palpate-viewer")
         << entry.path();
     ++programs;
   }
