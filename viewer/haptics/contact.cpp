@@ -1,5 +1,6 @@
 #include "viewer/haptics/contact.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "viewer/haptics/anchor_slide.hpp"
@@ -10,34 +11,38 @@ namespace {
 /// m: a tool no deeper than this has not missed the way in. Rounding decides on which side it is,
 /// and whether it is pushed.
 constexpr double graze = 1e-6;
+Eigen::Vector3d nowhere() noexcept {
+  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
 
 }  // namespace
 
 Contact::Contact(const HapticModel& model, const ContactOptions& options)
-    : model_(&model), options_(options), ready_(options.mode == ContactMode::glued) {}
+    : model_(&model),
+      options_(options),
+      last_tool_(nowhere()),
+      state_(options.mode == ContactMode::glued ? State::ready : State::shut) {}
 
 const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
   touch_.stepped = std::exchange(step_follows_, false);
   if (!tool.allFinite()) {
-    end(touch_.stepped || !touch_.force.isZero(0));
-    last_tool_known_ = false;
-    ready_ = options_.mode == ContactMode::glued;
+    end(touch_.stepped || !touch_.force.isZero(0),
+        options_.mode == ContactMode::glued ? State::ready : State::shut);
+    last_tool_ = nowhere();
     return touch_;
   }
-  if (!last_tool_known_) last_tool_ = tool;
-  last_tool_known_ = true;
+  if (!last_tool_.allFinite()) last_tool_ = tool;
 
-  if (touch_.touching && options_.mode == ContactMode::glued && !hold)
-    end(touch_.stepped || !touch_.force.isZero(0));
-  if (touch_.touching) {
+  if (state_ == State::touching && options_.mode == ContactMode::glued && !hold)
+    end(touch_.stepped || !touch_.force.isZero(0), State::ready);
+  if (state_ == State::touching) {
     const double force = touch_.force.norm(), stiffness = touch_.stiffness.norm();
     if (press(tool)) {
       last_tool_ = tool;
       return touch_;
     }
     // What the tool's motion explains is no step.
-    end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm());
-    ready_ = false;
+    end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
   return touch_;
@@ -48,13 +53,8 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
   near_triangle_ = nearest.triangle;
   touch_.gap = nearest.outside ? nearest.distance : -nearest.distance;
   if (options_.mode == ContactMode::glued) return seekGrip(tool, hold);
-  if (nearest.outside) {
-    ready_ = true;
-    last_tool_ = tool;
-    return;
-  }
-  if (ready_) return seekEntry(tool, nearest);
-  ready_ = nearest.distance <= graze;
+  if (!nearest.outside && state_ == State::ready) return seekEntry(tool, nearest);
+  if (nearest.outside || nearest.distance <= graze) state_ = State::ready;
   last_tool_ = tool;
 }
 
@@ -72,11 +72,11 @@ void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest
       last_tool_ = tool;
       return;
     }
-    end(touch_.stepped);
+    end(touch_.stepped, State::ready);
     touch_.gap = gap;
     if (nearest.distance <= graze) return;
   }
-  ready_ = false;
+  state_ = State::shut;
   last_tool_ = tool;
 }
 
@@ -84,8 +84,8 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   last_tool_ = tool;
   const NearestPoint nearest = model_->surface().nearestTouchable(tool);
   const bool near = nearest.distance <= options_.grab_distance;
-  ready_ = ready_ || !hold || !near;
-  if (!(ready_ && hold && near)) return;
+  if (!hold || !near) state_ = State::ready;
+  if (state_ != State::ready || !hold || !near) return;
   anchor_ = nearest;
   offset_ = tool - nearest.position;
   press(tool);
@@ -112,6 +112,7 @@ bool Contact::press(const Eigen::Vector3d& tool) noexcept {
 void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
   static_cast<ForceSample&>(touch_) = force_.sum();
   touch_.touching = true;
+  state_ = State::touching;
   touch_.anchor = anchor_;
   touch_.anchor_position = model_->surface().position(anchor_);
   touch_.normal = model_->surface().normal(anchor_);
@@ -120,29 +121,29 @@ void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
   touch_.gap = 0;
 }
 
-void Contact::end(bool stepped) noexcept {
+void Contact::end(bool stepped, State next) noexcept {
   touch_ = {};
   touch_.stepped = stepped;
+  state_ = next;
 }
 
 void Contact::release() noexcept {
-  const bool had_force = touch_.touching && !touch_.force.isZero(0);
-  end(false);
-  step_follows_ = step_follows_ || had_force;
-  ready_ = false;
-  last_tool_known_ = false;
+  step_follows_ = step_follows_ || !touch_.force.isZero(0);
+  end(false, State::shut);
+  last_tool_ = nowhere();
 }
 
 void Contact::use(const HapticModel& model, std::size_t method) noexcept {
   const bool same = sameSurface(model_->surface(), model.surface());
-  const bool kept = touch_.touching && same && model.surface().touchable(anchor_.triangle);
+  const bool kept =
+      state_ == State::touching && same && model.surface().touchable(anchor_.triangle);
   model_ = &model;
   method_ = method;
-  if (touch_.touching && !kept) release();
-  if (touch_.touching) step_follows_ = true;
+  if (state_ == State::touching && !kept) release();
+  if (state_ == State::touching) step_follows_ = true;
   if (same) return;
   near_triangle_ = -1;
-  if (options_.mode == ContactMode::unilateral) ready_ = false;
+  if (options_.mode == ContactMode::unilateral) state_ = State::shut;
 }
 
 }  // namespace palpate

@@ -86,11 +86,22 @@ class Contact {
   void use(const HapticModel& model, std::size_t method) noexcept;
 
  private:
+  /// | from     | what happens                                            | to                 |
+  /// | -------- | ------------------------------------------------------- | ------------------ |
+  /// | shut     | the tool is outside; glued: hold is false, or it is far | ready              |
+  /// | ready    | it comes in where it can touch; glued: it takes hold    | touching           |
+  /// | ready    | it comes in elsewhere                                   | shut               |
+  /// | touching | the tissue would pull back a tool that leaves           | shut               |
+  /// | touching | glued: hold is false                                    | ready              |
+  /// | any      | release(), or use() of another surface                  | shut               |
+  /// | any      | the tool is nowhere                                     | shut, glued: ready |
+  enum class State : std::uint8_t { shut, ready, touching };
+
   void seek(const Eigen::Vector3d& tool, bool hold) noexcept;
   void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
   void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
   bool press(const Eigen::Vector3d& tool) noexcept;
-  void end(bool stepped) noexcept;
+  void end(bool stepped, State next) noexcept;
   void describe(const Eigen::Vector3d& displacement) noexcept;
 
   const HapticModel* model_;
@@ -101,10 +112,9 @@ class Contact {
   SurfacePoint anchor_;
   /// of the tool from the anchor at zero force; glued
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
-  /// where the search for an entry goes on from
-  Eigen::Vector3d last_tool_ = Eigen::Vector3d::Zero();
-  bool last_tool_known_ = false;
-  bool ready_;                       ///< has been outside (unilateral), or may take hold (glued)
+  /// where the search for an entry goes on from; not finite: from the next tool
+  Eigen::Vector3d last_tool_;
+  State state_;
   bool step_follows_ = false;        ///< Touch::stepped of the next update
   std::int32_t near_triangle_ = -1;  ///< where the nearest point was last
 };
