@@ -17,8 +17,9 @@ bool isUsable(const Eigen::Vector3d& values) {
   return (values.array().abs() <= EnergyLimit::largest_number).all();
 }
 
-/// 0 at 0, 1 at 1, flat at both.
-double smoothStep(double t) { return t * t * (3 - 2 * t); }
+std::uint32_t bitIf(Guarded guarded, bool is) {
+  return is ? static_cast<std::uint32_t>(guarded) : 0;
+}
 
 /// Shortens to `longest`, keeping the direction; the rounding of later sums included.
 bool shorten(Eigen::Vector3d& v, double longest) {
@@ -49,8 +50,18 @@ const char* guardWord(int bit) {
   return bit >= 0 && bit < guard_count ? words[at(bit)] : "";
 }
 
+Eigen::Vector3d ForceRamp::next() noexcept {
+  if (time_ >= duration_) return Eigen::Vector3d::Zero();
+  // Never at its begin: were every tick a step, the force would otherwise stay what it is.
+  time_ += period_;
+  const double t = std::min(1.0, time_ / duration_);
+  return (1 - t * t * (3 - 2 * t)) * step_;
+}
+
 ForceGuard::ForceGuard(const GuardOptions& options)
-    : options_(options), energy_(options.period, slewOf(options), options.energy_credit) {
+    : options_(options),
+      ramp_(options.period, options.ramp),
+      energy_(options.period, slewOf(options), options.energy_credit) {
   const auto require = [](const char* option, double value, bool holds, const char* what) {
     if (!(std::isfinite(value) && holds))
       throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
@@ -67,34 +78,14 @@ ForceGuard::ForceGuard(const GuardOptions& options)
   require("delay", options.delay, options.delay <= (EnergyLimit::remembered - 2) * options.period,
           "at most 30 periods");
   options_.max_slew = slewOf(options);
-  reset();
 }
 
 void ForceGuard::reset() noexcept {
   energy_.reset();
-  given_ = offset_ = tool_ = Eigen::Vector3d::Zero();
-  ramp_time_ = options_.ramp;
+  ramp_.reset();
+  given_ = tool_ = Eigen::Vector3d::Zero();
   usable_ = stalled_ = false;
   ticks_since_fresh_ = 0;
-}
-
-/// From the force that the hand feels now: a force that was clamped, slewed or faded goes on from
-/// there.
-void ForceGuard::startRamp(const Eigen::Vector3d& raw) noexcept {
-  offset_ = raw - given_;
-  ramp_time_ = 0;
-}
-
-/// Whether there was no fresh reading for too long.
-bool ForceGuard::countStale(bool fresh) noexcept {
-  ticks_since_fresh_ = fresh ? 0 : ticks_since_fresh_ + 1;
-  return static_cast<double>(ticks_since_fresh_) * options_.period > options_.stall;
-}
-
-/// Whether no hand is as fast. Before countStale(): since the last fresh reading.
-bool ForceGuard::jumped(const GuardInput& input) const noexcept {
-  const double time = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
-  return (input.tool - tool_).norm() > options_.max_speed * time;
 }
 
 HeldForces ForceGuard::delayed(HeldForces held) const noexcept {
@@ -105,63 +96,67 @@ HeldForces ForceGuard::delayed(HeldForces held) const noexcept {
   return held;
 }
 
-/// What is left of the step, to be taken from the raw force.
-Eigen::Vector3d ForceGuard::fade() noexcept {
-  if (ramp_time_ >= options_.ramp) return Eigen::Vector3d::Zero();
-  // Never s = 0: were every tick a step, the force would otherwise stay what it is.
-  ramp_time_ += options_.period;
-  return (1 - smoothStep(std::min(1.0, ramp_time_ / options_.ramp))) * offset_;
+/// Of a raw force, which the clamp lets through.
+double ForceGuard::renderedShare(const Eigen::Vector3d& raw) const noexcept {
+  const double length = raw.norm();
+  return length > options_.max_force ? options_.max_force / length : 1;
+}
+
+/// Takes in where the tool is. Whether its raw force is a step away from that of the last tick.
+bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
+  const double since_fresh = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
+  // No hand is as fast.
+  const bool jump =
+      usable && usable_ && (input.tool - tool_).norm() > options_.max_speed * since_fresh;
+  ticks_since_fresh_ = input.fresh ? 0 : ticks_since_fresh_ + 1;
+  const bool was_stalled = stalled_, was_usable = usable_;
+  stalled_ = static_cast<double>(ticks_since_fresh_) * options_.period > options_.stall;
+  usable_ = usable;
+  if (jump || !usable) energy_.forgetMotion();
+  if (usable) {
+    energy_.observe(input.tool, input.touch, renderedShare(input.touch.force), delayed(input.held),
+                    input.fresh);
+    if (input.fresh || !was_usable) tool_ = input.tool;
+  }
+  return input.touch.stepped || jump || usable != was_usable || (was_stalled && !stalled_);
+}
+
+/// What is given of a raw force, N, in the order of the class comment.
+Eigen::Vector3d ForceGuard::shaped(const Eigen::Vector3d& raw, const Touch& touch, bool stepped,
+                                   std::uint32_t& guards) noexcept {
+  // From the force that the hand feels now: one that was clamped, slewed or faded goes on there.
+  if (stepped) ramp_.begin(raw - given_);
+  const Eigen::Vector3d faded = ramp_.next();
+  const bool ramped = !faded.isZero(0);
+  Eigen::Vector3d force = raw - faded;
+  guards |= bitIf(Guarded::ramped, ramped);
+  guards |= bitIf(Guarded::clamped, shorten(force, options_.max_force));
+  if (stepped || ramped)
+    energy_.restart(touch.touching ? renderedShare(raw) * touch.energy : 0);
+  else
+    guards |= bitIf(Guarded::damped, energy_.bound(force, touch.stiffness));
+  if (stalled_) force.setZero();
+  Eigen::Vector3d change = force - given_;
+  if (!shorten(change, options_.max_slew * options_.period)) return force;
+  guards |= bitIf(Guarded::slewed, true);
+  return given_ + change;
 }
 
 GuardedForce ForceGuard::limit(const GuardInput& input) noexcept {
   GuardedForce result;
-  const auto tell = [&result](Guarded guarded, bool is) {
-    if (is) result.guards |= static_cast<std::uint32_t>(guarded);
-  };
+  result.guards = bitIf(Guarded::lost, input.lost) | bitIf(Guarded::late, input.late) |
+                  bitIf(Guarded::beyond, input.touch.touching && !input.touch.inside);
   const bool usable = isUsable(input.tool) && isUsable(input.touch.force);
-  tell(Guarded::not_finite, !usable && !input.lost && !input.away);
-  tell(Guarded::lost, input.lost);
-  tell(Guarded::late, input.late);
-  tell(Guarded::beyond, input.touch.touching && !input.touch.inside);
+  result.guards |= bitIf(Guarded::not_finite, !usable && !input.lost && !input.away);
   if (input.lost || input.late) {
     reset();
     return result;
   }
-
-  const bool jump = usable && usable_ && jumped(input);
-  const bool stalled = countStale(input.fresh);
-  const bool stepped = input.touch.stepped || jump || usable != usable_ || (stalled_ && !stalled);
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  if (usable) force = input.touch.force;
-  const double length = force.norm();
-  const double rendered = length > options_.max_force ? options_.max_force / length : 1;
-  if (jump || !usable) energy_.forgetMotion();
-  if (usable) {
-    energy_.observe(input.tool, input.touch, rendered, delayed(input.held), input.fresh);
-    if (input.fresh || !usable_) tool_ = input.tool;
-  }
-  usable_ = usable;
-  stalled_ = stalled;
-  tell(Guarded::stalled, stalled);
-
-  if (stepped) startRamp(force);
-  const Eigen::Vector3d faded = fade();
-  force -= faded;
-  tell(Guarded::ramped, !faded.isZero(0));
-  tell(Guarded::clamped, shorten(force, options_.max_force));
-  if (stepped || !faded.isZero(0))
-    energy_.restart(input.touch.touching ? rendered * input.touch.energy : 0);
-  else
-    tell(Guarded::damped, energy_.bound(force, input.touch.stiffness));
-  if (stalled) force.setZero();
-  Eigen::Vector3d change = force - given_;
-  const bool slewed = shorten(change, options_.max_slew * options_.period);
-  tell(Guarded::slewed, slewed);
-  if (slewed) force = given_ + change;
-
-  given_ = force;
-  energy_.give(force);
-  result.force = force;
+  const bool stepped = takeIn(input, usable);
+  result.guards |= bitIf(Guarded::stalled, stalled_);
+  const Eigen::Vector3d raw = usable ? input.touch.force : Eigen::Vector3d::Zero().eval();
+  given_ = result.force = shaped(raw, input.touch, stepped, result.guards);
+  energy_.give(given_);
   result.passivity = energy_.passivity();
   return result;
 }

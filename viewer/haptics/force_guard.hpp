@@ -61,6 +61,26 @@ struct GuardedForce {
   double passivity = 0;
 };
 
+/// Fades steps of a force in: smoothly, from none of a step to all of it. One thread; real time.
+class ForceRamp {
+ public:
+  /// s, of a tick and of a step.
+  ForceRamp(double period, double duration)
+      : period_(period), duration_(duration), time_(duration) {}
+  void reset() noexcept { time_ = duration_; }
+  /// The force is to change by `step` N; what was left of another is in it.
+  void begin(const Eigen::Vector3d& step) noexcept {
+    step_ = step;
+    time_ = 0;
+  }
+  /// Each tick: what is left of the step, N, to be taken from the force.
+  Eigen::Vector3d next() noexcept;
+
+ private:
+  double period_, duration_, time_;  ///< s; the last since the step
+  Eigen::Vector3d step_ = Eigen::Vector3d::Zero();
+};
+
 /// From the force of a contact to the force of a device, tick by tick:
 ///   1. not finite, device gone, loop hung: the raw force counts as zero and a step;
 ///   2. ramp: a step d of the raw force (Touch::stepped, 1., or a motion faster than max_speed) is
@@ -83,19 +103,18 @@ class ForceGuard {
   void reset() noexcept;
 
  private:
-  void startRamp(const Eigen::Vector3d& raw) noexcept;
-  bool countStale(bool fresh) noexcept;
-  bool jumped(const GuardInput& input) const noexcept;
   HeldForces delayed(HeldForces held) const noexcept;
-  Eigen::Vector3d fade() noexcept;
+  double renderedShare(const Eigen::Vector3d& raw) const noexcept;
+  bool takeIn(const GuardInput& input, bool usable) noexcept;
+  Eigen::Vector3d shaped(const Eigen::Vector3d& raw, const Touch& touch, bool stepped,
+                         std::uint32_t& guards) noexcept;
 
   GuardOptions options_;
+  ForceRamp ramp_;
   EnergyLimit energy_;
-  Eigen::Vector3d given_ = Eigen::Vector3d::Zero();   ///< N, of the last tick
-  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  ///< N, the step that is being faded in
-  double ramp_time_ = 0;                              ///< s since the step
-  bool usable_ = false;                               ///< the last raw force counted
-  bool stalled_ = false;                              ///< the last tick was
+  Eigen::Vector3d given_ = Eigen::Vector3d::Zero();  ///< N, of the last tick
+  bool usable_ = false;                              ///< the last raw force counted
+  bool stalled_ = false;                             ///< the last tick was
   std::uint64_t ticks_since_fresh_ = 0;
   Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, of the last fresh reading, when usable_
 };

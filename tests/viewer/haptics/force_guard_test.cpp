@@ -57,6 +57,28 @@ GuardedForce hold(ForceGuard& guard, const GuardInput& input, double seconds,
   return last;
 }
 
+TEST(ForceRamp, LeavesLessOfAStepInEveryTickAndNothingAtItsEnd) {
+  ForceRamp ramp(1e-3, 0.02);
+  EXPECT_EQ(ramp.next(), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d step(1, -2, 0);
+  ramp.begin(step);
+  double before = 1;
+  for (int tick = 1; tick < 20; ++tick) {
+    const Eigen::Vector3d left = ramp.next();
+    EXPECT_LT(left.x(), before) << tick;
+    EXPECT_EQ(left.y(), -2 * left.x()) << "along the step";
+    before = left.x();
+  }
+  for (int tick = 20; tick < 25; ++tick) EXPECT_LT(ramp.next().norm(), 1e-9) << tick;
+}
+
+TEST(ForceRamp, HasNothingLeftAfterAReset) {
+  ForceRamp ramp(1e-3, 0.02);
+  ramp.begin({1, 0, 0});
+  ramp.reset();
+  EXPECT_EQ(ramp.next(), Eigen::Vector3d::Zero());
+}
+
 TEST(ForceGuard, GivesTheRawForceWhenNothingIsWrong) {
   ForceGuard guard({});
   guard.limit({});
