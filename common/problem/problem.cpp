@@ -323,8 +323,6 @@ std::size_t storedBytes(const Problem& problem) {
          sizeof(float) * storedPressures(problem);
 }
 
-Lattice uniformLattice(const Scene& scene) { return uniformLattice(scene, {}); }
-
 Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
   const Workspace& workspace = scene.workspace;
   if (patch.probe) return Lattice::ofRest(workspace.radius, workspace.spacing, lattice_divisions);

@@ -50,8 +50,7 @@ inline constexpr std::int32_t lattice_divisions = 1024;
 
 /// The uniform lattice of a scene: with divisions when points or probes may be added to it. Of a
 /// finger only what its reach holds; of one that measures an area (ActivePatch::probe) the origin.
-Lattice uniformLattice(const Scene& scene);
-Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
+Lattice uniformLattice(const Scene& scene, const ActivePatch& patch = {});
 
 /// Held-out positions of one space: those of [accuracy], but of a site none where its area is
 /// measured at places of its own.
