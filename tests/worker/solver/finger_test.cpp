@@ -8,6 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/worker/solver/start_at_rest.hpp"
 #include "worker/solver/path.hpp"
 
 namespace palpate {
@@ -20,12 +21,10 @@ class FingerOnABlob : public ::testing::Test {
  protected:
   void clamp(Scene scene) {
     scene.fixed.groups = {"xmin"};
-    ActiveSelection active;
-    active.name = "finger";
-    active.near = Eigen::Vector3d(0.1, 0.013, 0.02);
-    active.radius = pad_radius;
-    active.tool = ToolKind::finger;
-    scene.active = {active};
+    scene.active = {{.name = "finger",
+                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
+                     .radius = pad_radius,
+                     .tool = ToolKind::finger}};
     solver_.reset();
     problem_ = resolve(std::move(scene), test::blobMesh());
     solver_.emplace(problem_, chooseKernels());
@@ -34,10 +33,7 @@ class FingerOnABlob : public ::testing::Test {
 
   Equilibrium equilibriumAt(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
     solver_->placeFinger("here", {s, pad_radius});
-    Failure failure;
-    const auto rest = solver_->startAtRest(failure);
-    EXPECT_TRUE(rest) << describe(failure);
-    const Outcome outcome = walk(*solver_, *rest, p, 2).outcome;
+    const Outcome outcome = walk(*solver_, test::startAtRest(*solver_), p, 2).outcome;
     EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
     return outcome.equilibrium();
   }
@@ -82,36 +78,25 @@ class FingerOnABlob : public ::testing::Test {
 };
 
 TEST_F(FingerOnABlob, ForceAndDriveAreMinusTheGradientsOfOneEnergy) {
-  clamp(test::mooneyRivlinScene());
-  expectDerivativesOfOneEnergy();
-}
-
-TEST_F(FingerOnABlob, SoTheyAreWithQuadraticElements) {
-  Scene scene = test::mooneyRivlinScene();
-  scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
-  clamp(scene);
-  expectDerivativesOfOneEnergy();
-}
-
-TEST_F(FingerOnABlob, SoTheyAreUnderGravity) {
-  Scene scene = test::mooneyRivlinScene();
-  scene.regions[0].material.density = 1060;
-  scene.gravity = {0, 0, -5};
-  clamp(scene);
-  expectDerivativesOfOneEnergy();
+  Scene quadratic = test::mooneyRivlinScene(), heavy = quadratic;
+  quadratic.discretization = {DisplacementSpace::p2, PressureSpace::p1};
+  heavy.regions[0].material.density = 1060;
+  heavy.gravity = {0, 0, -5};
+  for (const Scene& scene : {test::mooneyRivlinScene(), quadratic, heavy}) {
+    clamp(scene);
+    expectDerivativesOfOneEnergy();
+  }
 }
 
 /// A push to either side finds other fibres taut.
 TEST_F(FingerOnABlob, AtRestTheStiffnessOfFibresIsNearlyTheMeanOfThoseToEitherSide) {
   constexpr double h = 1e-5;
   Scene scene = test::mooneyRivlinScene();
-  Material& material = scene.regions[0].material;
-  material = {};
-  material.law = LawName::holzapfel_gasser_ogden;
-  material.mu = 3870;
-  material.k1 = 20000;
-  material.k2 = 2.7;
-  material.fibers = {Eigen::Vector3d(1, 0.2, 0.1).normalized()};
+  scene.regions[0].material = {.law = LawName::holzapfel_gasser_ogden,
+                               .mu = 3870,
+                               .k1 = 20000,
+                               .k2 = 2.7,
+                               .fibers = {Eigen::Vector3d(1, 0.2, 0.1).normalized()}};
   clamp(scene);
   const Equilibrium rest = equilibriumAt(center(), Eigen::Vector3d::Zero());
   for (int i = 0; i < 3; ++i) {
@@ -136,8 +121,7 @@ TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
   clamp(test::mooneyRivlinScene());
   const Equilibrium placed = equilibriumAt(center(), pushed);
   solver_->chooseTool(0);
-  Failure failure;
-  const Outcome chosen = walk(*solver_, *solver_->startAtRest(failure), pushed, 2).outcome;
+  const Outcome chosen = walk(*solver_, test::startAtRest(*solver_), pushed, 2).outcome;
   EXPECT_EQ(chosen.equilibrium().force, placed.force);
   EXPECT_EQ(chosen.equilibrium().drive_slope, placed.drive_slope);
 }
@@ -150,8 +134,7 @@ TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
   const auto reachWith = [&](double largest, const Eigen::Vector3d& target) {
     options.largest_force = largest;
     TransitionSolver solver(problem_, chooseKernels(), options);
-    Failure failure;
-    return solver.reach(*solver.startAtRest(failure), target).outcome;
+    return solver.reach(test::startAtRest(solver), target).outcome;
   };
   EXPECT_TRUE(reachWith(1.5 * force, pushed).converged());
   // The stiffness at rest says that this will be too much: nothing is tried.
@@ -165,7 +148,7 @@ TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
   clamp(test::mooneyRivlinScene());
   solver_->chooseTool(0);
   Failure failure;
-  const auto there = walk(*solver_, *solver_->startAtRest(failure), pushed, 2);
+  const auto there = walk(*solver_, test::startAtRest(*solver_), pushed, 2);
   const auto start = solver_->startFrom(there.outcome.configuration().fields, pushed, failure);
   ASSERT_TRUE(start) << describe(failure);
   EXPECT_LT((start->exerted + there.outcome.equilibrium().force).norm(),

@@ -4,6 +4,7 @@
 
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/worker/solver/start_at_rest.hpp"
 
 namespace palpate {
 namespace {
@@ -14,8 +15,7 @@ class PathTest : public ::testing::Test {
   PathTest()
       : problem_(test::clampedProblem(test::mooneyRivlinScene(), test::blobMesh(), {0.1, 0, 0})),
         solver_(problem_, chooseKernels()) {
-    Failure failure;
-    rest_ = *solver_.startAtRest(failure);
+    rest_ = test::startAtRest(solver_);
   }
   Eigen::Vector3d along(double fraction) const {
     return fraction * 0.15 * Eigen::Vector3d(-1, -1, 0).normalized();
@@ -69,8 +69,7 @@ TEST_F(PathTest, AFailureSaysHowFarAlongTheWholeWayItGot) {
   Scene scene = test::youngScene(LawName::st_venant_kirchhoff, 0.49);
   const Problem problem = test::clampedProblem(scene, test::blobMesh(), {0.1, 0, 0});
   TransitionSolver solver(problem, chooseKernels());
-  Failure failure;
-  const Reached path = walk(solver, *solver.startAtRest(failure), {-0.19, 0, 0}, 2);
+  const Reached path = walk(solver, test::startAtRest(solver), {-0.19, 0, 0}, 2);
   ASSERT_FALSE(path.outcome.converged());
   EXPECT_GT(path.outcome.failure().step_reached, 0);
   EXPECT_LT(path.outcome.failure().step_reached, 1);

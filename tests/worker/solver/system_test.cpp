@@ -11,6 +11,7 @@
 
 #include "tests/support/body_models.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/worker/solver/dense_tangent.hpp"
 #include "worker/elements/kernel_family.hpp"
 
 namespace palpate {
@@ -98,20 +99,8 @@ class SystemTest : public ::testing::Test {
     return system_->moved(state_, nothing, 1, p_ + amount * Eigen::Vector3d::Unit(direction));
   }
 
-  /// Full symmetric matrix of the tangent, border included; rows held by the tool are rows of a
-  /// multiple of the identity.
-  Eigen::MatrixXd dense() const {
-    const Eigen::Index n = system_->unknowns(), all = residual_.free.size();
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(all, all);
-    for (std::size_t entry = 0; entry < tangent_.values.size(); ++entry) {
-      const int row = system_->pattern().row[entry] - 1,
-                column = system_->pattern().column[entry] - 1;
-      K(row, column) = K(column, row) = tangent_.values[entry];
-    }
-    K.topRightCorner(n, all - n) = tangent_.border;
-    K.bottomLeftCorner(all - n, n) = tangent_.border.transpose();
-    return K;
-  }
+  /// Rows held by the tool are rows of a multiple of the identity.
+  Eigen::MatrixXd dense() const { return test::dense(*system_, tangent_); }
 
   bool isHeld(Eigen::Index unknown) const {
     const State moved = nudged(unknown, 1e-3);

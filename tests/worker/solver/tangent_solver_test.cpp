@@ -11,6 +11,7 @@
 
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/worker/solver/dense_tangent.hpp"
 #include "worker/elements/kernel_family.hpp"
 
 namespace palpate {
@@ -23,12 +24,8 @@ class TangentSolverTest : public ::testing::Test {
   void touch(ToolKind kind) {
     Scene scene = test::mooneyRivlinScene();
     scene.fixed.groups = {"xmin"};
-    ActiveSelection active;
-    active.name = "tip";
-    active.near = Eigen::Vector3d(0.1, 0, 0);
-    active.radius = 0.06;
-    active.tool = kind;
-    scene.active = {active};
+    scene.active = {
+        {.name = "tip", .near = Eigen::Vector3d(0.1, 0, 0), .radius = 0.06, .tool = kind}};
     problem_ = resolve(scene, test::blobMesh());
     system_ = std::make_unique<System>(problem_, chooseKernels());
     solver_ = std::make_unique<TangentSolver>(*system_);
@@ -43,18 +40,7 @@ class TangentSolverTest : public ::testing::Test {
     Residual residual;
     system_->assemble(state, residual, tangent);
   }
-  Eigen::MatrixXd dense(const Tangent& tangent) const {
-    const int n = system_->unknowns(), m = system_->multipliers();
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + m, n + m);
-    for (std::size_t entry = 0; entry < tangent.values.size(); ++entry) {
-      const int row = system_->pattern().row[entry] - 1,
-                column = system_->pattern().column[entry] - 1;
-      K(row, column) = K(column, row) = tangent.values[entry];
-    }
-    K.topRightCorner(n, m) = tangent.border;
-    K.bottomLeftCorner(m, n) = tangent.border.transpose();
-    return K;
-  }
+  Eigen::MatrixXd dense(const Tangent& tangent) const { return test::dense(*system_, tangent); }
 
   Problem problem_;
   std::unique_ptr<System> system_;

@@ -13,6 +13,8 @@
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/worker/solver/dense_tangent.hpp"
+#include "tests/worker/solver/start_at_rest.hpp"
 
 namespace palpate {
 namespace {
@@ -32,14 +34,27 @@ class TransitionTest : public ::testing::Test {
     solver_.reset();
     problem_ = std::move(problem);
     solver_.emplace(problem_, chooseKernels(), options);
-    Failure failure;
-    rest_ = *solver_->startAtRest(failure);
+    rest_ = test::startAtRest(*solver_);
   }
   Outcome reach(const Eigen::Vector3d& target) { return solver_->reach(rest_, target).outcome; }
   Equilibrium equilibriumAt(const Eigen::Vector3d& target) {
     const Outcome outcome = reach(target);
     EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
     return outcome.equilibrium();
+  }
+  /// By differences of the energy and of the force.
+  Equilibrium expectDerivativesOfOneEnergy(const Eigen::Vector3d& target, double tolerance = 1e-6) {
+    constexpr double h = 1e-5;
+    Equilibrium here = equilibriumAt(target);
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+      const Equilibrium up = equilibriumAt(target + e), down = equilibriumAt(target - e);
+      EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i],
+                  tolerance * here.force.norm());
+      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
+                tolerance * here.stiffness.norm());
+    }
+    return here;
   }
 
   Problem problem_;
@@ -49,17 +64,9 @@ class TransitionTest : public ::testing::Test {
 
 TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivative) {
   const Eigen::Vector3d target(0.008, -0.012, 0.006);
-  constexpr double h = 1e-5;
   for (const double radius : {0.0, 0.05}) {
     clamp(mooneyRivlinScene(), radius);
-    const Equilibrium here = equilibriumAt(target);
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-      const Equilibrium up = equilibriumAt(target + e), down = equilibriumAt(target - e);
-      EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
-      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
-                1e-6 * here.stiffness.norm());
-    }
+    const Equilibrium here = expectDerivativesOfOneEnergy(target);
     EXPECT_EQ(here.stiffness, here.stiffness.transpose());
     EXPECT_LT(here.force.dot(target), 0) << "the tissue pulls the tool back";
     EXPECT_GT(here.energy, 0);
@@ -69,23 +76,11 @@ TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivati
 TEST_F(TransitionTest, AWeightedToolHasTheForceAndStiffnessOfItsEnergyAndStartsFromWhatIsStored) {
   Scene scene = mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
-  ActiveSelection active;
-  active.name = "tip";
-  active.near = blob_tip;
-  active.radius = 0.06;
-  active.tool = ToolKind::weighted_average;
-  scene.active = {active};
+  scene.active = {
+      {.name = "tip", .near = blob_tip, .radius = 0.06, .tool = ToolKind::weighted_average}};
   clamp(resolve(scene, test::blobMesh()));
   const Eigen::Vector3d target(0.008, -0.012, 0.006);
-  const Equilibrium here = equilibriumAt(target);
-  constexpr double h = 1e-5;
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-    const Equilibrium up = equilibriumAt(target + e), down = equilibriumAt(target - e);
-    EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
-    EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
-              1e-6 * here.stiffness.norm());
-  }
+  const Equilibrium here = expectDerivativesOfOneEnergy(target);
   Failure failure;
   const auto start =
       solver_->startFrom(reach(0.5 * target).configuration().fields, 0.5 * target, failure);
@@ -103,20 +98,14 @@ TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutFor
   const Outcome origin = reach(Eigen::Vector3d::Zero());
   ASSERT_TRUE(origin.converged());
   const Eigen::Vector3d target(0.006, -0.01, 0.004);
-  const Equilibrium here = equilibriumAt(target);
+  const Equilibrium here = expectDerivativesOfOneEnergy(target);
   EXPECT_LT(origin.equilibrium().force.norm(), 1e-8 * here.force.norm());
   EXPECT_NEAR(origin.equilibrium().energy, 0, 1e-12);
   const std::int32_t tip = problem_.active[0].node;
   EXPECT_LT(origin.configuration().fields.displacement[3 * tip + 2], -1e-3) << "the body sags";
-  EXPECT_NEAR(reach(target).configuration().fields.displacement[3 * tip + 2] -
-                  origin.configuration().fields.displacement[3 * tip + 2],
-              target.z(), 1e-8);
-  constexpr double h = 1e-5;
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-    const double up = equilibriumAt(target + e).energy, down = equilibriumAt(target - e).energy;
-    EXPECT_NEAR((up - down) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
-  }
+  EXPECT_NEAR(
+      reach(target).configuration().fields.displacement[3 * tip + 2] - origin.configuration().fields.displacement[3 * tip + 2],
+      target.z(), 1e-8);
 }
 
 TEST_F(TransitionTest, AWeightTooSmallToMoveAnythingLeavesTheRestStateStable) {
@@ -132,14 +121,9 @@ TEST_F(TransitionTest, UnderItsWeightEveryElementConverges) {
   scene.regions[0].material.density = 1060;
   scene.gravity = {0, 0, -9.81};
   scene.discretization.displacement = DisplacementSpace::p2;
-  scene.fixed.groups = {"xmin"};
-  ActiveSelection active;
-  active.name = "tip";
-  active.near = blob_tip;
-  scene.active = {active};
   for (const PressureSpace pressure : {PressureSpace::p1, PressureSpace::p2}) {
     scene.discretization.pressure = pressure;
-    clamp(resolve(scene, test::blobMesh()));
+    clamp(scene);
     const Outcome outcome = reach({0.001, 0, 0});
     EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
   }
@@ -184,12 +168,7 @@ TEST_F(TransitionTest, PressureIsPositiveWhereTheToolCompresses) {
     scene.discretization.pressure = pressure;
     scene.discretization.displacement =
         pressure == PressureSpace::p1_stabilized ? DisplacementSpace::p1 : DisplacementSpace::p2;
-    scene.fixed.groups = {"xmin"};
-    ActiveSelection active;
-    active.name = "tip";
-    active.near = blob_tip;
-    scene.active = {active};
-    clamp(resolve(scene, test::blobMesh()));
+    clamp(scene);
     const auto tip = static_cast<std::size_t>(problem_.active[0].node);
     const Outcome pushed = reach({-0.01, 0, 0}), pulled = reach({0.01, 0, 0});
     ASSERT_TRUE(pushed.converged() && pulled.converged());
@@ -271,10 +250,7 @@ TEST_F(TransitionTest, TheReactionIsTheLagrangeMultiplierOfThePaper) {
     Tangent tangent;
     system.assemble(state, residual, tangent);
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + 6, n + 6);
-    for (std::size_t entry = 0; entry < tangent.values.size(); ++entry) {
-      const int row = system.pattern().row[entry] - 1, column = system.pattern().column[entry] - 1;
-      K(row, column) = K(column, row) = tangent.values[entry];
-    }
+    K.topLeftCorner(n, n) = test::dense(system, tangent);
     K.block(0, n, n, 3) = tangent.tool_coupling;
     K.block(n, 0, 3, n) = tangent.tool_coupling.transpose();
     K.block(n, n, 3, 3) = tangent.tool;
@@ -355,10 +331,7 @@ TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
   scene.discretization.displacement = DisplacementSpace::p2;
   scene.discretization.pressure = PressureSpace::p1;
   scene.fixed.half_spaces = {{0, true, 0.6, std::nullopt}};
-  ActiveSelection active;
-  active.name = "tip";
-  active.near = blob_tip;
-  scene.active = {active};
+  scene.active = {{.name = "tip", .near = blob_tip}};
   clamp(resolve(scene, test::blobMesh()));
   const Outcome outcome = reach({0, 0.01, 0});
   ASSERT_TRUE(outcome.converged()) << describe(outcome.failure());
@@ -370,13 +343,8 @@ TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
 TEST_F(TransitionTest, ConvergesWhereTheToolHoldsWholeElements) {
   Scene scene = mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
-  ActiveSelection active;
-  active.name = "tip";
-  active.near = Eigen::Vector3d(0.1, 0.05, 0.05);
-  active.radius = 0.06;
-  scene.active = {active};
+  scene.active = {{.name = "tip", .near = Eigen::Vector3d(0.1, 0.05, 0.05), .radius = 0.06}};
   const Eigen::Vector3d target(0.002, -0.003, 0.001);
-  constexpr double h = 1e-5;
   for (const Discretization& element : test::everyElement()) {
     scene.discretization = element;
     scene.regions[0].material.bulk.reset();
@@ -385,13 +353,8 @@ TEST_F(TransitionTest, ConvergesWhereTheToolHoldsWholeElements) {
     EXPECT_LT(reach(Eigen::Vector3d::Zero()).equilibrium().force.norm(), 1e-9);
     // Of the others, whose tangent is singular for other reasons, only that they begin.
     if (!isInfSupStable(element)) continue;
-    const Equilibrium here = equilibriumAt(target);
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-      const double up = equilibriumAt(target + e).energy, down = equilibriumAt(target - e).energy;
-      EXPECT_NEAR((up - down) / (2 * h), -here.force[i], 1e-5 * here.force.norm())
-          << test::nameOf(element);
-    }
+    SCOPED_TRACE(test::nameOf(element));
+    expectDerivativesOfOneEnergy(target, 1e-5);
   }
 }
 
