@@ -103,9 +103,9 @@ TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutFor
   EXPECT_NEAR(origin.equilibrium().energy, 0, 1e-12);
   const std::int32_t tip = problem_.active[0].node;
   EXPECT_LT(origin.configuration().fields.displacement[3 * tip + 2], -1e-3) << "the body sags";
-  EXPECT_NEAR(
-      reach(target).configuration().fields.displacement[3 * tip + 2] - origin.configuration().fields.displacement[3 * tip + 2],
-      target.z(), 1e-8);
+  EXPECT_NEAR(reach(target).configuration().fields.displacement[3 * tip + 2] -
+                  origin.configuration().fields.displacement[3 * tip + 2],
+              target.z(), 1e-8);
 }
 
 TEST_F(TransitionTest, AWeightTooSmallToMoveAnythingLeavesTheRestStateStable) {
