@@ -31,6 +31,12 @@ inline wire::Message helloOf(const std::string& id, std::uint32_t pid = 1) {
   return message;
 }
 
+inline wire::Message goodbyeOf(const std::string& reason = "") {
+  wire::Message message;
+  message.mutable_goodbye()->set_reason(reason);
+  return message;
+}
+
 /// A build in a temporary directory, a clock that tests move, and workers that are names: messages
 /// go in by hand and what comes out is sorted by peer.
 class BuildWorld {
@@ -43,6 +49,13 @@ class BuildWorld {
     allotment.overdue_at_least = allotment.overdue_without_any = std::chrono::hours(24 * 365);
     return settings;
   }
+  /// This share of the results is solved twice; what is overdue, as for users.
+  static CoordinatorSettings checking(double share) {
+    CoordinatorSettings settings;
+    settings.spot_checks.share = share;
+    return settings;
+  }
+
   explicit BuildWorld(CoordinatorSettings settings = withoutChecks(), Problem of = cubeProblem())
       : problem(std::move(of)), settings_(settings) {
     start();
@@ -132,6 +145,24 @@ class BuildWorld {
       deliver(peer, job.space(), target.point(), job.start());
   }
 
+  /// The peer delivers all that it was given, and asks for as many jobs. How many targets.
+  int work(const std::string& peer) {
+    int delivered = 0;
+    for (const wire::Job& job : takeJobs(peer)) {
+      deliver(peer, job);
+      delivered += job.targets_size();
+      request(peer, 1);
+    }
+    return delivered;
+  }
+  /// Both origins, by "a".
+  void solveOrigins() {
+    join("a", 2);
+    for (const wire::Job& job : takeJobs("a")) deliver("a", job);
+    pass(std::chrono::milliseconds(25));
+    take("a", wire::Message::kResultAck);
+  }
+
   /// Takes the messages of one kind out of a peer's inbox.
   std::vector<wire::Message> take(const std::string& peer, wire::Message::BodyCase kind) {
     std::vector<wire::Message> taken;
@@ -158,11 +189,7 @@ class BuildWorld {
   void finish(const std::vector<std::string>& peers) {
     for (int turns = 0; !coordinator().complete(); ++turns) {
       ASSERT_LT(turns, 10000) << "the build does not end";
-      for (const std::string& peer : peers)
-        for (const wire::Job& job : takeJobs(peer)) {
-          deliver(peer, job);
-          request(peer, 1);
-        }
+      for (const std::string& peer : peers) work(peer);
       pass(std::chrono::milliseconds(25));
     }
   }

@@ -201,14 +201,6 @@ TEST(Frontier, KeepsToItsBudgetWhateverItIs) {
     }
 }
 
-TEST(Frontier, ReachesEverythingWhenNothingFails) {
-  const Lattice lattice(5, 1);
-  const Answer answer = solve(lattice, randomPhysics(1, 0, 0), 4, 1, false);
-  EXPECT_EQ(std::count(answer.tags.begin(), answer.tags.end(), Tag::expandable), lattice.size());
-  for (std::int32_t n = 1; n < lattice.size(); ++n)
-    EXPECT_LT(squaredNorm(lattice.point(answer.parents[n])), squaredNorm(lattice.point(n)));
-}
-
 TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
   const Lattice lattice(4, 1);
   const Physics shell = [&](Transition t) {
@@ -243,19 +235,6 @@ TEST(Frontier, GoesAroundAWallAndReachesTheSideBehindItLater) {
   EXPECT_GE(lattice.point(answer.parents[behind])[0], 2)
       << "it is reached from its own side of the wall";
   EXPECT_FALSE(answer.attempts[behind].empty());
-}
-
-TEST(Frontier, LeavesAHoleThatEveryNeighbourFailedToReach) {
-  const Lattice lattice(4, 1);
-  const std::int32_t hole = *lattice.indexOf({1, 1, 0});
-  const Physics physics = [&](Transition t) {
-    return t.target == hole ? std::nullopt : std::optional(1.0);
-  };
-  const Answer answer = solve(lattice, physics, 4, 5, false);
-  EXPECT_EQ(answer.tags[hole], Tag::failed);
-  EXPECT_EQ(answer.attempts[hole].size(), static_cast<std::size_t>(max_attempts_per_point));
-  EXPECT_EQ(std::count(answer.tags.begin(), answer.tags.end(), Tag::expandable),
-            lattice.size() - 1);
 }
 
 TEST(Frontier, EndsAtOnceWhenTheOriginFails) {

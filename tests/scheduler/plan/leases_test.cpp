@@ -129,17 +129,6 @@ TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsSetAsideUntilItIsRetried) {
   EXPECT_EQ(attemptsOfNext("a"), deaths_before_aside + 1u);
 }
 
-TEST_F(LeasesTest, ALateResultOfWhatIsSetAsideIsWelcome) {
-  addTargets(0, 1, 1);
-  for (int death = 0; death < deaths_before_aside; ++death) {
-    handOut("a");
-    die("a", way(0, 1, 0));
-  }
-  leases.finish(way(0, 1, 0));
-  EXPECT_TRUE(leases.empty());
-  EXPECT_FALSE(leases.stuck());
-}
-
 TEST_F(LeasesTest, WhatEarlierRunsKnowCounts) {
   leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 5, .deaths = deaths_before_aside});
   leases.add(way(0, 2, 0), {.attempts = 3, .suspected = 0, .deaths = deaths_before_aside - 1});

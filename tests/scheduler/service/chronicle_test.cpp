@@ -40,9 +40,7 @@ TEST_F(ChronicleTest, TellsWhoCameAndWentAndHow) {
   world.join("a", 2);
   world.join("b", 2, 7);
   world.pass(25ms);
-  wire::Message goodbye;
-  goodbye.mutable_goodbye()->set_reason("told\nto");
-  world.send("a", goodbye);
+  world.send("a", test::goodbyeOf("told\nto"));
   world.coordinator().workerProcessEnded(7, world.now);
   world.join("c", 2);
   world.coordinator().peerUnreachable("c", world.now);

@@ -17,12 +17,22 @@ struct CoordinatorFixture : testing::Test {
     const auto refused = world.take("a", wire::Message::kRefused);
     return refused.empty() ? "" : refused[0].refused().reason();
   }
-  /// Solves both origins.
-  void solveOrigins() {
-    world.join("a", 2);
-    for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
-    world.pass(std::chrono::milliseconds(25));
-    world.take("a", wire::Message::kResultAck);
+  void solveOrigins() { world.solveOrigins(); }
+  /// Asked as an operator; what is to be solved again.
+  std::uint32_t retryFailed(const char* cause = "") {
+    wire::Message order;
+    order.mutable_retry_request()->set_cause(cause);
+    world.send("operator", order);
+    return world.take("operator", wire::Message::kRetryReply).at(0).retry_reply().transitions();
+  }
+  /// A machine without memory solves nothing but the rest state.
+  void failWithoutMemory() {
+    world.solver = [](const Problem& problem, std::uint32_t space, const LatticePoint& target,
+                      const LatticePoint& parent) {
+      if (target == LatticePoint{}) return solve(problem, space, target, parent);
+      return resultOf(problemId(problem), space, target, parent,
+                      {Failure{.cause = Cause::factorization_failed}, {}});
+    };
   }
   wire::Message originResult(const std::function<void(wire::Result&)>& change = {}) {
     wire::Message message;

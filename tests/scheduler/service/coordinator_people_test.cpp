@@ -10,13 +10,6 @@ using wire::Message;
 
 using CoordinatorTest = test::CoordinatorFixture;
 
-std::uint32_t retryFailed(test::BuildWorld& world, const char* cause) {
-  Message order;
-  order.mutable_retry_request()->set_cause(cause);
-  world.send("operator", order);
-  return world.take("operator", Message::kRetryReply).at(0).retry_reply().transitions();
-}
-
 std::string prioritize(test::BuildWorld& world, const std::string& space, std::int32_t priority) {
   Message order;
   order.mutable_priority_request()->set_space(space);
@@ -94,13 +87,7 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
   test::BuildWorld healthy;
   healthy.join("a", 1);
   healthy.finish({"a"});
-  bool has_memory = false;
-  world.solver = [&](const Problem& problem, std::uint32_t space, const LatticePoint& target,
-                     const LatticePoint& parent) {
-    if (has_memory || target == LatticePoint{}) return test::solve(problem, space, target, parent);
-    return test::resultOf(problemId(problem), space, target, parent,
-                          {Failure{.cause = Cause::factorization_failed}, {}});
-  };
+  failWithoutMemory();
   solveOrigins();
   world.request("a", 1);
   for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
@@ -109,12 +96,12 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
     return world.coordinator().status(world.now).failed_attempts().count("factorization_failed");
   };
   EXPECT_EQ(failed(), 1u);
-  EXPECT_EQ(retryFailed(world, "limit_point"), 0u);
-  EXPECT_GE(retryFailed(world, "factorization_failed"), 1u);
-  EXPECT_EQ(retryFailed(world, "factorization_failed"), 0u) << "once";
+  EXPECT_EQ(retryFailed("limit_point"), 0u);
+  EXPECT_GE(retryFailed("factorization_failed"), 1u);
+  EXPECT_EQ(retryFailed("factorization_failed"), 0u) << "once";
   EXPECT_EQ(world.settle(), Next::go_on);
   EXPECT_EQ(world.settle(), Next::anew) << "in the next turn, when it is answered";
-  has_memory = true;
+  world.solver = test::solve;
   world.restart();
   EXPECT_EQ(failed(), 0u);
   world.join("a", 1);
@@ -124,15 +111,10 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
 
 /// Its dataset is being sealed with them.
 TEST_F(CoordinatorTest, TriesNoFailureAgainOnceItIsComplete) {
-  world.solver = [](const Problem& problem, std::uint32_t space, const LatticePoint& target,
-                    const LatticePoint& parent) {
-    if (target == LatticePoint{}) return test::solve(problem, space, target, parent);
-    return test::resultOf(problemId(problem), space, target, parent,
-                          {Failure{.cause = Cause::factorization_failed}, {}});
-  };
+  failWithoutMemory();
   world.join("a", 1);
   world.finish({"a"});
-  EXPECT_EQ(retryFailed(world, "factorization_failed"), 0u);
+  EXPECT_EQ(retryFailed("factorization_failed"), 0u);
   EXPECT_EQ(world.settle(), Next::complete);
 }
 
@@ -147,19 +129,6 @@ TEST_F(CoordinatorTest, StaysPausedOverARestart) {
   world.finish({"a"});
   world.restart();
   EXPECT_FALSE(world.coordinator().paused());
-}
-
-TEST_F(CoordinatorTest, TellsPeopleHowFarItIs) {
-  solveOrigins();
-  Message ask;
-  ask.mutable_status_request();
-  world.send("operator", ask);
-  const auto replies = world.take("operator", Message::kStatusReply);
-  ASSERT_EQ(replies.size(), 1u);
-  const std::string& json = replies[0].status_reply().json();
-  EXPECT_THAT(json, testing::HasSubstr("\"expandable\":1"));
-  EXPECT_THAT(json, testing::HasSubstr("\"state\":\"running\""));
-  EXPECT_THAT(json, testing::HasSubstr("\"host\":\"here\""));
 }
 
 }  // namespace

@@ -12,6 +12,14 @@ using wire::Message;
 
 using CoordinatorTest = test::CoordinatorFixture;
 
+Message requestForStartOf(const wire::Job& job) {
+  Message message;
+  message.mutable_fields_request()->set_id(job.start_id());
+  message.mutable_fields_request()->set_space(job.space());
+  *message.mutable_fields_request()->mutable_point() = job.start();
+  return message;
+}
+
 TEST_F(CoordinatorTest, WelcomesAWorkerAndSendsItTheProblem) {
   world.send("a", test::helloOf("a"));
   const auto welcome = world.take("a", Message::kWelcome);
@@ -49,10 +57,7 @@ TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
   const auto jobs = world.takeJobs("a");
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].start_id(), ContentId::of(originFields()).bytes());
-  Message ask;
-  ask.mutable_fields_request()->set_id(jobs[0].start_id());
-  ask.mutable_fields_request()->set_space(jobs[0].space());
-  *ask.mutable_fields_request()->mutable_point() = jobs[0].start();
+  Message ask = requestForStartOf(jobs[0]);
   world.inbox["a"].clear();
   world.send("a", ask);
   ASSERT_EQ(world.inbox["a"].size(), 1u);
@@ -67,15 +72,10 @@ TEST_F(CoordinatorTest, AnswersNoStartsWhileTooManyLieUnread) {
   CoordinatorSettings settings = test::BuildWorld::withoutChecks();
   settings.unread_starts = 2 * originFields().size();
   test::BuildWorld narrow(settings);
-  narrow.join("a", 2);
-  for (const wire::Job& job : narrow.takeJobs("a")) narrow.deliver("a", job);
-  narrow.pass(25ms);
+  narrow.solveOrigins();
   narrow.request("a", 1);
   const wire::Job job = narrow.takeJobs("a").at(0);
-  Message ask;
-  ask.mutable_fields_request()->set_id(job.start_id());
-  ask.mutable_fields_request()->set_space(job.space());
-  *ask.mutable_fields_request()->mutable_point() = job.start();
+  const Message ask = requestForStartOf(job);
   for (int n = 0; n < 10; ++n) narrow.send("a", ask);
   EXPECT_EQ(narrow.take("a", Message::kFieldsReply).size(), 3u);
   EXPECT_EQ(narrow.counter("unread_answers"), 7);

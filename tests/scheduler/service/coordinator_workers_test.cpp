@@ -37,8 +37,7 @@ TEST_F(CoordinatorTest, WhoSaysHelloForEverFillsNeitherTheLogNorTheTables) {
   const auto before = spdlog::default_logger();
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(
       "hello", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
-  Message goodbye;
-  goodbye.mutable_goodbye()->set_reason("\x1b[2J\nsee you");
+  const Message goodbye = test::goodbyeOf("\x1b[2J\nsee you");
   for (int i = 0; i < 20000; ++i) {
     const std::string name = std::to_string(i);
     world.send(name, test::helloOf(name));
@@ -111,9 +110,7 @@ TEST_F(ChosenKernelsTest, DecideBeforeAnybodySolvedAnything) {
 
 TEST_F(ChosenKernelsTest, MustBeThoseThatTheBuildWasBegunWith) {
   test::BuildWorld world(chosen("baseline"));
-  world.join("a", 2);
-  for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
-  world.pass(std::chrono::milliseconds(25));
+  world.solveOrigins();
   world.restart();
   test::expectBadInput([&] { world.restartWith(chosen("avx2/Haswell")); },
                        {"begun with the baseline kernels", "--kernels asks for avx2/Haswell"});
@@ -218,9 +215,7 @@ TEST_F(CoordinatorTest, AWorkerThatSaysGoodbyeHandsItsWorkBack) {
   world.join("a", 2);
   world.join("b", 2);
   world.takeJobs("a");
-  Message goodbye;
-  goodbye.mutable_goodbye()->set_reason("tired");
-  world.send("a", goodbye);
+  world.send("a", test::goodbyeOf("tired"));
   world.settle();
   EXPECT_EQ(world.takeJobs("b").size(), 2u);
   EXPECT_EQ(world.coordinator().workers(), 1u);
@@ -333,12 +328,7 @@ TEST_F(SetAsideTest, ARestartRemembersAndRetryTriesAgain) {
   finishTheRest();
   world.restart();
   EXPECT_TRUE(world.coordinator().stuck());
-  Message retry;
-  retry.mutable_retry_request();
-  world.send("operator", retry);
-  const auto replies = world.take("operator", Message::kRetryReply);
-  ASSERT_EQ(replies.size(), 1u);
-  EXPECT_EQ(replies[0].retry_reply().transitions(), 1u);
+  EXPECT_EQ(retryFailed(), 1u);
   EXPECT_FALSE(world.coordinator().stuck());
   world.join("a", 1);
   world.finish({"a"});
@@ -364,9 +354,7 @@ TEST_F(SetAsideTest, AnotherWorkerTellsWhichProcessesEnded) {
     Message hello = test::helloOf(id + "-next");
     hello.mutable_hello()->add_ended(id);
     world.send("next", hello);
-    Message goodbye;
-    goodbye.mutable_goodbye();
-    world.send("next", goodbye);
+    world.send("next", test::goodbyeOf());
   }
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }
@@ -385,9 +373,7 @@ TEST_F(SetAsideTest, AWorkerThatCameBackEndsOnceAndOnWhatItHadLast) {
     hello.mutable_hello()->add_ended(id);
     world.send("next", hello);
     world.send("next", hello);
-    Message goodbye;
-    goodbye.mutable_goodbye();
-    world.send("next", goodbye);
+    world.send("next", test::goodbyeOf());
   }
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 0) << "four are not five";
 }

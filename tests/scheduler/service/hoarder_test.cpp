@@ -9,11 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-CoordinatorSettings usual() {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 0;
-  return settings;
-}
+CoordinatorSettings usual() { return test::BuildWorld::checking(0); }
 
 struct HoarderTest : testing::Test {
   test::BuildWorld world{usual()};
@@ -33,11 +29,7 @@ struct HoarderTest : testing::Test {
   int work(const std::string& peer, int steps) {
     int delivered = 0;
     for (int n = 0; n < steps && !world.coordinator().complete(); ++n) {
-      for (const wire::Job& job : world.takeJobs(peer)) {
-        world.deliver(peer, job);
-        delivered += job.targets_size();
-        world.request(peer, 1);
-      }
+      delivered += world.work(peer);
       world.pass(50ms);
     }
     return delivered;
@@ -98,9 +90,7 @@ TEST_F(HoarderTest, ThatComesBackAgainAndAgainHoldsTheLastTargetsForSecondsOnly)
 
 /// The check that it was given, of the last result there was.
 TEST_F(HoarderTest, OfAChecksHoldsTheEndUpForAMinuteAtMost) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  test::BuildWorld checked(settings);
+  test::BuildWorld checked(test::BuildWorld::checking(1));
   checked.join("a", 2);
   int seconds = 0;
   for (; seconds < 200 && !checked.coordinator().complete(); ++seconds) {
@@ -111,10 +101,7 @@ TEST_F(HoarderTest, OfAChecksHoldsTheEndUpForAMinuteAtMost) {
       checked.request("hoarder", 64);
     }
     for (int n = 0; n < 20; ++n) {
-      for (const wire::Job& job : checked.takeJobs("a")) {
-        checked.deliver("a", job);
-        checked.request("a", 1);
-      }
+      checked.work("a");
       checked.pass(50ms);
     }
     checked.beat("a");
@@ -132,10 +119,7 @@ TEST_F(HoarderTest, ThatSaysItIsIdleOrNothingAtAllHoldsNothingUpEither) {
     alone.join("hoarder", 64);
     for (int seconds = 0; seconds < 120 && !alone.coordinator().complete(); ++seconds) {
       for (int n = 0; n < 20; ++n) {
-        for (const wire::Job& job : alone.takeJobs("a")) {
-          alone.deliver("a", job);
-          alone.request("a", 1);
-        }
+        alone.work("a");
         alone.pass(50ms);
       }
       if (beats) alone.beat("hoarder");

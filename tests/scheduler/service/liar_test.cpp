@@ -36,20 +36,13 @@ struct LiarWorld : test::BuildWorld {
   /// Until nothing is left that it may do: what others are to check waits then.
   void workAlone(const std::string& peer) {
     for (int turns = 0; turns < 400; ++turns) {
-      for (const wire::Job& job : takeJobs(peer)) {
-        deliver(peer, job);
-        request(peer, 1);
-      }
+      work(peer);
       pass(25ms);
     }
   }
   /// All deliver what they hold, until somebody is found out.
   void turn() {
-    for (const std::string peer : {"a", "b", "c"})
-      for (const wire::Job& job : takeJobs(peer)) {
-        deliver(peer, job);
-        request(peer, 1);
-      }
+    for (const std::string peer : {"a", "b", "c"}) work(peer);
     pass(25ms);
   }
   void joinAll() {
@@ -73,6 +66,7 @@ struct LiarWorld : test::BuildWorld {
 };
 
 using test::lies;
+constexpr auto checking = test::BuildWorld::checking;
 
 ContentId honestContent() {
   LiarWorld world(test::BuildWorld::withoutChecks());
@@ -93,9 +87,7 @@ struct LiarTest : testing::Test {
 };
 
 TEST_F(LiarTest, AnHonestBuildIsCheckedAndEndsTheSame) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 0.1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(0.1));
   world.finishWhateverComes();
   EXPECT_EQ(world.sealedContent(), honestContent());
   const auto checked = world.counter("checked_results");
@@ -135,9 +127,7 @@ TEST_F(LiarTest, OneThatIsWrongFromTheStartIsFoundSoon) {
 }
 
 TEST_F(LiarTest, ARestartOfTheSchedulerForgetsNoCheckAndNobodyWhoIsKeptOut) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   world.joinFrom("machine-a", "a");
   for (int jobs = 0; jobs < 6; ++jobs)
     for (const wire::Job& job : world.takeJobs("a")) {
@@ -169,11 +159,7 @@ TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
   lieOnce(world, 40, lies()[0]);
   for (int turns = 0; !world.coordinator().complete() && !world.coordinator().stuck(); ++turns) {
     ASSERT_LT(turns, 20000);
-    for (const std::string peer : {"a", "b"})
-      for (const wire::Job& job : world.takeJobs(peer)) {
-        world.deliver(peer, job);
-        world.request(peer, 1);
-      }
+    for (const std::string peer : {"a", "b"}) world.work(peer);
     world.pass(25ms);
   }
   EXPECT_TRUE(world.coordinator().stuck());
@@ -186,14 +172,12 @@ TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
 }
 
 TEST_F(LiarTest, OneMachineAloneIsNotCheckedAndItsBuildWaitsForNobody) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 0.2;
-  LiarWorld world(settings);
+  LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.joinFrom("machine-a", "b");
   const auto began = world.now;
   world.finish({"a", "b"});
-  EXPECT_LT(world.now - began, settings.checks_wait);
+  EXPECT_LT(world.now - began, CoordinatorSettings().checks_wait);
   EXPECT_EQ(world.counter("checked_results"), 0);
   EXPECT_EQ(world.counter("unchecked_results"), 0);
   EXPECT_EQ(world.coordinator().status(world.now).checks_open(), 0);
@@ -202,9 +186,7 @@ TEST_F(LiarTest, OneMachineAloneIsNotCheckedAndItsBuildWaitsForNobody) {
 
 /// Workers that take no more work, or hoard it, hold no build up at its end.
 TEST_F(LiarTest, WhatASecondMachineFindsToCheckIsNotForgotten) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   world.joinFrom("machine-a", "a");
   const wire::Job first = world.takeJobs("a").at(0);
   world.deliver("a", first);
@@ -238,17 +220,12 @@ TEST_F(LiarTest, ADisputeOfOneMachineIsSettledByAThirdProcessOfIt) {
 }
 
 TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUp) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 0.2;
-  LiarWorld world(settings);
+  LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.send("b", test::helloOf("b"));
   for (int turns = 0; !world.coordinator().complete(); ++turns) {
     ASSERT_LT(turns, 20000);
-    for (const wire::Job& job : world.takeJobs("a")) {
-      world.deliver("a", job);
-      world.request("a", 1);
-    }
+    world.work("a");
     world.beat("b");
     world.pass(50ms);
   }
@@ -257,9 +234,7 @@ TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUp) {
 
 /// They retry in several steps where branches contradict each other: whoever checks that has to.
 TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   world.solver = test::solve;
   world.finishWhateverComes();
   EXPECT_TRUE(world.coordinator().complete());
@@ -292,21 +267,8 @@ TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
   EXPECT_EQ(world.sealedContent(), honest);
 }
 
-TEST_F(LiarTest, WhoGivesTwoResultsOfOneTransitionIsKeptOut) {
-  LiarWorld world(test::BuildWorld::withoutChecks());
-  world.joinFrom("machine-b", "b");
-  const wire::Job job = world.takeJobs("b").at(0);
-  world.deliver("b", job);
-  world.pass(25ms);
-  lieOnce(world, 0, [](wire::Result& r, std::string&) { r.mutable_cost()->set_steps(77); });
-  world.deliver("b", job);
-  EXPECT_EQ(world.coordinator().next(), Next::anew);
-}
-
 TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 0.2;
-  LiarWorld world(settings);
+  LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.send("b", test::helloOf("b"));
   world.workAlone("a");
@@ -325,9 +287,7 @@ TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
 
 /// The last checks are of its results, and it is back before the others.
 TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   world.joinFrom("machine-b", "b");
   const wire::Job first = world.takeJobs("b").at(0);
   world.deliver("b", first);
@@ -346,9 +306,7 @@ TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
 }
 
 TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
   world.key_of = {{"l1", liar}, {"l2", liar}, {"h", honest}};
   world.joinFrom("machine-l1", "l1");
@@ -368,20 +326,14 @@ TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
 
 /// As long as others with the first key ask for work, it cannot keep them from checking each other.
 TEST_F(LiarTest, AnotherKeyThatDoesNothingKeepsNobodyFromChecking) {
-  CoordinatorSettings settings;
-  settings.spot_checks.share = 1;
-  LiarWorld world(settings);
+  LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
   world.key_of = {{"l", liar}, {"a", honest}, {"b", honest}};
   world.send("l", test::helloOf("l"));
   world.joinFrom("machine-a", "a");
   world.joinFrom("machine-b", "b");
   for (int turns = 0; turns < 3000 && !world.coordinator().complete(); ++turns) {
-    for (const std::string peer : {"a", "b"})
-      for (const wire::Job& job : world.takeJobs(peer)) {
-        world.deliver(peer, job);
-        world.request(peer, 1);
-      }
+    for (const std::string peer : {"a", "b"}) world.work(peer);
     world.beat("l");
     world.pass(50ms);
   }

@@ -40,6 +40,10 @@ struct JudgedResult : testing::Test {
     toWire(outcome, payload, result);
     return check.judge(result, payload, "baseline").objection;
   }
+  void refuses(const LatticePoint& target, const char* word,
+               const std::function<void(Outcome&)>& change) const {
+    EXPECT_THAT(objectionTo(target, change), testing::HasSubstr(word));
+  }
 };
 
 TEST_F(JudgedResult, HonestOnesPass) {
@@ -49,56 +53,27 @@ TEST_F(JudgedResult, HonestOnesPass) {
 
 TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
   const LatticePoint there = {1, 0, -1};
-  using testing::HasSubstr;
-  EXPECT_THAT(
-      objectionTo(there, [](Outcome& o) { o.configuration().equilibrium.min_det_F = -0.1; }),
-      HasSubstr("inverted"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.configuration().residual = 0.1; }),
-              HasSubstr("residual"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.configuration().residual = std::nan(""); }),
-              HasSubstr("residual"));
-  EXPECT_THAT(
-      objectionTo(there, [](Outcome& o) { o.configuration().equilibrium.stiffness(0, 1) += 1e-9; }),
-      HasSubstr("symmetric"));
-  EXPECT_THAT(objectionTo(there,
-                          [](Outcome& o) {
-                            o.configuration().equilibrium.drive = {1, 0, 0};
-                          }),
-              HasSubstr("drive"));
-  EXPECT_THAT(
-      objectionTo(
-          there,
-          [&](Outcome& o) {
-            o.configuration().fields.displacement[3 * static_cast<std::size_t>(problem.fixed[0])] =
-                1e-9F;
-          }),
-      HasSubstr("fixed node"));
-  EXPECT_THAT(objectionTo(there,
-                          [&](Outcome& o) {
-                            const auto tool = static_cast<std::size_t>(problem.active[0].node);
-                            o.configuration().fields.displacement[3 * tool] += 1e-3F;
-                          }),
-              HasSubstr("elsewhere"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.cost.factorizations = -1; }),
-              HasSubstr("costs"));
-  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.cost.seconds = std::nan(""); }),
-              HasSubstr("costs"));
+  const auto tool = 3 * static_cast<std::size_t>(problem.active[0].node),
+             held = 3 * static_cast<std::size_t>(problem.fixed[0]);
+  refuses(there, "inverted", [](Outcome& o) { o.configuration().equilibrium.min_det_F = -0.1; });
+  refuses(there, "residual", [](Outcome& o) { o.configuration().residual = 0.1; });
+  refuses(there, "residual", [](Outcome& o) { o.configuration().residual = std::nan(""); });
+  refuses(there, "symmetric",
+          [](Outcome& o) { o.configuration().equilibrium.stiffness(0, 1) += 1e-9; });
+  refuses(there, "drive", [](Outcome& o) { o.configuration().equilibrium.drive[0] = 1; });
+  refuses(there, "fixed node",
+          [&](Outcome& o) { o.configuration().fields.displacement[held] = 1e-9F; });
+  refuses(there, "elsewhere",
+          [&](Outcome& o) { o.configuration().fields.displacement[tool] += 1e-3F; });
+  refuses(there, "costs", [](Outcome& o) { o.cost.factorizations = -1; });
+  refuses(there, "costs", [](Outcome& o) { o.cost.seconds = std::nan(""); });
 }
 
 TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
-  using testing::HasSubstr;
-  EXPECT_THAT(objectionTo({},
-                          [](Outcome& o) {
-                            o.configuration().equilibrium.force = {1e-300, 0, 0};
-                          }),
-              HasSubstr("rest"));
-  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.configuration().equilibrium.energy = 1e-300; }),
-              HasSubstr("rest"));
-  EXPECT_THAT(
-      objectionTo({}, [](Outcome& o) { o.configuration().fields.displacement.back() = 1e-30F; }),
-      HasSubstr("rest"));
-  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; }),
-              HasSubstr("not stable"));
+  refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.force[0] = 1e-300; });
+  refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.energy = 1e-300; });
+  refuses({}, "rest", [](Outcome& o) { o.configuration().fields.displacement.back() = 1e-30F; });
+  refuses({}, "not stable", [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; });
 }
 
 TEST(ResultCheck, RefusesFailuresThatCannotBe) {

@@ -23,15 +23,6 @@ struct WorkerRegistryTest : testing::Test {
   }
 };
 
-TEST_F(WorkerRegistryTest, TheFirstResultDecidesTheKernelsAndNotTheFirstWorker) {
-  wire::Hello other = hello("b");
-  other.set_kernel_family("avx512");
-  admit("p", "a");
-  EXPECT_EQ(registry.objectionTo(other, {}), "");
-  registry.setKernelFamily("baseline");
-  EXPECT_THAT(registry.objectionTo(other, {}), testing::HasSubstr("baseline"));
-}
-
 TEST_F(WorkerRegistryTest, AWorkerWithoutAnIdOrKernelsMayNotJoin) {
   wire::Hello nameless = hello("");
   EXPECT_THAT(registry.objectionTo(nameless, {}), testing::HasSubstr("id"));
