@@ -11,6 +11,7 @@
 #include <fstream>
 #include <vector>
 
+#include "tests/support/child.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -85,18 +86,14 @@ TEST_F(ReplacedFile, LosesNothingThatSeveralProcessesAddAtTheSameTime) {
   replaceFile(file, "", "text");
   std::vector<pid_t> children;
   for (int n = 0; n < processes; ++n) {
-    children.push_back(fork());
-    if (children.back() != 0) continue;
-    for (int line = 0; line < lines; ++line)
-      replaceFile(
-          file, [&] { return readText(file, "text") + "x\n"; }, "text", 0600);
-    _exit(0);
+    children.push_back(test::startChild([&] {
+      for (int line = 0; line < lines; ++line)
+        replaceFile(
+            file, [&] { return readText(file, "text") + "x\n"; }, "text", 0600);
+      return 0;
+    }));
   }
-  for (const pid_t child : children) {
-    int status = -1;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_EQ(status, 0);
-  }
+  for (const pid_t child : children) EXPECT_EQ(test::codeOf(child), 0);
   EXPECT_EQ(readText(file, "text").size(), 2u * processes * lines);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
 }

@@ -4,92 +4,36 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/interpolation/branch_check.hpp"
 #include "tests/support/causes.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/file_bytes.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/left_open.hpp"
+#include "tests/support/same_records.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
 
+using test::bytesIn;
 using test::expectBadInput;
 using test::expectError;
+using test::putInto;
 using test::SampleDataset;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string bytesIn(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-void writeBytes(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-}
-
-void expectSame(const Failure& a, const Failure& b) {
-  EXPECT_EQ(a.cause, b.cause);
-  EXPECT_EQ(a.step_reached, b.step_reached);
-  EXPECT_EQ(a.residual, b.residual);
-  EXPECT_EQ(a.element, b.element);
-  EXPECT_EQ(a.element_det_F, b.element_det_F);
-  EXPECT_EQ(a.negative_pivots, b.negative_pivots);
-  EXPECT_EQ(a.expected_negative_pivots, b.expected_negative_pivots);
-  EXPECT_EQ(a.mumps_infog1, b.mumps_infog1);
-  EXPECT_EQ(a.mumps_infog2, b.mumps_infog2);
-}
-
-void expectSame(const PointRecord& a, const PointRecord& b) {
-  EXPECT_EQ(a.tag, b.tag);
-  EXPECT_EQ(a.cause, b.cause);
-  EXPECT_EQ(a.parent, b.parent);
-  EXPECT_EQ(a.equilibrium.force, b.equilibrium.force);
-  EXPECT_EQ(a.equilibrium.stiffness, b.equilibrium.stiffness);
-  EXPECT_EQ(a.equilibrium.energy, b.equilibrium.energy);
-  EXPECT_EQ(a.equilibrium.min_det_F, b.equilibrium.min_det_F);
-  EXPECT_EQ(a.residual, b.residual);
-  EXPECT_EQ(a.cost.newton_iterations, b.cost.newton_iterations);
-  EXPECT_EQ(a.cost.factorizations, b.cost.factorizations);
-  EXPECT_EQ(a.cost.steps, b.cost.steps);
-  EXPECT_EQ(a.fields, b.fields);
-}
-
-void expectSame(const SpaceTable& read, const SpaceTable& written) {
-  EXPECT_EQ(read.patch.name, written.patch.name);
-  EXPECT_EQ(read.patch.node, written.patch.node);
-  EXPECT_EQ(read.patch.nodes, written.patch.nodes);
-  ASSERT_EQ(read.lattice.size(), written.lattice.size());
-  for (std::int32_t n = 0; n < read.lattice.size(); ++n)
-    EXPECT_EQ(read.lattice.point(n), written.lattice.point(n));
-  EXPECT_EQ(read.lattice.uniformSize(), written.lattice.uniformSize());
-  EXPECT_EQ(read.splits, written.splits);
-  ASSERT_EQ(read.points.size(), written.points.size());
-  for (std::size_t n = 0; n < read.points.size(); ++n)
-    expectSame(read.points[n], written.points[n]);
-  ASSERT_EQ(read.probes.size(), written.probes.size());
-  for (std::size_t n = 0; n < read.probes.size(); ++n) {
-    EXPECT_EQ(read.probes[n].displacement, written.probes[n].displacement);
-    expectSame(read.probes[n].record, written.probes[n].record);
-  }
-  ASSERT_EQ(read.attempts.size(), written.attempts.size());
-  for (std::size_t n = 0; n < read.attempts.size(); ++n) {
-    EXPECT_EQ(read.attempts[n].target, written.attempts[n].target);
-    EXPECT_EQ(read.attempts[n].parent, written.attempts[n].parent);
-    expectSame(read.attempts[n].failure, written.attempts[n].failure);
-  }
+void expectSealed(const SpaceTable& read, const SpaceTable& written) {
+  test::expectSame(read, written);
   EXPECT_EQ(read.inconsistent_edges, inconsistentEdges(written));
 }
 
@@ -100,6 +44,12 @@ std::vector<float> displacementsOf(const std::vector<std::int32_t>& nodes,
   for (const std::int32_t node : nodes)
     for (int axis = 0; axis < 3; ++axis) values.push_back(fields.displacement[3 * node + axis]);
   return values;
+}
+
+/// The sites of a finger and five probes, made once: it takes a second.
+const test::FingerBody& fingers() {
+  static const test::FingerBody body(5);
+  return body;
 }
 
 /// A sealed sample and room for damaged copies of it.
@@ -128,7 +78,7 @@ class SealedDataset : public ::testing::Test {
 TEST_F(SealedDataset, GivesBackEveryRecord) {
   const Dataset dataset(file);
   ASSERT_EQ(dataset.spaces().size(), 2u);
-  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+  for (std::size_t s = 0; s < 2; ++s) expectSealed(dataset.spaces()[s], sample.spaces[s]);
 }
 
 TEST_F(SealedDataset, GivesBackEveryCause) {
@@ -139,7 +89,7 @@ TEST_F(SealedDataset, GivesBackEveryCause) {
     failed->cause = cause;
     sample.spaces[0].attempts.push_back({7, 0, {.cause = cause}});
     sample.seal(file);
-    expectSame(Dataset(file).spaces()[0], sample.spaces[0]);
+    expectSealed(Dataset(file).spaces()[0], sample.spaces[0]);
   }
 }
 
@@ -147,7 +97,7 @@ TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {
   sample.refine();
   sample.seal(file);
   const Dataset dataset(file);
-  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+  for (std::size_t s = 0; s < 2; ++s) expectSealed(dataset.spaces()[s], sample.spaces[s]);
   const SpaceTable& edge = dataset.spaces()[1];
   EXPECT_EQ(edge.lattice.divisions(), 1024);
   EXPECT_GT(edge.lattice.size(), 33 + 20);
@@ -177,24 +127,16 @@ TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
 }
 
 TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
-  const test::FingerBody body;
+  const test::FingerBody& body = fingers();
   body.seal(file);
   const Dataset dataset(file);
-  ASSERT_EQ(dataset.spaces().size(), body.spaces.size());
   EXPECT_EQ(dataset.scene().active.at(2).area, "top");
   EXPECT_EQ(dataset.spaces()[2].patch.finger, body.spaces[2].patch.finger);
-  const Equilibrium &found = dataset.spaces()[2].points.at(5).equilibrium,
-                    &sealed = body.spaces[2].points.at(5).equilibrium;
-  EXPECT_EQ(found.drive, sealed.drive);
-  EXPECT_EQ(found.drive_stiffness, sealed.drive_stiffness);
-  EXPECT_EQ(found.drive_slope, sealed.drive_slope);
-  EXPECT_EQ(found.stiffness_by_p, sealed.stiffness_by_p);
-  EXPECT_EQ(found.stiffness_by_s, sealed.stiffness_by_s);
-  EXPECT_EQ(found.drive_slope_by_p, sealed.drive_slope_by_p);
+  test::expectSame(dataset.spaces()[2].points.at(5), body.spaces[2].points.at(5));
 }
 
 TEST_F(SealedDataset, KeepsPlacesOfProbesApartFromWhatIsTouched) {
-  const test::FingerBody body(5);
+  const test::FingerBody& body = fingers();
   body.seal(directory / "probed.h5");
   const Dataset dataset(directory / "probed.h5");
   ASSERT_EQ(dataset.spaces().size(), body.spaces.size() - 5);
@@ -359,10 +301,10 @@ TEST_F(SealedDataset, IsRefusedWhenCutAtAnyLength) {
   const std::string whole = bytesIn(file);
   const std::size_t step = whole.size() / 150;
   for (std::size_t length = 0; length < whole.size(); length += length < 600 ? 37 : step) {
-    writeBytes(copy, whole.substr(0, length));
+    putInto(copy, whole.substr(0, length));
     EXPECT_THROW(readAll(copy), Error) << length << " of " << whole.size() << " bytes";
   }
-  writeBytes(copy, whole.substr(0, whole.size() - 1));
+  putInto(copy, whole.substr(0, whole.size() - 1));
   expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "truncated"});
 }
 
@@ -373,7 +315,7 @@ TEST_F(SealedDataset, NeverAnswersWronglyWhenAByteIsDamaged) {
   for (std::size_t at = 0; at < whole.size(); at += 101) {
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
-    writeBytes(copy, bytes);
+    putInto(copy, bytes);
     try {
       const Dataset dataset(copy);
       dataset.verifyAll();
@@ -395,7 +337,7 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
   const double marker = 0.1234567890123;
   bytes.replace(placeOf(bytes, {reinterpret_cast<const char*>(&marker), 8}), 8,
                 reinterpret_cast<const char*>(&energy), 8);
-  writeBytes(copy, bytes);
+  putInto(copy, bytes);
   expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
 }
 
@@ -420,15 +362,15 @@ TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) 
 TEST_F(SealedDataset, NamesWhatIsNoDataset) {
   expectBadInput([&] { Dataset(directory / "none.h5"); }, {"none.h5", "no such"});
   expectBadInput([&] { Dataset(directory.path()); }, {directory.path().string(), "not a file"});
-  writeBytes(copy, "name = \"liver\"\n");
+  putInto(copy, "name = \"liver\"\n");
   expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
-  writeBytes(copy, "");
+  putInto(copy, "");
   expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
 }
 
 TEST_F(SealedDataset, IsReplacedWholeAndIgnoresWhatAKilledSealingLeft) {
   const std::string before = bytesIn(file);
-  writeBytes(aside, before.substr(0, before.size() / 2));
+  putInto(aside, before.substr(0, before.size() / 2));
   EXPECT_NO_THROW(readAll(file));
   sample.spaces[1].points[5].equilibrium.energy += 1;
   sample.seal(file);
@@ -509,23 +451,14 @@ TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
   // A file size limit makes write() fail as a full disk does; in a child, because it is for the
   // whole process.
   for (std::size_t limit = 0; limit < before.size(); limit += before.size() / 12) {
-    const pid_t child = fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
+    const pid_t child = test::startChild([&] {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit size_limit = {limit, limit};
-      if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) std::exit(10);
-      try {
-        sample.seal(file);
-        std::exit(11);
-      } catch (const Error& error) {
-        std::exit(std::string(error.what()).find("sample.h5") == std::string::npos ? 12 : 0);
-      }
-    }
-    int status = -1;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        << "limit " << limit << ", status " << status;
+      if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) return 10;
+      expectError(ExitCode::failed, [&] { sample.seal(file); }, {"sample.h5"});
+      return HasFailure() ? 11 : 0;
+    });
+    EXPECT_EQ(test::codeOf(child), 0) << "limit " << limit;
     EXPECT_FALSE(std::filesystem::exists(aside));
     EXPECT_TRUE(bytesIn(file) == before);
   }

@@ -11,12 +11,13 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <thread>
 
 #include "common/dataset/hdf5_reader.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/file_bytes.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate::hdf5 {
@@ -36,10 +37,6 @@ struct Hdf5WriterTest : testing::Test {
   test::TemporaryDirectory directory;
   const std::filesystem::path file = directory / "list.h5";
 
-  std::string content(const std::filesystem::path& of) const {
-    std::ifstream stream(of, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   static std::vector<Eigen::Vector3d> vectors(std::size_t count) {
     std::vector<Eigen::Vector3d> list(count);
     for (std::size_t n = 0; n < count; ++n)
@@ -54,23 +51,13 @@ struct Hdf5WriterTest : testing::Test {
   /// Runs it in a process that exits in the ordinary way, and may write no more than so many bytes
   /// into a file. 0 as it returns; what it throws is told.
   static void expectToEndWell(rlim_t most, const std::function<int()>& action) {
-    const pid_t child = fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
+    const pid_t child = test::startChild([&] {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit limit = {most, most};
-      if (most != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0) std::exit(100);
-      try {
-        std::exit(action());
-      } catch (const std::exception& error) {
-        std::fprintf(stderr, "%s\n", error.what());
-        std::exit(101);
-      }
-    }
-    int status = -1;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
-    EXPECT_EQ(WEXITSTATUS(status), 0);
+      if (most != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0) return 100;
+      return action();
+    });
+    EXPECT_EQ(test::codeOf(child), 0);
   }
 };
 
@@ -101,22 +88,13 @@ TEST_F(Hdf5WriterTest, AListRowByRowIsTheSameBytesAsAWholeOne) {
     writeRowByRow(rows, "/points/number", numbers);
     writeRowByRow(rows, "/points/fields", ids);
     rows.close();
-    EXPECT_TRUE(content(file) == content(directory / "whole.h5")) << count << " rows";
+    EXPECT_TRUE(test::bytesIn(file) == test::bytesIn(directory / "whole.h5")) << count << " rows";
     ASSERT_EQ(rows.arrays().size(), 3u);
     for (std::size_t n = 0; n < 3; ++n) {
       EXPECT_EQ(rows.arrays()[n].path, whole.arrays()[n].path);
       EXPECT_EQ(rows.arrays()[n].shape, whole.arrays()[n].shape);
       EXPECT_EQ(rows.arrays()[n].hash, whole.arrays()[n].hash);
     }
-  }
-}
-
-TEST_F(Hdf5WriterTest, AListRowByRowIsReadBackToTheLastRow) {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, mebibyte / 24 + 1}) {
-    Writer writer(file);
-    writeRowByRow(writer, "/force", vectors(count));
-    writer.close();
-    EXPECT_TRUE(read().readList<Eigen::Vector3d>("/force", count) == vectors(count));
   }
 }
 
@@ -160,36 +138,6 @@ TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
     return grown > 16 * mebibyte ? 1 : 0;
   });
   EXPECT_GT(std::filesystem::file_size(file), 64 * mebibyte);
-}
-
-TEST_F(Hdf5WriterTest, RowsOfAnotherWidthAreRefusedAndLeaveNothing) {
-  const auto list = vectors(3);
-  Writer writer(file);
-  RowWriter rows(writer, "/force", Element::float64, {list.size(), 3}, "N");
-  const auto bytes = [&](std::size_t n) { return std::string(bytesOf(std::span(&list[n], 1))); };
-  rows.addBytes(bytes(0));
-  EXPECT_THROW(rows.addBytes(bytes(1).substr(1)), std::logic_error);
-  EXPECT_THROW(rows.addBytes(bytes(1) + "x"), std::logic_error);
-  EXPECT_THROW(rows.addBytes(bytes(1) + bytes(2)), std::logic_error) << "two at once";
-  EXPECT_THROW(rows.addBytes(""), std::logic_error);
-  rows.addBytes(bytes(1));
-  rows.addBytes(bytes(2));
-  rows.finish();
-  writer.close();
-  EXPECT_EQ(read().readList<Eigen::Vector3d>("/force"), list);
-}
-
-TEST_F(Hdf5WriterTest, AListHasAsManyRowsAsWereAnnounced) {
-  const std::string row(8, 'r');
-  const auto listOf = [&](int rows) {
-    Writer writer(file);
-    RowWriter list(writer, "/rows", Element::float64, {3}, "1");
-    for (int n = 0; n < rows; ++n) list.addBytes(row);
-    list.finish();
-  };
-  EXPECT_NO_THROW(listOf(3));
-  EXPECT_THROW(listOf(2), std::logic_error);
-  EXPECT_THROW(listOf(4), std::logic_error);
 }
 
 TEST_F(Hdf5WriterTest, AListOfAFileThatIsClosedIsAnErrorThatNamesBoth) {
@@ -367,7 +315,7 @@ TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
   write("first.h5");
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   write("second.h5");
-  EXPECT_TRUE(content(directory / "first.h5") == content(directory / "second.h5"));
+  EXPECT_TRUE(test::bytesIn(directory / "first.h5") == test::bytesIn(directory / "second.h5"));
 }
 
 TEST_F(Hdf5WriterTest, WhatIsThereIsReplacedAndWhereNothingCanBeIsSaid) {

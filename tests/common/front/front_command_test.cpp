@@ -6,6 +6,7 @@
 
 #include "common/scene/scene.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/shell_script.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -19,10 +20,8 @@ class FrontCommand : public ::testing::Test {
  protected:
   FrontCommand() {
     std::filesystem::copy_file(std::string(PALPATE_BIN_DIR) + "/palpate", directory / "palpate");
-    for (const char* program : {"palpate-worker", "palpate-scheduler"}) {
-      std::ofstream(directory / program) << "#!/bin/sh\necho \"$(basename $0):$*\"\nexit 3\n";
-      std::filesystem::permissions(directory / program, std::filesystem::perms::owner_all);
-    }
+    for (const char* program : {"palpate-worker", "palpate-scheduler"})
+      test::writeScript(directory / program, "echo \"$(basename $0):$*\"\nexit 3");
   }
   CommandResult palpate(const std::string& arguments) {
     return test::runCommand((directory / "palpate").string() + " " + arguments);

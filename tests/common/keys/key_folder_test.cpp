@@ -9,6 +9,7 @@
 #include <fstream>
 #include <thread>
 
+#include "tests/support/child.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -83,21 +84,13 @@ TEST_F(KeyFolderTest, MakesAKeyThatNobodyElseCanRead) {
 TEST_F(KeyFolderTest, GivesTwoThatMakeAKeyAtTheSameTimeTheSame) {
   for (int round = 0; round < 20; ++round) {
     const KeyFolder shared(directory / std::to_string(round));
-    std::array<PublicKey, 2> made;
-    {
-      // One in a process of its own, as programs are.
-      const pid_t child = fork();
-      if (child == 0) {
-        shared.ownOrNew();
-        _exit(0);
-      }
-      made[0] = shared.ownOrNew().open();
-      int status = 0;
-      ASSERT_EQ(waitpid(child, &status, 0), child);
-      EXPECT_EQ(status, 0);
-    }
-    made[1] = shared.own().open();
-    EXPECT_EQ(made[0], made[1]);
+    const pid_t child = test::startChild([&] {
+      shared.ownOrNew();
+      return 0;
+    });
+    const PublicKey made = shared.ownOrNew().open();
+    EXPECT_EQ(test::codeOf(child), 0);
+    EXPECT_EQ(shared.own().open(), made);
   }
 }
 
@@ -108,17 +101,13 @@ TEST_F(KeyFolderTest, KeepsEveryKeyThatSeveralProcessesLetInAndWithdrawAtTheSame
     folder.allow({KeyPair::make().open(), roles("worker"), "gone" + std::to_string(n)});
   std::vector<pid_t> children;
   for (int n = 0; n < processes; ++n) {
-    children.push_back(fork());
-    if (children.back() != 0) continue;
-    folder.allow({KeyPair::make().open(), roles("worker"), "new" + std::to_string(n)});
-    folder.trust(KeyPair::make().open(), "tcp://host:" + std::to_string(1 + n));
-    _exit(folder.withdraw("gone" + std::to_string(n)) ? 0 : 1);
+    children.push_back(test::startChild([&] {
+      folder.allow({KeyPair::make().open(), roles("worker"), "new" + std::to_string(n)});
+      folder.trust(KeyPair::make().open(), "tcp://host:" + std::to_string(1 + n));
+      return folder.withdraw("gone" + std::to_string(n)) ? 0 : 1;
+    }));
   }
-  for (const pid_t child : children) {
-    int status = -1;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_EQ(status, 0);
-  }
+  for (const pid_t child : children) EXPECT_EQ(test::codeOf(child), 0);
   EXPECT_EQ(folder.servers().size(), std::size_t{processes});
   const std::vector<AllowedKey> left = folder.allowed();
   EXPECT_EQ(left.size(), std::size_t{processes});

@@ -13,6 +13,7 @@
 
 #include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/same_records.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -196,12 +197,7 @@ TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
   toWire(outcome, "fields", result);
   const auto again = fromWire(result);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->equilibrium().drive, e.drive);
-  EXPECT_EQ(again->equilibrium().drive_stiffness, e.drive_stiffness);
-  EXPECT_EQ(again->equilibrium().drive_slope, e.drive_slope);
-  EXPECT_EQ(again->equilibrium().stiffness_by_p, e.stiffness_by_p);
-  EXPECT_EQ(again->equilibrium().stiffness_by_s, e.stiffness_by_s);
-  EXPECT_EQ(again->equilibrium().drive_slope_by_p, e.drive_slope_by_p);
+  test::expectSame(again->equilibrium(), outcome.equilibrium());
   result.mutable_equilibrium()->set_drive("short");
   EXPECT_FALSE(fromWire(result));
 }

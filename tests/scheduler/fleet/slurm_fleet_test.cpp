@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "tests/scheduler/build_world.hpp"
+#include "tests/support/shell_script.hpp"
 #include "tests/system/process.hpp"
 
 namespace palpate {
@@ -34,7 +35,7 @@ struct SlurmFleetTest : testing::Test {
   SlurmFleetOptions options;
   std::ostringstream log;
   const std::shared_ptr<spdlog::logger> log_before = spdlog::default_logger();
-  const std::string path_before = std::getenv("PATH");
+  const test::FirstInPath slurm_is{directory.path()};
 
   SlurmFleetTest() {
     options.asked.where = bindRouter(router, "tcp://127.0.0.1:*");
@@ -51,17 +52,12 @@ struct SlurmFleetTest : testing::Test {
     writeScript("squeue", "cat " + jobs);
     writeScript("scancel", ": > " + jobs);
     writeScript("sbatch", "sed -n 's/^#SBATCH --array=1-//p' >> " + (directory / "asked").string());
-    setenv("PATH", (directory.path().string() + ":" + path_before).c_str(), 1);
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(
         "fleet", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
   }
-  ~SlurmFleetTest() override {
-    spdlog::set_default_logger(log_before);
-    setenv("PATH", path_before.c_str(), 1);
-  }
+  ~SlurmFleetTest() override { spdlog::set_default_logger(log_before); }
   void writeScript(const char* name, const std::string& line) const {
-    std::ofstream(directory / name) << "#!/bin/sh\n" << line << '\n';
-    std::filesystem::permissions(directory / name, std::filesystem::perms::owner_all);
+    test::writeScript(directory / name, line);
   }
 
   /// From now on one job runs, and has for so long ("1:00" is a minute).

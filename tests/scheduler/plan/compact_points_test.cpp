@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/same_records.hpp"
+
 namespace palpate {
 namespace {
 
@@ -43,26 +45,8 @@ PointRecord foundOf(double seed, bool finger = false, Tag tag = Tag::expandable)
 }
 
 void expectKept(const PointRecord& kept, const PointRecord& found) {
-  EXPECT_EQ(kept.tag, found.tag);
-  EXPECT_EQ(kept.cause, found.cause);
-  EXPECT_EQ(kept.parent, found.parent);
-  const Equilibrium &is = kept.equilibrium, &was = found.equilibrium;
-  EXPECT_EQ(is.force, was.force);
-  EXPECT_EQ(is.stiffness, was.stiffness);
-  EXPECT_EQ(is.energy, was.energy);
-  EXPECT_EQ(is.min_det_F, was.min_det_F);
-  EXPECT_EQ(is.drive, was.drive);
-  EXPECT_EQ(is.drive_stiffness, was.drive_stiffness);
-  EXPECT_EQ(is.drive_slope, was.drive_slope);
-  EXPECT_EQ(is.stiffness_by_p, was.stiffness_by_p);
-  EXPECT_EQ(is.stiffness_by_s, was.stiffness_by_s);
-  EXPECT_EQ(is.drive_slope_by_p, was.drive_slope_by_p);
-  EXPECT_EQ(kept.residual, found.residual);
-  EXPECT_EQ(kept.cost.newton_iterations, found.cost.newton_iterations);
-  EXPECT_EQ(kept.cost.factorizations, found.cost.factorizations);
-  EXPECT_EQ(kept.cost.steps, found.cost.steps);
+  test::expectSame(kept, found);
   EXPECT_EQ(kept.cost.seconds, 0) << "the time of a worker is no part of a dataset";
-  EXPECT_EQ(kept.fields, found.fields);
 }
 
 FailedAttempt attemptAt(std::int32_t target, std::int32_t parent, Cause cause) {

@@ -10,6 +10,7 @@
 #include "common/interpolation/branch_check.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/same_records.hpp"
 #include "tests/support/sample_dataset.hpp"
 
 namespace palpate {
@@ -64,26 +65,6 @@ struct SpacePlanTest : testing::Test {
     return plan.table();
   }
 };
-
-void expectEqual(const SpaceTable& a, const SpaceTable& b) {
-  ASSERT_EQ(a.points.size(), b.points.size());
-  EXPECT_EQ(a.splits, b.splits);
-  for (std::size_t n = 0; n < a.points.size(); ++n) {
-    EXPECT_EQ(a.lattice.point(static_cast<std::int32_t>(n)),
-              b.lattice.point(static_cast<std::int32_t>(n)));
-    EXPECT_EQ(a.points[n].tag, b.points[n].tag);
-    EXPECT_EQ(a.points[n].parent, b.points[n].parent);
-    EXPECT_EQ(a.points[n].equilibrium.energy, b.points[n].equilibrium.energy);
-  }
-  ASSERT_EQ(a.attempts.size(), b.attempts.size());
-  for (std::size_t n = 0; n < a.attempts.size(); ++n) {
-    EXPECT_EQ(a.attempts[n].target, b.attempts[n].target);
-    EXPECT_EQ(a.attempts[n].parent, b.attempts[n].parent);
-  }
-  ASSERT_EQ(a.probes.size(), b.probes.size());
-  for (std::size_t n = 0; n < a.probes.size(); ++n)
-    EXPECT_EQ(a.probes[n].record.parent, b.probes[n].record.parent);
-}
 
 TEST_F(SpacePlanTest, FindsItsTransitionsByTheirPoints) {
   SpacePlan plan(problem, 0);
@@ -257,7 +238,7 @@ TEST_F(SpacePlanTest, TheOrderInWhichResultsArriveChangesNothing) {
   const SpaceTable table = finished(bumpy);
   for (const unsigned seed : {1u, 2u, 3u}) {
     std::mt19937 random(seed);
-    expectEqual(table, finished(bumpy, &random));
+    test::expectSame(table, finished(bumpy, &random));
   }
 }
 

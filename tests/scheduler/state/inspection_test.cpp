@@ -4,17 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
 
 #include "scheduler/verbs/inspection_text.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/file_bytes.hpp"
 #include "tests/support/unwritable.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using test::bytesIn;
+using test::flip;
+using test::putInto;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -22,11 +25,6 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 using TableState = Inspection::TableState;
-
-std::string contentOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// The state directory of a build that was finished and left.
 struct InspectionTest : testing::Test {
@@ -54,13 +52,6 @@ struct InspectionTest : testing::Test {
   }
   ReplayedJournal recorded() { return replayJournal(state, problem, problemId(problem), {}); }
   JournalPosition whereIs(const ResultKey& key) { return recorded().recorded.where.at(key); }
-  void flip(const fs::path& file, std::uint64_t byte) {
-    std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
-    stream.seekg(static_cast<std::streamoff>(byte));
-    const char there = static_cast<char>(stream.get());
-    stream.seekp(static_cast<std::streamoff>(byte));
-    stream.put(static_cast<char>(there ^ 0x10));
-  }
   void alter(const std::string& sql) {
     Database(database, Database::Access::read_write_create).execute(sql);
   }
@@ -77,11 +68,16 @@ struct InspectionTest : testing::Test {
     stream.seekp((page - 1) * 8192);
     stream << std::string(8192, 'x');
   }
+  void append(const std::pair<wire::Result, std::string>& result) {
+    Journal journal(state, recorded().recorded.end);
+    journal.append(result.first.SerializeAsString(), result.second);
+    journal.sync();
+  }
   /// Names and bytes of all files.
   std::map<std::string, std::string> files() {
     std::map<std::string, std::string> all;
     for (const auto& entry : fs::directory_iterator(state))
-      all[entry.path().filename().string()] = contentOf(entry.path());
+      all[entry.path().filename().string()] = bytesIn(entry.path());
     return all;
   }
   /// As the next start of the build finds it.
@@ -123,7 +119,7 @@ TEST_F(InspectionTest, ChangesNothingWhateverItFinds) {
   const auto before = files();
   look();
   EXPECT_EQ(files(), before);
-  std::ofstream(database, std::ios::binary) << std::string(50000, 'x');
+  putInto(database, std::string(50000, 'x'));
   const auto overwritten = files();
   EXPECT_EQ(look().tables, TableState::damaged);
   EXPECT_EQ(files(), overwritten);
@@ -157,7 +153,7 @@ TEST_F(InspectionTest, ReadsADirectoryThatNobodyMayWrite) {
 
 TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
   const JournalPosition where = whereIs(first_step);
-  const std::string whole = contentOf(segment), tables = contentOf(database);
+  const std::string whole = bytesIn(segment), tables = bytesIn(database);
   for (std::uint64_t byte = 0; byte < where.length; byte += 37) {
     flip(segment, where.offset + byte);
     const Inspection found = look();
@@ -169,8 +165,8 @@ TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
     expectWholeAfterRepair();
     EXPECT_THAT(look().dropped, SizeIs(1));
     EXPECT_FALSE(recorded().recorded.where.contains(first_step));
-    std::ofstream(segment, std::ios::binary) << whole;
-    std::ofstream(database, std::ios::binary) << tables;
+    putInto(segment, whole);
+    putInto(database, tables);
   }
 }
 
@@ -241,7 +237,7 @@ TEST_F(InspectionTest, DamagedTablesAreMadeAgainWhereTheirProblemCanStillBeRead)
 }
 
 TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
-  std::ofstream(database, std::ios::binary) << std::string(50000, 'x');
+  putInto(database, std::string(50000, 'x'));
   EXPECT_EQ(look().tables, TableState::damaged);
   EXPECT_FALSE(look().problem);
   EXPECT_EQ(look().records, recorded().results);
@@ -250,9 +246,9 @@ TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
 }
 
 TEST_F(InspectionTest, TellsWhateverBitOfTheTablesIsFlipped) {
-  const std::string bytes = contentOf(database);
+  const std::string bytes = bytesIn(database);
   for (std::size_t byte = 40; byte < bytes.size(); byte += 997) {
-    std::ofstream(database, std::ios::binary) << bytes;
+    putInto(database, bytes);
     flip(database, byte);
     try {
       const Inspection found = look();
@@ -288,12 +284,7 @@ TEST_F(InspectionTest, ARecordThatLiesAboutItsFieldsIsDamaged) {
 TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
   const Problem other = test::cubeProblem(2000);
   flip(segment, whereIs(first_step).offset + 60);
-  {
-    const auto [header, payload] = test::solve(other, 0, {}, {});
-    Journal journal(state, recorded().recorded.end);
-    journal.append(header.SerializeAsString(), payload);
-    journal.sync();
-  }
+  append(test::solve(other, 0, {}, {}));
   const auto before = files();
   const Inspection found = look();
   EXPECT_THAT(found.foreign, SizeIs(1));
@@ -301,16 +292,11 @@ TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
   const StateDirectory held(state);
   test::expectError(ExitCode::failed, [&] { repair(held, found); },
                     {"another build", "nothing was changed"});
-  EXPECT_EQ(contentOf(segment), before.at("segment-000001.dat"));
+  EXPECT_EQ(bytesIn(segment), before.at("segment-000001.dat"));
 }
 
 TEST_F(InspectionTest, ResultsThatNobodyAskedForAreToldWhereNothingIsLost) {
-  {
-    const auto [header, payload] = test::solve(problem, 0, {0, 0, 2}, {0, 0, -1});
-    Journal journal(state, recorded().recorded.end);
-    journal.append(header.SerializeAsString(), payload);
-    journal.sync();
-  }
+  append(test::solve(problem, 0, {0, 0, 2}, {0, 0, -1}));
   const Inspection found = look();
   EXPECT_EQ(found.spare, 1u);
   EXPECT_FALSE(found.whole());

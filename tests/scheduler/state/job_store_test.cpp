@@ -7,7 +7,9 @@
 #include <fstream>
 
 #include "tests/scheduler/build_world.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/file_bytes.hpp"
 #include "tests/support/unwritable.hpp"
 
 namespace palpate {
@@ -35,13 +37,7 @@ struct JobStoreTest : testing::Test {
     }
     store.commit();
   }
-  void flip(std::uint64_t byte) {
-    std::fstream file(segment, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekg(static_cast<std::streamoff>(byte));
-    const char there = static_cast<char>(file.get());
-    file.seekp(static_cast<std::streamoff>(byte));
-    file.put(static_cast<char>(there ^ 0x10));
-  }
+  void flip(std::uint64_t byte) const { test::flip(segment, byte); }
   RecordedResults found() {
     return readResults(state, problemId(problem), [](auto&&...) {});
   }
@@ -187,8 +183,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
                 whole[key] = result.SerializeAsString();
               });
   const std::filesystem::path file = StateDirectory::databaseIn(state);
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = test::bytesIn(file);
   std::vector<std::pair<std::size_t, int>> flips;  // byte, bit
   for (std::size_t byte = 0; byte < bytes.size(); byte += 997) flips.emplace_back(byte, 4);
   const auto everyBit = [&](std::size_t first, std::size_t count) {
@@ -201,9 +196,8 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   everyBit(build, 8);
   for (const auto& [byte, bit] : flips) {
     SCOPED_TRACE(fmt::format("bit {} of byte {}", bit, byte));
-    std::string damaged = bytes;
-    damaged[byte] = static_cast<char>(damaged[byte] ^ (1 << bit));
-    std::ofstream(file, std::ios::binary | std::ios::trunc) << damaged;
+    test::putInto(file, bytes);
+    test::flip(file, byte, 1 << bit);
     std::filesystem::remove(file.string() + "-wal");
     const StateDirectory held(state);
     JobStore store = open(held);
@@ -448,8 +442,7 @@ TEST(StateDirectory, KnowsNetworkFileSystems) {
 TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();
-  const pid_t child = fork();
-  if (child == 0) {
+  const pid_t child = test::startChild([&] {
     const StateDirectory held(directory / "state");
     JobStore store(held, problem);
     for (const std::uint32_t space : {0u, 1u}) {
@@ -457,11 +450,9 @@ TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
       store.append(header, payload);
       if (space == 0) store.commit();
     }
-    kill(getpid(), SIGKILL);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  ASSERT_TRUE(WIFSIGNALED(status));
+    return kill(getpid(), SIGKILL);
+  });
+  ASSERT_EQ(test::codeOf(child), -SIGKILL);
 
   const StateDirectory held(directory / "state");
   JobStore store(held, problem);

@@ -7,11 +7,10 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include "tests/scheduler/state/synced_files.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/file_bytes.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 std::vector<std::string>* palpate::test::synced_files = nullptr;
@@ -28,6 +27,8 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using test::bytesIn;
+using test::putInto;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -35,16 +36,16 @@ struct JournalTest : testing::Test {
   test::TemporaryDirectory directory;
   const fs::path first = directory / "segment-000001.dat";
 
-  static std::string contentOf(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  static void writeFile(const fs::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-  }
-
   Journal open(std::uint64_t segment_bytes = Journal::default_segment_bytes) {
     return {directory.path(), scan().end, segment_bytes};
+  }
+  /// A journal of these records, each with a payload, that was closed.
+  void write(std::initializer_list<const char*> records,
+             std::uint64_t segment_bytes = Journal::default_segment_bytes,
+             const std::string& payload = "payload") {
+    Journal journal = open(segment_bytes);
+    for (const char* header : records) journal.append(header, payload);
+    journal.sync();
   }
   JournalScan scan() { return JournalReader(directory.path()).scan(); }
   std::vector<std::string> headers() {
@@ -94,12 +95,7 @@ TEST_F(JournalTest, IsFoundWholeByAScanOfItsFilesAlone) {
 /// A run that was killed may have marked a record as dropped and not synced it: a power cut later,
 /// what a liar gave would be recorded again. Found by the simulation.
 TEST_F(JournalTest, SyncsEverySegmentWhenItIsOpened) {
-  {
-    Journal journal = open(100);
-    for (const char* header : {"a", "b", "c", "d", "e"})
-      journal.append(header, std::string(60, 'p'));
-    journal.sync();
-  }
+  write({"a", "b", "c", "d", "e"}, 100, std::string(60, 'p'));
   std::vector<std::string> synced;
   test::synced_files = &synced;
   const Journal again = open(100);
@@ -116,9 +112,9 @@ TEST_F(JournalTest, CutAtEveryLengthItKeepsWhatIsWholeAndGoesOnThere) {
     journal.append("second", "payload");
     journal.sync();
   }
-  const std::string whole = contentOf(first);
+  const std::string whole = bytesIn(first);
   for (std::size_t length = 0; length < whole.size(); ++length) {
-    writeFile(first, whole.substr(0, length));
+    putInto(first, whole.substr(0, length));
     EXPECT_TRUE(scan().gaps.empty()) << "what a crash leaves is no damage";
     Journal journal = open();
     EXPECT_EQ(fs::file_size(first), length < first_record ? 0 : first_record);
@@ -154,11 +150,10 @@ TEST_F(JournalTest, NoticesEveryFlippedBitAndLosesThatRecordAlone) {
   const JournalPosition middle = journal.append("middle", "payload");
   const JournalPosition after = journal.append("after", "payload");
   journal.sync();
-  const std::string whole = contentOf(first);
+  const std::string whole = bytesIn(first);
   for (std::size_t bit = 8 * middle.offset; bit < 8 * after.offset; ++bit) {
-    std::string damaged = whole;
-    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
-    writeFile(first, damaged);
+    putInto(first, whole);
+    test::flip(first, bit / 8, 1 << bit % 8);
     EXPECT_THROW(journal.read(middle), DamagedRecord);
     EXPECT_EQ(journal.read(after).header, "after");
     EXPECT_THAT(headers(), ElementsAre("before", "after"));
@@ -171,9 +166,9 @@ TEST_F(JournalTest, FindsRecordsBehindDamageThatIsLongerThanAnyBuffer) {
   journal.append("damaged", std::string(3 << 20, 'P'));
   journal.append("after", "payload");
   journal.sync();
-  std::string bytes = contentOf(first);
+  std::string bytes = bytesIn(first);
   bytes[5] = '\x7f';  // the length of its header
-  writeFile(first, bytes);
+  putInto(first, bytes);
   EXPECT_THAT(headers(), ElementsAre("after"));
 }
 
@@ -183,9 +178,7 @@ TEST_F(JournalTest, ADamagedPayloadOfAnEarlierSegmentShowsWhenItIsRead) {
   const JournalPosition late = journal.append("late", "p");
   journal.sync();
   ASSERT_NE(early.segment, late.segment);
-  std::string bytes = contentOf(first);
-  bytes[early.length - 1] ^= 1;
-  writeFile(first, bytes);
+  test::flip(first, early.length - 1);
   EXPECT_THAT(headers(), ElementsAre("early", "late"));
   EXPECT_THROW(journal.read(early), DamagedRecord);
   journal.drop(early);
@@ -200,11 +193,10 @@ TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
   const JournalPosition middle = journal.append("middle", "payload");
   journal.append("after", "payload");
   journal.sync();
-  const std::string whole = contentOf(first);
+  const std::string whole = bytesIn(first);
   for (std::uint64_t byte = middle.offset; byte < middle.offset + middle.length; ++byte) {
-    std::string damaged = whole;
-    damaged[byte] = static_cast<char>(damaged[byte] ^ 0x20);
-    writeFile(first, damaged);
+    putInto(first, whole);
+    test::flip(first, byte, 0x20);
     ASSERT_EQ(scan().gaps.size(), 1u);
     EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::damaged);
     EXPECT_EQ(scan().gaps[0].where, middle);
@@ -224,24 +216,19 @@ TEST_F(JournalTest, ACopyOfARecordInAPayloadIsNoRecordWhateverIsDamagedAroundIt)
   Journal journal = open();
   journal.append("record", "payload");
   journal.sync();
-  const JournalPosition around = journal.append("around", contentOf(first) + "more");
+  const JournalPosition around = journal.append("around", bytesIn(first) + "more");
   journal.append("after", "payload");
   journal.sync();
-  const std::string whole = contentOf(first);
+  const std::string whole = bytesIn(first);
   for (std::uint64_t byte = around.offset; byte < around.offset + around.length; ++byte) {
-    std::string damaged = whole;
-    damaged[byte] = static_cast<char>(damaged[byte] ^ 1);
-    writeFile(first, damaged);
+    putInto(first, whole);
+    test::flip(first, byte, 1);
     EXPECT_THAT(headers(), ElementsAre("record", "after")) << byte;
   }
 }
 
 TEST_F(JournalTest, ACopyOfASegmentUnderAnotherNumberHoldsNoRecord) {
-  {
-    Journal journal = open();
-    journal.append("record", "payload");
-    journal.sync();
-  }
+  write({"record"});
   fs::copy_file(first, directory / "segment-000002.dat");
   fs::copy_file(first, directory / "segment-000003.dat");
   EXPECT_THAT(headers(), ElementsAre("record"));
@@ -251,9 +238,9 @@ TEST_F(JournalTest, ACopyOfASegmentUnderAnotherNumberHoldsNoRecord) {
 TEST_F(JournalTest, RefusesWhatAnOlderPalpateWroteAndKeepsIt) {
   using std::string_literals::operator""s;
   const std::string older = "PJR2\4\0\0\0\0\0\0\0\x90\xd4\x64\xfe\0\0\0\0head"s;
-  writeFile(first, older);
+  putInto(first, older);
   test::expectBadInput([&] { open(); }, {"segment-000001.dat", "older Palpate", "--state"});
-  EXPECT_EQ(contentOf(first), older);
+  EXPECT_EQ(bytesIn(first), older);
 }
 
 TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDropped) {
@@ -261,10 +248,10 @@ TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDropped) {
   const JournalPosition before = journal.append("before", "payload");
   journal.append("after", "payload");
   journal.sync();
-  const std::string whole = contentOf(first);
+  const std::string whole = bytesIn(first);
   for (const std::uint64_t length : {1, 2, 3, 4, 19}) {
     const JournalPosition stray{1, before.length, length};
-    writeFile(first, whole + std::string(length, 'x'));
+    putInto(first, whole + std::string(length, 'x'));
     ASSERT_EQ(scan().gaps.size(), 1u);
     EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::damaged);
     EXPECT_EQ(scan().gaps[0].where, stray);
@@ -277,14 +264,10 @@ TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDropped) {
 }
 
 TEST_F(JournalTest, TheFirstRecordsCanBeDroppedTogetherWhenNoneOfThemCanBeRead) {
-  {
-    Journal journal = open();
-    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
-    journal.sync();
-  }
-  std::string bytes = contentOf(first);
+  write({"one", "two", "three"});
+  std::string bytes = bytesIn(first);
   bytes[0] = bytes[20 + 3 + 7] = 'x';
-  writeFile(first, bytes);
+  putInto(first, bytes);
   ASSERT_EQ(scan().gaps.size(), 1u);
   Journal journal = open();
   journal.drop(scan().gaps[0].where);
@@ -293,11 +276,7 @@ TEST_F(JournalTest, TheFirstRecordsCanBeDroppedTogetherWhenNoneOfThemCanBeRead) 
 }
 
 TEST_F(JournalTest, EmptyFilesMarkThatSegmentsWereMissing) {
-  {
-    Journal journal = open(10);
-    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
-    journal.sync();
-  }
+  write({"one", "two", "three"}, 10);
   fs::remove(directory / "segment-000001.dat");
   fs::remove(directory / "segment-000002.dat");
   for (int again = 0; again < 2; ++again) {
@@ -311,11 +290,7 @@ TEST_F(JournalTest, EmptyFilesMarkThatSegmentsWereMissing) {
 }
 
 TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
-  {
-    Journal journal = open(10);
-    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
-    journal.sync();
-  }
+  write({"one", "two", "three"}, 10);
   fs::remove(directory / "segment-000002.dat");
   EXPECT_THAT(headers(), ElementsAre("one", "three"));
   EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat: is missing")));

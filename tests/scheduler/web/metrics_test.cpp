@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
+
+#include "tests/support/file_bytes.hpp"
 
 namespace palpate {
 namespace {
@@ -50,8 +50,7 @@ std::set<std::string> namesIn(const std::string& text, const std::regex& what) {
 }
 
 TEST(Metrics, ExportsTheNamesThatAreDocumentedAndNoOthers) {
-  std::ifstream file(PALPATE_SOURCE_DIR "/docs/metrics.md");
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::string page = test::bytesIn(PALPATE_SOURCE_DIR "/docs/metrics.md");
   const auto documented = namesIn(page, std::regex("\\| `(palpate_[a-z_]+)"));
   EXPECT_GT(documented.size(), 30u);
   EXPECT_EQ(namesIn(metricsOf(fullStatus(), 0), std::regex("# TYPE ([^ ]+) ")), documented);
