@@ -11,7 +11,7 @@ namespace {
 class FreeShares : public ::testing::TestWithParam<bool> {};
 
 TEST_P(FreeShares, AreBelowWhatTheWeightsSayAtEveryPlace) {
-  Mesh mesh = test::blobMesh(7);
+  Mesh mesh = test::blobMesh(5);
   if (GetParam()) addMidEdgeNodes(mesh);
   const NodeSet fixed = mesh.node_groups.at("xmin");
   const FreeShare shares(mesh, fixed, 0.03);

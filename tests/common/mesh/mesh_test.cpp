@@ -162,13 +162,6 @@ TEST(Mesh, RefusesAFaceSharedByThreeTetrahedra) {
   expectBadInput([&] { finishMesh(mesh, "m"); }, {"3 tetrahedra share one face"});
 }
 
-TEST(Mesh, RefusesOverlappingTetrahedra) {
-  Mesh mesh = unfinishedTetrahedron();
-  mesh.nodes.emplace_back(0.2, 0.2, 0.5);
-  mesh.tetrahedra.push_back({0, 1, 2, 4});
-  expectBadInput([&] { finishMesh(mesh, "m"); }, {"same side", "folds over itself"});
-}
-
 TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
   Mesh mesh = unfinishedTetrahedron();
   for (int n = 0; n < 4; ++n) mesh.nodes.push_back(mesh.nodes[n] + Eigen::Vector3d(5, 0, 0));

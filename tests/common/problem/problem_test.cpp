@@ -12,7 +12,6 @@
 #include "common/problem/problem_warnings.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/support/reference_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -130,11 +129,9 @@ TEST_F(Problem, RefusesSurfacesThatHoldNothingToTouch) {
     scene.active = {{.name = "skin", .surface = std::move(surface)}};
     refuses(words);
   };
-  refusesSurface({.spheres = {{{0.1, 0.1, 0.1}, 0.02}}},
-                 {"active \"skin\": surface.sphere", "no node of the surface"});
+  refusesSurface({.spheres = {{{0.1, 0.1, 0.1}, 0.02}}}, {"active \"skin\": surface.sphere"});
   refusesSurface({.boxes = {{{1, 1, 1}, {2, 2, 2}}}}, {"active \"skin\": surface.box"});
-  refusesSurface({.groups = {"xmx"}},
-                 {"active \"skin\": surface.group", "\"xmx\"", "the mesh has xmax"});
+  refusesSurface({.groups = {"xmx"}}, {"active \"skin\": surface.group", "\"xmx\"", "xmax"});
   refusesSurface({.groups = {"zmin"}}, {"active \"skin\": surface", "25 nodes", "fixed"});
   scene.active = {{.name = "skin", .surface = SurfaceSelection{.all = true}},
                   {.name = fmt::format("skin-{}", top), .node = 30}};
@@ -222,12 +219,6 @@ TEST_F(Problem, TakesAPieceThatStandsOnThreeNodesOfOthers) {
   EXPECT_THAT(warningsOf(resolved()), Contains(HasSubstr("4 pieces meet in 3 nodes")));
 }
 
-TEST_F(Problem, OfAReportThatHangsByAHingeIsRefused) {
-  PALPATE_REFERENCE_FILE(reports, "cases/reports");
-  for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
-    expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn there"});
-}
-
 TEST_F(Problem, IsDoubtedWhereNodesLieOnOthers) {
   mesh = test::together(mesh, test::moved(mesh, {0.2, 0, 0}));
   EXPECT_THAT(warningsOf(resolved()),
@@ -260,20 +251,6 @@ TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {
 TEST_F(Problem, RefusesALatticeOfTooManyPoints) {
   scene.workspace = {.radius = 0.1, .spacing = 0.0005};
   refuses({"workspace.spacing", "larger spacing"});
-}
-
-TEST_F(Problem, TravelsAsBytesBitForBit) {
-  scene.active.push_back({"side", Eigen::Vector3d(0.2, 0.1 + 0.2, 0.1), std::nullopt, 0.06});
-  const palpate::Problem problem = resolved();
-  const std::string bytes = encodeProblem(problem);
-  const palpate::Problem again = decodeProblem(bytes);
-  EXPECT_TRUE(encodeProblem(again) == bytes);
-  EXPECT_EQ(problemId(again), problemId(problem));
-  EXPECT_EQ(again.mesh.nodes, mesh.nodes);
-  EXPECT_EQ(again.mesh.surface, mesh.surface);
-  EXPECT_EQ(again.mesh.node_groups, mesh.node_groups);
-  EXPECT_EQ(again.fixed, problem.fixed);
-  EXPECT_EQ(again.active[1].nodes, problem.active[1].nodes);
 }
 
 TEST_F(Problem, SurvivesDamagedBytes) {
@@ -427,9 +404,11 @@ TEST_F(QuadraticProblem, TravelsWithRegionsFibersAndWeightsBitForBit) {
   EXPECT_TRUE(encodeProblem(again) == bytes);
   EXPECT_EQ(problemId(again), problemId(problem));
   EXPECT_EQ(again.mesh.nodes, problem.mesh.nodes);
+  EXPECT_EQ(again.mesh.surface, problem.mesh.surface);
   EXPECT_EQ(again.mesh.edges, problem.mesh.edges);
   EXPECT_EQ(again.mesh.mid_edge_nodes, problem.mesh.mid_edge_nodes);
   EXPECT_EQ(again.mesh.node_groups, problem.mesh.node_groups);
+  EXPECT_EQ(again.fixed, problem.fixed);
   EXPECT_EQ(again.region_of, problem.region_of);
   EXPECT_EQ(again.fibers, problem.fibers);
   EXPECT_EQ(again.active[0].weights, problem.active[0].weights);
@@ -601,20 +580,6 @@ TEST_F(Problem, IsLoadedFromFiles) {
   test::writeGmsh41(mesh, directory / "cube.msh");
   std::ofstream(directory / "cube.toml") << resolvedToml(scene);
   EXPECT_EQ(problemId(loadProblem(directory / "cube.toml")), problemId(resolved()));
-}
-
-TEST_F(Problem, ResolvesTheRealLiver) {
-  PALPATE_REFERENCE_FILE(file, "meshes/liver-493.msh");
-  scene.mesh = file;
-  const test::TemporaryDirectory directory;
-  std::filesystem::copy_file(file, directory / "liver-493.msh");
-  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
-  scene.active = {{"tip", Eigen::Vector3d(0.0582, 0.1344, 0.0025), std::nullopt, 0.015}};
-  std::ofstream(directory / "liver.toml") << resolvedToml(scene);
-  const palpate::Problem problem = loadProblem(directory / "liver.toml");
-  EXPECT_GT(problem.fixed.size(), 3u);
-  EXPECT_LT((problem.mesh.nodes[problem.active[0].node] - *scene.active[0].near).norm(), 0.02);
-  EXPECT_EQ(problemId(decodeProblem(encodeProblem(problem))), problemId(problem));
 }
 
 }  // namespace

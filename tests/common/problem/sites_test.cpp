@@ -102,12 +102,10 @@ struct FingerScene : ::testing::Test {
     scene.mesh = "test.msh";
     scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
     scene.fixed.groups = {"xmin"};
-    ActiveSelection active;
-    active.name = "skin";
-    active.tool = ToolKind::finger;
-    active.radius = 0.05;
-    active.surface = SurfaceSelection{.all = true};
-    scene.active = {active};
+    scene.active = {{.name = "skin",
+                     .radius = 0.05,
+                     .tool = ToolKind::finger,
+                     .surface = SurfaceSelection{.all = true}}};
   }
   palpate::Problem resolved() const { return resolve(scene, test::cubeMesh(0.2, 4)); }
   void refuses(std::initializer_list<std::string> parts) const {
