@@ -203,17 +203,5 @@ TEST(Docs, EveryTestThatHoldsAPromiseIsThere) {
   EXPECT_GT(named, 30);
 }
 
-TEST(Docs, NoLineOfProseIsWiderThan120Columns) {
-  std::vector<std::string> wide;
-  for (const std::string& page : pages())
-    for (const Line& line : proseOf(page)) {
-      // Rows of tables, indented code and what has no space to break at are as wide as they are.
-      const bool breaks = line.text.find(' ', 0) < 118 && !line.text.starts_with("|") &&
-                          !line.text.starts_with("    ") && !line.text.starts_with("![");
-      if (breaks && test::columns(line.text) > 120) wide.push_back(line.where);
-    }
-  EXPECT_THAT(wide, ::testing::IsEmpty());
-}
-
 }  // namespace
 }  // namespace palpate

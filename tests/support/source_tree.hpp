@@ -73,11 +73,4 @@ inline bool isCode(const std::string& file) {
   return hasExtension(file, {".cpp", ".hpp", ".c", ".h"});
 }
 
-/// Characters of UTF-8 text, as an editor counts columns.
-inline std::size_t columns(const std::string& line) {
-  return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-  }));
-}
-
 }  // namespace palpate::test
