@@ -139,81 +139,43 @@ struct Isotropic {
 struct StVenantKirchhoffSample : Isotropic {
   static StVenantKirchhoff law() { return {254537, 5194.630872483221}; }
   static Material material() {
-    Material material;
-    material.law = LawName::st_venant_kirchhoff;
-    material.young = 15480;
-    material.poisson = 0.49;
-    return material;
+    return {.law = LawName::st_venant_kirchhoff, .young = 15480, .poisson = 0.49};
   }
 };
 struct NeoHookeanSample : Isotropic {
   static NeoHookean law() { return {5160}; }
-  static Material material() {
-    Material material;
-    material.law = LawName::neo_hookean;
-    material.mu = 5160;
-    return material;
-  }
+  static Material material() { return {.law = LawName::neo_hookean, .mu = 5160}; }
 };
 struct MooneyRivlinSample : Isotropic {
   static MooneyRivlin law() { return {1300, 1280}; }
-  static Material material() {
-    Material material;
-    material.law = LawName::mooney_rivlin;
-    material.c10 = 1300;
-    material.c01 = 1280;
-    return material;
-  }
+  static Material material() { return {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280}; }
 };
 struct YeohSample : Isotropic {
   static Yeoh law() { return {1300, 400, 150}; }
-  static Material material() {
-    Material material;
-    material.law = LawName::yeoh;
-    material.c10 = 1300;
-    material.c20 = 400;
-    material.c30 = 150;
-    return material;
-  }
+  static Material material() { return {.law = LawName::yeoh, .c10 = 1300, .c20 = 400, .c30 = 150}; }
 };
 struct VerondaWestmannSample : Isotropic {
   static VerondaWestmann law() { return {900, 2.5}; }
-  static Material material() {
-    Material material;
-    material.law = LawName::veronda_westmann;
-    material.c1 = 900;
-    material.c2 = 2.5;
-    return material;
-  }
+  static Material material() { return {.law = LawName::veronda_westmann, .c1 = 900, .c2 = 2.5}; }
 };
 struct OgdenSample : Isotropic {
   static Ogden law() { return {{450}, {9.5}, 1}; }
-  static Material material() {
-    Material material;
-    material.law = LawName::ogden;
-    material.ogden = {{450, 9.5}};
-    return material;
-  }
+  static Material material() { return {.law = LawName::ogden, .ogden = {{450, 9.5}}}; }
 };
 struct OgdenThreeTermsSample : Isotropic {
   static Ogden law() { return {{6300, 12, -100}, {1.3, 5, -2}, 3}; }
   static Material material() {
-    Material material;
-    material.law = LawName::ogden;
-    material.ogden = {{6300, 1.3}, {12, 5}, {-100, -2}};
-    return material;
+    return {.law = LawName::ogden, .ogden = {{6300, 1.3}, {12, 5}, {-100, -2}}};
   }
 };
 struct HolzapfelGasserOgdenSample {
   static HolzapfelGasserOgden law() { return {5160, 3000, 2.0, 0.1}; }
   static Material material() {
-    Material material;
-    material.law = LawName::holzapfel_gasser_ogden;
-    material.mu = 5160;
-    material.k1 = 3000;
-    material.k2 = 2.0;
-    material.dispersion = 0.1;
-    return material;
+    return {.law = LawName::holzapfel_gasser_ogden,
+            .mu = 5160,
+            .k1 = 3000,
+            .k2 = 2.0,
+            .dispersion = 0.1};
   }
   static Fibers fibers() { return {Vector3d(1, 2, -2) / 3, Vector3d(0.6, 0, 0.8)}; }
   static double fiberStrain(const Matrix3d& F, const Vector3d& a) {
