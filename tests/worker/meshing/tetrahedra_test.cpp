@@ -6,6 +6,7 @@
 #include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/shell_script.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
 
@@ -83,68 +84,53 @@ TEST_F(FilledSurface, ByTetgenHasTheGivenTriangles) {
 }
 
 TEST_F(FilledSurface, NamesThePackageOfAProgramThatIsNotThere) {
-  const char* path = std::getenv("PATH");
-  const std::string before = path != nullptr ? path : "";
-  setenv("PATH", folder.path().c_str(), 1);
+  const test::FirstInPath nowhere(folder.path(), true);
   for (const Mesher mesher : {Mesher::gmsh, Mesher::tetgen, Mesher::automatic})
     test::expectError(
         ExitCode::failed, [&] { fill(test::sphereSurface(50, 3), {.nodes = 100}, mesher); },
         {"organ.stl", mesher == Mesher::gmsh ? "(Debian: gmsh)" : "(Debian: tetgen)"});
-  setenv("PATH", before.c_str(), 1);
 }
 
 TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
   PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  std::ofstream(folder / "gmsh") << "#!/bin/sh\necho 'Info    : begins'\n"
-                                    "echo 'Error   : Wrong topology of boundary mesh'\nexit 1\n";
-  std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
-  const std::string before = std::getenv("PATH");
-  setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
+  const test::FirstInPath ours(folder.path());
+  test::writeScript(folder / "gmsh",
+                    "echo 'Info    : begins'\n"
+                    "echo 'Error   : Wrong topology of boundary mesh'\nexit 1");
   const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
   EXPECT_THAT(filled.notes, Contains(HasSubstr("Wrong topology of boundary mesh")));
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
   test::expectError(ExitCode::failed,
                     [&] { fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::gmsh); },
                     {"organ.stl: no tetrahedra could be made", "Wrong topology", "--mesher"});
-  setenv("PATH", before.c_str(), 1);
 }
 
 TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  const std::string before = std::getenv("PATH");
-  const auto gmshIs = [&](const std::string& script) {
-    std::ofstream(folder / "gmsh") << "#!/bin/sh\n" << script;
-    std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
-    setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
-  };
-  gmshIs("kill -SEGV $$\n");
+  const test::FirstInPath ours(folder.path());
+  test::writeScript(folder / "gmsh", "kill -SEGV $$");
   const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
   EXPECT_THAT(filled.notes, Contains(HasSubstr("gmsh was ended by signal 11")));
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
   // The first size is not near enough, and the second one crashes.
-  gmshIs("[ -e \"$0.ran\" ] && kill -SEGV $$\ntouch \"$0.ran\"\nPATH=" + before +
-         " exec gmsh \"$@\"\n");
+  test::writeScript(folder / "gmsh", "[ -e \"$0.ran\" ] && kill -SEGV $$\ntouch \"$0.ran\"\nPATH=" +
+                                         ours.before + " exec gmsh \"$@\"");
   const Tetrahedra first = fill(test::boxSurface({100, 10, 10}, 10), {.nodes = 60});
   EXPECT_GT(first.mesh.nodes.size(), 60u);
-  setenv("PATH", before.c_str(), 1);
 }
 
 TEST_F(FilledSurface, KeepsItsVolumeWhereDetailsHaveMoreNodesThanAreWanted) {
   test::writeGmsh22(test::boxMesh({100, 60, 40}, {10, 6, 4}), folder / "first.msh");
   test::writeGmsh22(test::boxMesh({100, 60, 36}, {4, 3, 2}), folder / "next.msh");
   const std::string at = folder.path().string();
-  std::ofstream(folder / "gmsh") << "#!/bin/sh\nfor made in \"$@\"; do case $made in */body.msh) "
-                                    "break;; esac; done\n"
-                                 << "cp " << at << "/first.msh \"$made\" && cp " << at
-                                 << "/next.msh " << at << "/first.msh\n";
-  std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
-  const std::string before = std::getenv("PATH");
-  setenv("PATH", (at + ":" + before).c_str(), 1);
+  const test::FirstInPath ours(folder.path());
+  test::writeScript(folder / "gmsh",
+                    "for made in \"$@\"; do case $made in */body.msh) break;; esac; done\ncp " +
+                        at + "/first.msh \"$made\" && cp " + at + "/next.msh " + at + "/first.msh");
   const Tetrahedra filled = fill(test::boxSurface({100, 60, 40}), {.nodes = 100});
-  setenv("PATH", before.c_str(), 1);
   EXPECT_NEAR(measure(filled.mesh).volume, 100 * 60 * 40, 1);
   EXPECT_THAT(filled.notes, Contains(HasSubstr("100 nodes were wanted")));
 }
