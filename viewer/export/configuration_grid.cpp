@@ -24,7 +24,7 @@ GridArray matrixOf(const char* name, const char* unit, const Eigen::Matrix3d& va
   return {name, unit, 9, rows};
 }
 
-std::vector<GridArray> fieldDataOf(const Configuration& configuration) {
+std::vector<GridArray> fieldDataOf(const ExportedConfiguration& configuration) {
   const ForceSample& sample = configuration.sample;
   std::vector<GridArray> data = {vectorOf("tool_place", "m", configuration.place),
                                  vectorOf("tool_displacement", "m", configuration.displacement),
@@ -76,7 +76,7 @@ void ConfigurationGrid::addTriangles() {
     }
 }
 
-Grid ConfigurationGrid::of(const Configuration& configuration) const {
+Grid ConfigurationGrid::of(const ExportedConfiguration& configuration) const {
   Grid grid = rest_;
   const NodalFields& fields = configuration.fields;
   PALPATE_ASSERT(fields.displacement.size() == grid.points.size(), "a row has all stored nodes");

@@ -9,7 +9,7 @@
 namespace palpate {
 
 /// One configuration of a body, and what is told of it.
-struct Configuration {
+struct ExportedConfiguration {
   NodalFields fields = {};                 ///< of the stored nodes, as Dataset::fields
   std::vector<std::int32_t> touched = {};  ///< nodes that the tool holds, sorted
   /// Where the active node or the middle of the finger is at rest, and how far it is moved: metres.
@@ -35,7 +35,7 @@ class ConfigurationGrid {
 
   bool isVolume() const { return rest_.kind != CellKind::triangle; }
   const Grid& rest() const { return rest_; }  ///< points, cells, `fixed`
-  Grid of(const Configuration& configuration) const;
+  Grid of(const ExportedConfiguration& configuration) const;
 
  private:
   void addTetrahedra();

@@ -9,11 +9,12 @@
 
 namespace palpate {
 
-Configuration ConfigurationSource::interpolated(const ForceAnswers& answers, const WayStep& step) {
+ExportedConfiguration ConfigurationSource::interpolated(const ForceAnswers& answers,
+                                                        const WayStep& step) {
   const ForceAnswer& answer = step.answer;
   if (!shape_) shape_.emplace(dataset_, answers.choice());
   const ActivePatch& patch = answers.firstSpace().patch;
-  Configuration configuration = touchedBy(patch);
+  ExportedConfiguration configuration = touchedBy(patch);
   std::optional<Eigen::Vector3d> place;
   if (answer.finger) {
     place = configuration.place = answer.finger->at;
@@ -31,15 +32,15 @@ Configuration ConfigurationSource::interpolated(const ForceAnswers& answers, con
   return configuration;
 }
 
-Configuration ConfigurationSource::solved(const std::string& active,
-                                          const std::optional<Eigen::Vector3d>& place,
-                                          const Eigen::Vector3d& point) const {
+ExportedConfiguration ConfigurationSource::solved(const std::string& active,
+                                                  const std::optional<Eigen::Vector3d>& place,
+                                                  const Eigen::Vector3d& point) const {
   const std::size_t number = spaceOf(active, place);
   const SpaceTable& space = dataset_.spaces()[number];
   const std::int32_t n = pointNamed(space.lattice, point);
   if (!isSolved(space.points[at(n)].tag)) refuseUnsolved(space, n, point);
   const Equilibrium& equilibrium = space.points[at(n)].equilibrium;
-  Configuration configuration = touchedBy(space.patch);
+  ExportedConfiguration configuration = touchedBy(space.patch);
   configuration.fields = dataset_.fields(number, n);
   configuration.displacement = space.lattice.displacement(n);
   configuration.sample.force = equilibrium.force;
@@ -65,8 +66,8 @@ std::size_t ConfigurationSource::spaceOf(const std::string& active,
                      fingerNear("--at", dataset_.mesh(), *place, 0).center);
 }
 
-Configuration ConfigurationSource::touchedBy(const ActivePatch& patch) const {
-  Configuration configuration;
+ExportedConfiguration ConfigurationSource::touchedBy(const ActivePatch& patch) const {
+  ExportedConfiguration configuration;
   configuration.place = patch.finger ? patch.finger->center : dataset_.mesh().nodes[at(patch.node)];
   configuration.touched = patch.nodes;
   return configuration;

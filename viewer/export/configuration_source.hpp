@@ -17,19 +17,20 @@ class ConfigurationSource {
 
   /// Shape and force at a step of a way, but not how far that is. `answers`: of this dataset, which
   /// the step has its own from; the same ones every time.
-  Configuration interpolated(const ForceAnswers& answers, const WayStep& step);
+  ExportedConfiguration interpolated(const ForceAnswers& answers, const WayStep& step);
 
   /// The lattice point of an active node, or of the site of a finger's area that is nearest to a
   /// place (metres), with these coordinates in spacings. Error (bad input) for an unknown name, a
   /// place of what is no finger or none for an area, and for a point that was not solved, with its
   /// tag and cause.
-  Configuration solved(const std::string& active, const std::optional<Eigen::Vector3d>& place,
-                       const Eigen::Vector3d& point) const;
+  ExportedConfiguration solved(const std::string& active,
+                               const std::optional<Eigen::Vector3d>& place,
+                               const Eigen::Vector3d& point) const;
 
  private:
   std::size_t spaceOf(const std::string& active, const std::optional<Eigen::Vector3d>& place) const;
   /// What of the tool is known from its space alone.
-  Configuration touchedBy(const ActivePatch& patch) const;
+  ExportedConfiguration touchedBy(const ActivePatch& patch) const;
   [[noreturn]] void refuseUnsolved(const SpaceTable& space, std::int32_t number,
                                    const Eigen::Vector3d& point) const;
 

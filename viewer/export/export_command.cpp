@@ -70,7 +70,7 @@ ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
 }
 
 /// The only one that is asked for.
-Configuration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
+ExportedConfiguration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
   ConfigurationSource source(dataset);
   if (!options.point.empty()) {
     // The displacement is not looked at.
@@ -86,7 +86,7 @@ Configuration chosenConfiguration(const ExportOptions& options, const Dataset& d
 
 ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const ExportTarget& target,
                    std::ostream& output) {
-  const Configuration configuration = chosenConfiguration(options, dataset);
+  const ExportedConfiguration configuration = chosenConfiguration(options, dataset);
   const ConfigurationGrid grid(dataset);
   endWhenInterrupted();
   replaceFile(target.file(), vtuBytes(grid.of(configuration)), "grid");
@@ -108,7 +108,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                    target.file().string());
       return ExitCode::interrupted;
     }
-    Configuration configuration = source.interpolated(answers, way[n]);
+    ExportedConfiguration configuration = source.interpolated(answers, way[n]);
     configuration.way = way[n].way;
     outside += configuration.sample.inside ? 0 : 1;
     replaceFile(target.seriesFile(n), vtuBytes(grid.of(configuration)), "grid");
