@@ -51,6 +51,7 @@ struct TouchableBody {
 
 /// Every vertex of the surface but the fixed ones, with a factor for each position.
 std::vector<TouchableBody::Active> wholeSurface(
-    const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor);
+    const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor =
+                          [](const Eigen::Vector3d&) { return 1.0; });
 
 }  // namespace palpate::test

@@ -85,8 +85,7 @@ TEST_F(SharePictureTest, AFingerHasItsTrueSize) {
 
 TEST_F(SharePictureTest, AnActiveNodeIsTouchedByAThinTool) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
-  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
-  if (!makePage(test::TouchableBody(mesh, everywhere))) return;
+  if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh)))) return;
   test::Browser browser;
   open(browser);
   press(browser);
@@ -97,8 +96,7 @@ TEST_F(SharePictureTest, AnActiveNodeIsTouchedByAThinTool) {
 /// A coarse lattice: near its middle the bound is small, farther out a hand would notice it.
 TEST_F(SharePictureTest, AForceIsBlueUntilAHandCouldNoticeItsErrorThenAmberAndCalledUncertain) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
-  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
-  if (!makePage(test::TouchableBody(mesh, everywhere, 0.1, 0.1))) return;
+  if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.1, 0.1))) return;
   test::Browser browser;
   open(browser);
   const auto share = [&] {

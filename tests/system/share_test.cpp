@@ -75,8 +75,7 @@ TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
 
 TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
-  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
-  if (!makePage(test::TouchableBody(mesh, everywhere))) return;
+  if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh)))) return;
   test::Browser browser;
   browser.send("Emulation.setTouchEmulationEnabled", {{"enabled", true}});
   open(browser);
@@ -104,8 +103,7 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
 /// It ended before, where a sixtieth of the reach is no round number.
 TEST_F(ShareTest, TheSliderComesToTheDeepestPress) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
-  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
-  if (!makePage(test::TouchableBody(mesh, everywhere, 0.05, 0.025))) return;
+  if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.05, 0.025))) return;
   test::Browser browser;
   open(browser);
   const json at_the_end = browser.valueOf(

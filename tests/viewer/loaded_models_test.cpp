@@ -51,8 +51,7 @@ TEST_F(LoadedModelsTest, PreparesPressuresBesideTheRun) {
 
 TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
-  test::TouchableBody(mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1; }))
-      .seal(file);
+  test::TouchableBody(mesh, test::wholeSurface(mesh)).seal(file);
   LoadedModels loaded({file}, {});
   const std::thread::id here = std::this_thread::get_id();
   std::vector<double> shares;
@@ -94,8 +93,7 @@ TEST_F(LoadedModelsTest, AreReadAgainBesideAndHandedOverWhole) {
 /// F5 once kept the window and Ctrl-C waiting until all was prepared.
 TEST_F(LoadedModelsTest, APreparationThatNobodyWaitsForEndsSoon) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
-  test::TouchableBody(mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1; }))
-      .seal(file);
+  test::TouchableBody(mesh, test::wholeSurface(mesh)).seal(file);
   const std::vector<std::filesystem::path> files(8, file);
   const auto now = [] { return std::chrono::steady_clock::now(); };
   const auto begin = now();

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "tests/support/expect_error.hpp"
 #include "tests/support/uneven_spaces.hpp"
 #include "viewer/fields/displacement_field.hpp"
 
@@ -95,27 +94,6 @@ TEST(PressureField, SaysSomethingFiniteForAnyDisplacementAndRestForNoNumber) {
   for (const Vector3d& p : {Vector3d(infinity, 0, 0), Vector3d(0, nan, 0)})
     for (const float pressure : pressuresAt(field, p)) EXPECT_TRUE(std::isfinite(pressure));
   EXPECT_EQ(pressuresAt(field, {0, nan, 0}), pressuresAt(field, Vector3d::Zero()));
-}
-
-TEST(PressureField, StandsOnASinglePointIfThereAreNoMore) {
-  SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
-  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[at(n)] = {};
-  const PressureField field(space, rowsOf(space));
-  EXPECT_FLOAT_EQ(pressuresAt(field, {0.003, -0.002, 0.004})[1], pressureOf({0, 0, 0}, 1));
-}
-
-TEST(PressureField, RefusesRowsThatDoNotFit) {
-  const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
-  const std::vector<float> rows = rowsOf(space);
-  const std::span<const float> all = rows;
-  test::expectError(ExitCode::failed, [&] { PressureField(space, all.first(all.size() - 1)); },
-                    {"33 lattice points"});
-  test::expectError(ExitCode::failed, [&] { PressureField(space, std::span<const float>()); },
-                    {"0"});
-  SpaceTable unsolved = space;
-  for (PointRecord& point : unsolved.points) point = {};
-  test::expectError(ExitCode::failed, [&] { PressureField(unsolved, all); },
-                    {"no lattice point was solved"});
 }
 
 }  // namespace

@@ -165,8 +165,7 @@ TEST(Contact, NeverPullsOnRandomWalks) {
 const HapticModel& leaningCube() {
   static const HapticModel model = [] {
     const Mesh mesh = test::cubeMesh(0.1, 4);
-    std::vector<test::TouchableBody::Active> active =
-        test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
+    std::vector<test::TouchableBody::Active> active = test::wholeSurface(mesh);
     for (auto& one : active) one.stiff_along = {20, 8, 15};
     return test::modelOf({mesh, active});
   }();
