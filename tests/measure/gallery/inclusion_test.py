@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""A ball in the skin of deploy/scenes, found from forces alone (docs/gallery.md). ctest runs each case by itself; by hand
+PALPATE_BIN_DIR=build/release/bin PALPATE_LONG_TESTS=1 tests/measure/gallery/inclusion_test.py."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import numpy as np
+    import palpation
+except ImportError:  # NumPy and SciPy are among the packages of the tests
+    np = palpation = None
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SCENES = ROOT / "deploy" / "scenes"
+sys.path.insert(0, str(SCENES))
+PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+@unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
+@unittest.skipUnless(palpation, "needs python3-scipy")
+class Inclusion(unittest.TestCase):
+    """A ball in the skin is found from forces alone: the top is pressed by 3 mm at 225 places. Only then is looked where
+    it is.
+
+    What is built is the skin of the gallery, touched on its top alone and by one coarse step, which takes half a minute
+    of a processor. The finder (palpation.py) knows the layers of healthy skin. It was made with the shipped block and the
+    one without a ball before the other place was tried.
+    """
+
+    DEPTH = 0.003  # m, of the presses
+    REACH = 0.028  # m from the middle of the block
+
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def felt(self, scene):
+        """What is felt under the skin of a scene whose mesh is in the folder."""
+        scene = re.sub(r'surface = "all"', "surface = { box = { lowest = [-0.031, -0.031, 0.0199], "
+                       "highest = [0.031, 0.031, 0.0201] } }", scene)
+        scene = re.sub(r"(?s)\[workspace\].*?(?=\[device\])", "[workspace]\nradius = 0.004\nspacing = 0.004\n\n", scene)
+        (self.folder / "skin.toml").write_text(scene, encoding="utf-8")
+        built = run(PALPATE, "build", self.folder / "skin.toml", "-o", self.folder / "skin.h5")
+        self.assertEqual(built.returncode, 0, built.stdout)
+        grid = np.linspace(-self.REACH, self.REACH, 15)
+        asked = "".join(f"{x} {y} 0.02 0 0 {-self.DEPTH}\n" for x in grid for y in grid)
+        answered = subprocess.run([PALPATE, "query", self.folder / "skin.h5", "--active", "skin", "--at", "-",
+                                   "--displacement", "-", "--json"], input=asked, stdout=subprocess.PIPE, text=True,
+                                  check=True).stdout
+        touches = [json.loads(line) for line in answered.splitlines()]
+        places = np.array([touch["at"][:2] for touch in touches])
+        stiffness = np.array([touch["force"][2] for touch in touches]) / self.DEPTH
+        layers = [(0.001, 333000), (0.002, 11670), (0.017, 1083)]
+        return palpation.feel(places, stiffness, layers, finger=0.012, half=0.036)
+
+    def skin(self):
+        return (SCENES / "skin" / "skin.toml").read_text(encoding="utf-8")
+
+    def make(self, *options):
+        if not shutil.which("gmsh"):
+            self.skipTest("needs gmsh")
+        made = run(SCENES / "skin" / "make_skin.py", "--out", self.folder, *options)
+        self.assertEqual(made.returncode, 0, made.stdout)
+
+    def truth(self):
+        """Centre of the ball in the mesh, and how deep it is, m."""
+        from layers import read_mesh, volumes
+        points, tetrahedra, group, names = read_mesh(self.folder / "skin.msh")
+        ball = tetrahedra[[names[number] == "inclusion" for number in group]]
+        size = volumes(points, ball)
+        center = size @ points[ball].mean(axis=1) / size.sum()
+        return center[:2], points[:, 2].max() - center[2]
+
+    def hold(self, felt):
+        place, depth = self.truth()
+        aside = np.linalg.norm(felt.place - place)
+        print(f"felt at {1e3 * felt.place} mm, {1e3 * felt.depth:.1f} mm deep, {100 * felt.height:.0f} % stiffer; it is at "
+              f"{1e3 * place} mm, {1e3 * depth:.1f} mm deep: {1e3 * aside:.2f} mm aside, "
+              f"{1e3 * (felt.depth - depth):+.1f} mm in depth")
+        self.assertTrue(felt.found)
+        self.assertLess(aside, 0.002)
+        self.assertLess(abs(felt.depth - depth), 0.005)
+
+    def testTheShippedOneIsFound(self):
+        shutil.copy(SCENES / "skin" / "skin.msh", self.folder)
+        self.hold(self.felt(self.skin()))
+
+    def testOneAtAPlaceThatNothingWasTunedOnIsFound(self):
+        self.make("--inclusion", "-0.014", "0.007", "0.012", "0.005")
+        self.hold(self.felt(self.skin()))
+
+    def testNoneIsFoundWhereThereIsNone(self):
+        self.make("--none")
+        without = re.sub(r'(?s)\[\[region\]\][^\[]*group = "inclusion".*?(?=\[\[region)', "", self.skin())
+        felt = self.felt(without)
+        print(f"{100 * felt.height:.1f} % stiffer at most")
+        self.assertFalse(felt.found)
+
+
+if __name__ == "__main__":
+    unittest.main()

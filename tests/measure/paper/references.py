@@ -1,0 +1,68 @@
+"""Exact forces to hold interpolations against: along the paper's regular and random paths, each solved from the one before,
+by way of points beside where straight on fails (docs/solver.md).
+
+Displacements in metres, forces in newtons (tissue on tool). What a path did not reach is counted, never filled in.
+Relative errors are |f' - f| / max(|f|, FLOOR), of force vectors."""
+import dataclasses
+import functools
+import itertools
+import json
+import random
+
+import organs
+from record import Measured
+
+FLOOR = 0.05  # N: a smaller force counts as this in relative errors
+
+
+@dataclasses.dataclass
+class References:
+    displacement: list  # of all that were reached, n x 3
+    force: list         # n x 3
+    wanted: int         # how many were asked for
+    after_detour: int   # how many of the reached are, or come after one on their path that is, reached by a detour
+    measured: object    # where they come from (record.Measured)
+
+
+def regular_paths(length=0.1, step=0.001):
+    """From rest straight on, in 26 directions (Sec. 6.1)."""
+    count = round(length / step)
+    return [[[length * n / count * x for x in direction] for n in range(1, count + 1)] for direction in organs.directions()]
+
+
+def random_paths(count, radius=0.1, steps=200, step=0.001, seed=2010):
+    """From rest through places that are uniform in the ball, one after the other, `steps` of equal length in all."""
+    generator = random.Random(seed)
+    return [random_path(generator, radius, steps, step) for _ in range(count)]
+
+
+def random_path(generator, radius, steps, step):
+    at, target, path = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], []
+    while len(path) < steps:
+        way = [t - a for t, a in zip(target, at)]
+        distance = sum(w * w for w in way) ** 0.5
+        if distance < step:  # the last bit of a leg is left out, so that every step has the same length
+            target = in_ball(generator, radius)
+            continue
+        at = [a + step * w / distance for a, w in zip(at, way)]
+        path.append(at)
+    return path
+
+
+def in_ball(generator, radius):
+    while True:
+        place = [generator.uniform(-radius, radius) for _ in range(3)]
+        if sum(x * x for x in place) <= radius * radius:
+            return place
+
+
+def solved_along(record, name, scene, paths, detours=True):
+    """Measures the exact solutions along `paths`, path by path, so that an interruption costs one at most."""
+    command = [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip", *(["--detours"] if detours else [])]
+    each = record.together([functools.partial(record.run, f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path]))
+                            for n, path in enumerate(paths)])
+    reached = [measured.value["paths"][0]["reached"] for measured in each]
+    points = [point for path in reached for point in path]
+    after = sum(sum(itertools.accumulate((point["detours"] > 0 for point in path), max)) for path in reached)
+    return References([point["displacement"] for point in points], [point["force"] for point in points],
+                      sum(map(len, paths)), after, Measured.of_all(each, f"tests/measure/paper/run {record.target}"))
