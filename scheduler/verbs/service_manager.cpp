@@ -28,8 +28,6 @@ std::string takeVariable(const char* name) {
   return text;
 }
 
-std::int64_t microsecondsIn(std::chrono::seconds time) { return microseconds(time).count(); }
-
 }  // namespace
 
 ServiceManager::ServiceManager() : socket_(takeVariable("NOTIFY_SOCKET")) {
@@ -40,17 +38,15 @@ ServiceManager::ServiceManager() : socket_(takeVariable("NOTIFY_SOCKET")) {
 }
 
 void ServiceManager::mayTake(std::chrono::seconds longest, const std::string& what) {
-  std::string lines =
-      fmt::format("STATUS={}\nEXTEND_TIMEOUT_USEC={}", what, microsecondsIn(longest));
-  if (watchdog_.count() > 0) lines += fmt::format("\nWATCHDOG_USEC={}", microsecondsIn(longest));
-  send(lines);
+  const std::int64_t time = microseconds(longest).count();
+  sendAndWatch(fmt::format("STATUS={}\nEXTEND_TIMEOUT_USEC={}", what, time), longest);
 }
 
-void ServiceManager::ready() {
-  std::string lines = "READY=1";
-  // mayTake() is over.
-  if (watchdog_.count() > 0) lines += fmt::format("\nWATCHDOG_USEC={}", watchdog_.count());
-  send(lines);
+void ServiceManager::ready() { sendAndWatch("READY=1", watchdog_); }
+
+/// From now on it is alive as long as it says so within this time.
+void ServiceManager::sendAndWatch(const std::string& lines, microseconds longest) {
+  send(watchdog_.count() > 0 ? fmt::format("{}\nWATCHDOG_USEC={}", lines, longest.count()) : lines);
 }
 
 void ServiceManager::alive(Clock::time_point now, const std::function<std::string()>& status) {

@@ -27,6 +27,7 @@ class ServiceManager {
   void stopping();
 
  private:
+  void sendAndWatch(const std::string& lines, std::chrono::microseconds longest);
   void send(const std::string& lines);
 
   std::string socket_;                     ///< a path, or a name that begins with @; empty: nobody
