@@ -23,17 +23,17 @@ struct EventsOptions {
   bool follow = false;
 };
 
-void show(std::string_view line) { fmt::print("{}\n", line); }
+void printLine(std::string_view line) { fmt::print("{}\n", line); }
 
 /// What there is by now: all of it, or the last so many.
 void showPast(EventReader& reader, const std::optional<std::uint32_t>& last) {
-  if (!last) return reader.readOn(show);
+  if (!last) return reader.readOn(printLine);
   std::deque<std::string> kept;
   reader.readOn([&](std::string_view line) {
     kept.emplace_back(line);
     if (kept.size() > *last) kept.pop_front();
   });
-  for (const std::string& line : kept) show(line);
+  for (const std::string& line : kept) printLine(line);
 }
 
 ExitCode showEvents(const EventsOptions& options) {
@@ -50,7 +50,7 @@ ExitCode showEvents(const EventsOptions& options) {
     std::fflush(stdout);
     if (std::ferror(stdout) != 0) throw failure("cannot write to standard output");
     std::this_thread::sleep_for(look_every);
-    reader.readOn(show);
+    reader.readOn(printLine);
   }
   return ExitCode::interrupted;
 }

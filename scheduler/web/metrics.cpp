@@ -24,14 +24,14 @@ using Labels = std::vector<std::pair<std::string_view, std::string>>;
 using Series = std::map<Labels, double>;
 
 /// A metric that is one number.
-struct Row {
+struct Gauge {
   const char* name;
   const char* help;
   std::optional<double> value;  ///< nothing: cannot be told
 };
 
 /// Of docs/state.md, 0 where nothing of the kind ever happened: palpate_NAME_total, and its help.
-constexpr auto counters = std::to_array<std::pair<const char*, const char*>>(
+constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
      {"lost_workers", "Workers that went without a word."},
      {"refused_workers", "Workers that were refused."},
@@ -46,7 +46,7 @@ constexpr auto counters = std::to_array<std::pair<const char*, const char*>>(
      {"closed_connections", "Connections that were closed because they cost too much."},
      {"unread_answers", "Questions left unanswered because answers lay unread."}});
 
-std::vector<Row> gaugesOf(const wire::Status& status, double age) {
+std::vector<Gauge> gaugesOf(const wire::Status& status, double age) {
   const auto ifKnown = [](bool known, double value) {
     return known ? std::optional(value) : std::nullopt;
   };
@@ -155,7 +155,7 @@ std::string metricsOf(const wire::Status& status, double age) {
              status.recorded());
   for (const auto& [name, help, value] : gaugesOf(status, age))
     if (value) text += metric(name, "gauge", help, *value);
-  for (const auto& [counter, help] : counters) {
+  for (const auto& [counter, help] : counter_help) {
     const auto found = status.counters().find(counter);
     text += metric(fmt::format("palpate_{}_total", counter), "counter", help,
                    found == status.counters().end() ? 0 : found->second);
