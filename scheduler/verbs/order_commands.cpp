@@ -1,70 +1,17 @@
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <thread>
 
 #include "common/base/error.hpp"
-#include "common/base/terminal.hpp"
 #include "common/base/text.hpp"
 #include "scheduler/builds/asked_scheduler.hpp"
 #include "scheduler/builds/recorded_build.hpp"
-#include "scheduler/service/status.hpp"
-#include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// What a running scheduler is asked: `status`, `stop`, `pause`, `resume`, `priority` and `retry`.
+// What a scheduler is told, or the directory where the next one works: `palpate stop`, `pause`,
+// `resume`, `priority` and `retry`.
 
 namespace palpate {
 namespace {
-
-constexpr std::chrono::seconds watch_every{1};
-
-struct StatusOptions {
-  Asked asked;
-  bool watch = false;
-  bool json = false;
-};
-
-/// The status, and as a page for people.
-std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
-  wire::Status status;
-  try {
-    status = statusAt(asked);
-    return {status, describe(status)};
-  } catch (const NotListening& starting) {
-    status.set_state("starting");
-    return {status, std::string(starting.what()) + '\n'};
-  }
-}
-
-ExitCode showStatus(const StatusOptions& options) {
-  catchInterrupts();
-  const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
-  for (;;) {
-    const auto [status, page] = lookAt(options.asked);
-    if (options.json)
-      fmt::print("{}\n", toJson(status));
-    else if (redraw)
-      fmt::print("\x1b[H\x1b[2J{}", fitted(page, sizeOf(STDOUT_FILENO)));
-    else
-      fmt::print("{}", page);
-    std::fflush(stdout);
-    if (!options.watch || status.state() == "complete" || status.state() == "stopped")
-      return ExitCode::done;
-    std::this_thread::sleep_for(watch_every);
-    if (interrupted()) return ExitCode::interrupted;
-  }
-}
-
-std::function<ExitCode()> prepareStatus(CLI::App& app) {
-  auto options = std::make_shared<StatusOptions>();
-  options->asked.addTo(app);
-  app.add_flag("--watch", options->watch,
-               "Again every second, until the build is complete or stops");
-  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
-  return [options] { return showStatus(*options); };
-}
 
 ExitCode stop(const Asked& asked) {
   wire::Message question;
@@ -73,6 +20,12 @@ ExitCode stop(const Asked& asked) {
     throw failure("{}: no scheduler is working there now", asked.where);
   fmt::print("{}: stopping; the same command goes on from what is recorded\n", asked.where);
   return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareStop(CLI::App& app) {
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
+  return [asked] { return stop(*asked); };
 }
 
 // ---- pause, resume ----
@@ -194,12 +147,6 @@ std::function<ExitCode()> prepareRetry(CLI::App& app) {
   return [options] { return retry(*options); };
 }
 
-std::function<ExitCode()> prepareStop(CLI::App& app) {
-  auto asked = std::make_shared<Asked>();
-  asked->addTo(app);
-  return [asked] { return stop(*asked); };
-}
-
 }  // namespace
 
 const Verb pause_verb = {"pause", "Hand out no more work before resume; workers stay",
@@ -211,9 +158,6 @@ const Verb priority_verb = {"priority", "Compute one space before others", prepa
 
 const Verb retry_verb = {"retry", "Try again what workers ended on, or what failed with some cause",
                          prepareRetry};
-
-const Verb status_verb = {
-    "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};
 
 const Verb stop_verb = {
     "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",

@@ -1,0 +1,71 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <thread>
+
+#include "common/base/terminal.hpp"
+#include "scheduler/builds/asked_scheduler.hpp"
+#include "scheduler/service/status.hpp"
+#include "scheduler/verbs/status_text.hpp"
+#include "scheduler/verbs/verbs.hpp"
+
+// `palpate status`: how far a build is.
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::seconds watch_every{1};
+
+struct StatusOptions {
+  Asked asked;
+  bool watch = false;
+  bool json = false;
+};
+
+/// The status, and as a page for people.
+std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
+  wire::Status status;
+  try {
+    status = statusAt(asked);
+    return {status, describe(status)};
+  } catch (const NotListening& starting) {
+    status.set_state("starting");
+    return {status, std::string(starting.what()) + '\n'};
+  }
+}
+
+ExitCode showStatus(const StatusOptions& options) {
+  catchInterrupts();
+  const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
+  for (;;) {
+    const auto [status, page] = lookAt(options.asked);
+    if (options.json)
+      fmt::print("{}\n", toJson(status));
+    else if (redraw)
+      fmt::print("\x1b[H\x1b[2J{}", fitted(page, sizeOf(STDOUT_FILENO)));
+    else
+      fmt::print("{}", page);
+    std::fflush(stdout);
+    if (!options.watch || status.state() == "complete" || status.state() == "stopped")
+      return ExitCode::done;
+    std::this_thread::sleep_for(watch_every);
+    if (interrupted()) return ExitCode::interrupted;
+  }
+}
+
+std::function<ExitCode()> prepareStatus(CLI::App& app) {
+  auto options = std::make_shared<StatusOptions>();
+  options->asked.addTo(app);
+  app.add_flag("--watch", options->watch,
+               "Again every second, until the build is complete or stops");
+  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  return [options] { return showStatus(*options); };
+}
+
+}  // namespace
+
+const Verb status_verb = {
+    "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};
+
+}  // namespace palpate
