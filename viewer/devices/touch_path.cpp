@@ -175,6 +175,7 @@ class Surroundings {
   /// Where the normal of a site leaves the sphere around the body.
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
+    PALPATE_ASSERT(offset.norm() <= radius_, "the sphere holds all of the body");
     const double along = offset.dot(site.normal);
     const double distance =
         -along + std::sqrt(along * along - offset.squaredNorm() + radius_ * radius_);
@@ -229,6 +230,7 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
 
 HandPath touchPath(const HapticModel& model) {
   const std::vector<Stroke> strokes = strokesOf(model);
+  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "a stroke touches something");
   const Surroundings around(model.surface());
   PathWriter path;
   path.goTo(around.before(strokes.front().front()), 0);

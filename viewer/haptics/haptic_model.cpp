@@ -43,8 +43,10 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
   const std::vector<TouchArea>& areas = surface_.areas();
   for (std::size_t a = 0; a < areas.size(); ++a)
-    for (const std::size_t space : areas[a].spaces)
+    for (const std::size_t space : areas[a].spaces) {
+      PALPATE_ASSERT(area_of_space_[space] < 0, "a site belongs to one area");
       area_of_space_[space] = static_cast<std::int32_t>(a);
+    }
   for (const TouchArea& area : areas)
     places_.push_back(
         placesAround(dataset.mesh(), centersOf(chosenOf(spaces_, area.spaces)), area.radius));
@@ -93,6 +95,8 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
   } catch (const Stopped&) {
     return false;
   }
+  PALPATE_ASSERT(areas.size() == surface_.areas().size(),
+                 "an anchor in an area of the surface asks the energy of that number");
   areas_ = std::move(areas);
   areas_made_ = true;
   return true;
@@ -122,6 +126,7 @@ void HapticModel::make(std::size_t method, std::size_t space) {
         areas_[at(area)], spaces_[space].patch.finger.value().center);
   else
     fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
+  PALPATE_ASSERT(fields.of_space[space] != nullptr, "what counts as made may be asked");
   fields.made.fetch_add(1, std::memory_order_release);
 }
 

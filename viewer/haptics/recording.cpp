@@ -199,6 +199,8 @@ void Recorder::save(const std::filesystem::path& file) const {
     writeRun(out, run_);
     std::apply(
         [&](const auto&... channel) {
+          PALPATE_ASSERT(((channel.values.size() == size_) && ...),
+                         "every list took something from every state");
           (out.writeList(channel.path, channel.values, channel.unit), ...);
         },
         lists_->channels);

@@ -57,6 +57,8 @@ void SurfacePressures::prepare(const std::vector<SpaceTable>& spaces, const std:
 }
 
 void SurfacePressures::takeIn(const SpaceTable& space, std::span<const float> rows) {
+  PALPATE_ASSERT(!space.points.empty() && rows.size() % space.points.size() == 0,
+                 "every point has a row of the same vertices");
   const std::size_t row = rows.size() / space.points.size();
   known_.resize(row, everywhere_ ? 1 : 0);
   std::vector<float> known(row);

@@ -222,6 +222,7 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
 
 void TouchSurface::setTouchable() {
   PALPATE_ASSERT(shares_.size() == vertices_.size(), "every vertex has its shares, or none");
+  PALPATE_ASSERT(area_of_.size() == triangles_.size(), "every triangle is in an area, or in none");
   corner_shares_.resize(triangles_.size());
   std::vector<Triangle> touchable;
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
@@ -238,6 +239,8 @@ void TouchSurface::setTouchable() {
       for (const SpaceWeight& share : sharesOf(t[c]))
         weights.try_emplace(share.space, Eigen::Vector3d::Zero())
             .first->second[static_cast<Eigen::Index>(c)] = share.weight;
+    PALPATE_ASSERT(weights.size() <= most_blended_spaces,
+                   "a blend has room for the spaces of three corners");
     for (const auto& [space, corners] : weights) corner_shares_[n].push_back({space, corners});
   }
   touch_tree_ = SurfaceTree(vertices_, touchable);

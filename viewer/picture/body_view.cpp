@@ -159,6 +159,7 @@ void BodyView::colourPressures() {
 }
 
 const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
+  PALPATE_ASSERT(model_.isPrepared(at(method)), "errors are shown of what is prepared alone");
   auto [found, added] = error_places_.try_emplace(method);
   if (added)
     for (const double error : vertexErrors(model_, at(method)))

@@ -54,6 +54,7 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
   const SpaceTable& table = model.spaces()[at(space_)];
   const std::int32_t method = filled_.method;
   if (method < 0) return tagDots(table, filled_.cut);
+  PALPATE_ASSERT(model.isPrepared(at(method)), "errors are shown of what is prepared alone");
   auto [found, added] = errors_.try_emplace({model_, method, space_});
   if (added) found->second = cellErrors(table, model.field(at(method), at(space_)));
   return errorDots(found->second, table.lattice.spacing(), filled_.cut);

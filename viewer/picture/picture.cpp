@@ -44,6 +44,7 @@ struct Picture::Impl {
 
   void use(std::int32_t number) {
     if (number == model) return;
+    PALPATE_ASSERT(at(number) < shown.size(), "a state names one of the models");
     const std::optional<FramedSphere> before =
         model < 0 ? std::nullopt : std::optional(inUse().sphere());
     model = number;
@@ -183,6 +184,7 @@ struct Picture::Impl {
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
     const HapticModel& now = inUse().model();
+    PALPATE_ASSERT(at(lattice.space()) < now.spaces().size(), "the lattice is of this model");
     const SpaceTable& table = now.spaces()[at(lattice.space())];
     PanelContents all{
         .state = state,

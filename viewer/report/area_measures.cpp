@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/sites.hpp"
@@ -89,6 +90,9 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
     measures.on_triangles.push_back(spread.median);
     measures.worst_on_triangles.push_back(spread.maximum);
   }
+  PALPATE_ASSERT(
+      measures.on_triangles.size() == found.size() && measures.depths.size() == depths.size(),
+      "every triangle was asked at every depth");
 }
 
 /// Errors at probes, by how deep they press.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/interpolation/branch_check.hpp"
 
@@ -95,6 +96,9 @@ std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets) {
 
 std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space) {
+  PALPATE_ASSERT(
+      lattice.dataset < datasets.size() && space < datasets[lattice.dataset].spaces().size(),
+      "a lattice is one of these datasets, which have the same active nodes");
   const SpaceTable& whole = datasets[lattice.dataset].spaces()[space];
   if (lattice.factor > 0) return std::make_shared<SpaceTable>(thinned(whole, lattice.factor));
   return {std::shared_ptr<const SpaceTable>(), &whole};  // owns nothing

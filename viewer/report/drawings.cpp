@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/base/program.hpp"
 #include "common/mesh/surface_point.hpp"
@@ -106,6 +107,7 @@ class Surface {
 /// What was computed, and by what: terms with their texts, and the whole scene.
 DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
                          const std::vector<DatasetFacts>& facts) {
+  PALPATE_ASSERT(facts.size() == datasets.size(), "there are facts of every dataset");
   DrawingJson all = DrawingJson::array();
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Dataset& dataset = datasets[d];
@@ -129,6 +131,8 @@ DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
 }
 
 DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface& surface) {
+  PALPATE_ASSERT(area.on_triangles.size() == report.open.front().mesh().surface.size(),
+                 "the page colours the triangles of the body that it has");
   DrawingJson probes = DrawingJson::array();
   for (const AreaProbes::Comparison& probe : area.probes.comparisons)
     probes.push_back({{"at", surface.mark(probe.place)},
@@ -145,6 +149,7 @@ DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface&
 }
 
 DrawingJson drawn(const SliceMap& slice) {
+  PALPATE_ASSERT(slice.bound.size() == slice.covered.size(), "a place has a bound and a cover");
   const auto flat = [](const Eigen::Vector2d& p) {
     return DrawingJson::array({rounded(p.x(), 6), rounded(p.y(), 6)});
   };

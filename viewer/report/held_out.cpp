@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -78,6 +80,8 @@ bool HeldOut::measures(const ComparedLattice& lattice) const {
 HeldOut heldOutOf(const std::vector<Dataset>& datasets,
                   const std::vector<ComparedLattice>& lattices) {
   const std::size_t spaces = datasets.front().spaces().size();
+  for (const Dataset& dataset : datasets)
+    PALPATE_ASSERT(dataset.spaces().size() == spaces, "they are of one scene");
   HeldOut probes = collected(HeldOutKind::probes, spaces, [&](std::size_t s) {
     std::vector<const SpaceTable*> tables;
     for (const Dataset& dataset : datasets) tables.push_back(&dataset.spaces()[s]);

@@ -97,6 +97,9 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
     if (std::abs(p[normal]) < shown_distance * map.radius)
       map.errors.push_back({in_plane(p), (field.evaluate(p).force - solution.force).norm()});
   }
+  PALPATE_ASSERT(map.bound.size() == SliceMap::sampleAt(SliceMap::side, 0) &&
+                     map.covered.size() == map.bound.size(),
+                 "every square of the picture was sampled");
   return map;
 }
 

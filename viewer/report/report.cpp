@@ -156,6 +156,7 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
   std::vector<std::vector<WayComparison>> methods(study.methods.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
+    PALPATE_ASSERT(nodes[n].size() == methods.size(), "a node is asked by every method");
     for (std::size_t m = 0; m < methods.size(); ++m)
       for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
         methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
@@ -166,6 +167,8 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
 
 /// All active nodes; errors: of the compared ones on the measured lattice, none without one.
 std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) {
+  PALPATE_ASSERT(errors.empty() || errors.size() == study.compared.size(),
+                 "a measured lattice has errors of every compared node");
   std::vector<NodeMeasures> nodes;
   for (const SpaceTable& space : study.open.front().spaces()) {
     const std::size_t held_out = study.held_out.of_space[nodes.size()].size();
@@ -258,6 +261,8 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
     report.lattices.push_back(costOf(study, std::move(lattice)));
   std::ranges::stable_sort(report.lattices, {}, &LatticeMeasures::configurations);
   report.measured = measuredOf(report.lattices, study.held_out);
+  PALPATE_ASSERT(!report.measured || study.held_out.measures(shownLattice(report)),
+                 "nothing is measured with its own points");
   NodeErrors errors;
   for (std::size_t n = 0; n < report.lattices.size(); ++n) {
     LatticeMeasures& lattice = report.lattices[n];

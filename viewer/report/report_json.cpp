@@ -58,6 +58,7 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
 }
 
 Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
+  PALPATE_ASSERT(lattice.methods.size() == report.methods.size(), "all methods were measured");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m) {
     const MethodMeasures& method = lattice.methods[m];
@@ -79,6 +80,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
 }
 
 Json wayJson(const Report& report, const WayShell& shell) {
+  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "shells are of all methods");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     methods[report.methods[m]] = toJson(shell.methods[m]);
@@ -86,6 +88,8 @@ Json wayJson(const Report& report, const WayShell& shell) {
 }
 
 Json nodeJson(const Report& report, const NodeMeasures& node) {
+  PALPATE_ASSERT(node.methods.size() == report.methods.size(),
+                 "a node has a place for every method, measured or not");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     // On nodes that were not compared only the default method was measured.
