@@ -38,34 +38,13 @@ Cover coverOf(const Rgb& colour, double share) {
 
 using Covers = std::array<Cover, levels>;
 
-const Covers& displacementCovers() {
-  static const Covers made = [] {
-    Covers covers;
-    for (int level = 0; level < levels; ++level) {
-      const double place = static_cast<double>(level) / (levels - 1);
-      covers[at(level)] = coverOf(displacementHue(place), displacementCover(place));
-    }
-    return covers;
-  }();
-  return made;
-}
-
-/// What hides all of the tissue, by place.
-Covers fullCovers(Rgb (*colour)(double place)) {
+/// By place; cover: of one, 0 to 1.
+template <class CoverOf>
+Covers coversBy(const CoverOf& cover) {
   Covers covers;
   for (int level = 0; level < levels; ++level)
-    covers[at(level)] = coverOf(colour(static_cast<double>(level) / (levels - 1)), 1);
+    covers[at(level)] = cover(static_cast<double>(level) / (levels - 1));
   return covers;
-}
-
-const Covers& viridisCovers() {
-  static const Covers made = fullCovers(viridis);
-  return made;
-}
-
-const Covers& pressureCovers() {
-  static const Covers made = fullCovers([](double place) { return pressureColour(2 * place - 1); });
-  return made;
 }
 
 std::uint32_t packed(const std::array<float, 4>& tissue, const Cover& cover) {
@@ -182,7 +161,8 @@ void SurfaceShape::colourTissue() {
 
 void SurfaceShape::colourDisplacements(double full) {
   const float scale = full > 0 ? static_cast<float>(1 / full) : 0;
-  const Covers& covers = displacementCovers();
+  static const Covers covers = coversBy(
+      [](double place) { return coverOf(displacementHue(place), displacementCover(place)); });
   for (std::size_t v = 0; v < size(); ++v)
     colours_[v] = packed(tissue_[v], covers[levelAt(lengths_[v] * scale)]);
 }
@@ -191,7 +171,8 @@ void SurfaceShape::colourPlaces(std::span<const float> places) {
   PALPATE_ASSERT(places.size() == given_, "every vertex has its place among the colours");
   std::ranges::copy(places, places_.begin());
   round(places_);
-  cover(viridisCovers(), places_, tissue_, colours_);
+  static const Covers covers = coversBy([](double place) { return coverOf(viridis(place), 1); });
+  cover(covers, places_, tissue_, colours_);
 }
 
 void SurfaceShape::colourPressures(std::span<const float> pressures, double full) {
@@ -199,7 +180,9 @@ void SurfaceShape::colourPressures(std::span<const float> pressures, double full
   const auto scale = static_cast<float>(0.5 / full);
   std::ranges::transform(pressures, places_.begin(), [=](float p) { return 0.5F + scale * p; });
   round(places_);
-  cover(pressureCovers(), places_, tissue_, colours_);
+  static const Covers covers =
+      coversBy([](double place) { return coverOf(pressureColour(2 * place - 1), 1); });
+  cover(covers, places_, tissue_, colours_);
 }
 
 void SurfaceShape::setNormals() {
