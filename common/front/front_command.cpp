@@ -41,7 +41,7 @@ Usage: palpate VERB [ARGUMENTS]        palpate VERB --help tells all of a verb
 From a mesh to forces
   mesh     Make a mesh: of a closed surface (.stl, .obj, .ply, .off), or of a mesh of another format
   new      Write a scene around a mesh, commented, to begin with
-  check    Validate a scene; print sizes, mesh quality, doubts and what a build will cost
+  check    Validate a scene; print sizes, mesh quality, warnings and what a build will cost
   build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
   query    Force, stiffness and error bound at any displacement, from a dataset
   view     Feel and see it: the haptic client, with a virtual hand when there is no device

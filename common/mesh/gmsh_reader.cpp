@@ -13,7 +13,7 @@
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
-#include "common/mesh/surface_cuts.hpp"
+#include "common/mesh/self_intersections.hpp"
 
 namespace palpate {
 namespace {

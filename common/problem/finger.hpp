@@ -13,8 +13,8 @@ namespace palpate {
 /// Beyond, the few free nodes at its rim would carry all of it.
 inline constexpr double least_free_share = 0.5;
 
-/// Of the pieces that a surface is looked at in, and of placesOnSurface that stations of an area
-/// are chosen from, in radii of the finger.
+/// Of the pieces that a surface is looked at in, and of placesOnSurface that collocation points of
+/// an area are chosen from, in radii of the finger.
 inline constexpr double place_distance = 0.1;
 
 /// The weights of a finger on this body. Error (bad input), which begins with `what` ("active

@@ -32,7 +32,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
                                      const NodeSet& fixed, double radius, double distance);
 
 /// Places of the surface around sites of a finger of `radius`, a place_distance of it apart: what
-/// stations of an area are chosen from (viewer/fields/area_field.hpp). Metres.
+/// collocation points of an area are chosen from (viewer/fields/area_field.hpp). Metres.
 std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
                                           const std::vector<Eigen::Vector3d>& sites, double radius);
 

@@ -45,7 +45,7 @@ void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::stri
   proveAsClient(socket, own, keys.serverAt(endpoint));
 }
 
-Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys)
+ZapHandler::ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys)
     : questions_(context, zmq::socket_type::rep),
       admission_(keys),
       wake_up_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -64,7 +64,7 @@ Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const Key
   });
 }
 
-Gatekeeper::~Gatekeeper() {
+ZapHandler::~ZapHandler() {
   thread_.request_stop();
   eventfd_write(wake_up_.get(), 1);  // should it fail, the thread looks within a second
   thread_.join();
@@ -72,7 +72,7 @@ Gatekeeper::~Gatekeeper() {
   zmq_unbind(questions_.handle(), zap_endpoint);
 }
 
-void Gatekeeper::answer() {
+void ZapHandler::answer() {
   // version, request, domain, address, identity, mechanism, credentials
   const std::vector<std::string> request = receiveFrames(questions_);
   if (request.empty()) return;
@@ -83,7 +83,7 @@ void Gatekeeper::answer() {
                           admitted ? "" : "not let in", admitted ? key->hex() : "", ""});
 }
 
-Roles Gatekeeper::rolesOf(const std::optional<PublicKey>& sender) {
+Roles ZapHandler::rolesOf(const std::optional<PublicKey>& sender) {
   return sender ? admission_.rolesOf(*sender) : Roles::none;
 }
 

@@ -22,14 +22,14 @@ void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::stri
 /// Of a server that will be bound: only clients that know its key, and that it lets in, get
 /// through; their messages carry their keys (senderOf). A thread of its own answers whether a
 /// client that connects is let in. One per context; to go after the socket.
-class Gatekeeper {
+class ZapHandler {
  public:
   /// For `socket` of `context`, which is not bound yet. Makes the own key when there is none. Error
   /// (bad input) when the keys cannot be read.
-  Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
-  ~Gatekeeper();
-  Gatekeeper(const Gatekeeper&) = delete;
-  Gatekeeper& operator=(const Gatekeeper&) = delete;
+  ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
+  ~ZapHandler();
+  ZapHandler(const ZapHandler&) = delete;
+  ZapHandler& operator=(const ZapHandler&) = delete;
 
   /// What the sender of a message may do now; nothing when its key was withdrawn since it
   /// connected. For the thread of the socket.

@@ -80,7 +80,7 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
                                const std::shared_ptr<const std::string>& payload,
                                const std::shared_ptr<const void>& until_sent = nullptr);
 
-/// The key under which a frame came through a Gatekeeper (curve.hpp); nothing where there is none.
+/// The key under which a frame came through a ZapHandler (curve.hpp); nothing where there is none.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// Whether this program knows all that the message says, but for what another version of it says of

@@ -39,7 +39,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
   if (worker == nullptr) {
     if (message.body_case() == wire::Message::BODY_NOT_SET)
       return workers_.badMessage(peer, "it cannot be read");
-    // An empty incarnation is never the one a worker knows, so it says hello, and then resends what
+    // An empty epoch is never the one a worker knows, so it says hello, and then resends what
     // was not acknowledged.
     state_.send(peer).mutable_heartbeat_reply();
     return;

@@ -44,7 +44,7 @@ Server::Server(zmq::context_t& context, const Problem& problem, const std::strin
       connections_(context, socket_,
                    {.message_bytes = std::max(fieldsBytes(problem), bundle_bytes) + header_bytes +
                                      beyond_messages}) {
-  if (keys) gatekeeper_.emplace(context, socket_, *keys);
+  if (keys) zap_handler_.emplace(context, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
 }
 
@@ -68,9 +68,9 @@ std::optional<Incoming> Server::receive() {
 }
 
 std::string Server::refusalOf(const Incoming& incoming) {
-  if (!gatekeeper_) return "";
+  if (!zap_handler_) return "";
   const auto wanted = roleFor(incoming.message);
-  const Roles roles = gatekeeper_->rolesOf(incoming.key);
+  const Roles roles = zap_handler_->rolesOf(incoming.key);
   if (roles == Roles::none) return "its key is not let in any more";
   if (!wanted || include(roles, *wanted)) return "";
   return fmt::format(

@@ -33,7 +33,7 @@ class Server : private Transport {
   std::shared_ptr<const void> countedFor(const std::string& peer);
 
   /// Nothing: everybody may say everything. Before the socket: it goes after it.
-  std::optional<Gatekeeper> gatekeeper_;
+  std::optional<ZapHandler> zap_handler_;
   zmq::socket_t socket_;
   Inbox inbox_;
   Connections connections_;

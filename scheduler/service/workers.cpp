@@ -28,7 +28,7 @@ Workers::Workers(ServiceState& state)
       leases(static_cast<std::uint64_t>(++state.counters["runs"]) << 32),
       allotment(state.settings.allotment),
       state_(state),
-      incarnation_(randomBytes(16)),
+      epoch_(randomBytes(16)),
       losses_(state.tables.losses()) {
   // They may come back any moment.
   for (const auto& [key, host] : state.store.machines()) heard.add(key, host);
@@ -67,7 +67,7 @@ bool Workers::hello(const Incoming& incoming) {
   heard.add(worker.provenance.key(), worker.provenance.host());
 
   wire::Welcome& welcome = *state_.send(peer).mutable_welcome();
-  welcome.set_incarnation(incarnation_);
+  welcome.set_epoch(epoch_);
   welcome.set_build(std::string(state_.store.build().bytes()));
   welcome.set_heartbeat_ms(static_cast<std::uint32_t>(state_.settings.heartbeat.count()));
   if (state_.everybodyIsToLeave()) state_.drain(peer);
@@ -96,7 +96,7 @@ void Workers::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat) {
     worker.idle_since = state_.now;
     silence_due_ = std::min(silence_due_, state_.now + state_.settings.idle_with_leases);
   }
-  state_.send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+  state_.send(worker.peer).mutable_heartbeat_reply()->set_epoch(epoch_);
   if (state_.everybodyIsToLeave()) state_.drain(worker.peer);
 }
 
@@ -216,7 +216,7 @@ void Workers::probeSilent() {
     if (state_.now - worker.heard < patience || !at_work) continue;
     if (worker.probed && state_.now - *worker.probed < state_.settings.heartbeat) continue;
     worker.probed = state_.now;
-    state_.send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+    state_.send(worker.peer).mutable_heartbeat_reply()->set_epoch(epoch_);
   }
 }
 

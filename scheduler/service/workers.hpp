@@ -73,7 +73,7 @@ class Workers {
   void blame(const Leases::Suspects& suspects);
 
   ServiceState& state_;
-  std::string incarnation_;                              ///< 16 random bytes
+  std::string epoch_;                                    ///< 16 random bytes
   std::map<Tables::NumberedTransition, Losses> losses_;  ///< of earlier runs
   /// Of workers that went without a word and did not come back, the latest last: their processes
   /// may prove to have ended.

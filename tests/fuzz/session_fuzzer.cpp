@@ -31,7 +31,7 @@ class FuzzedWorker {
         break;
       }
       case hears_welcome:
-        message.mutable_welcome()->set_incarnation(choices.oneOf(2) == 0 ? "first" : "second");
+        message.mutable_welcome()->set_epoch(choices.oneOf(2) == 0 ? "first" : "second");
         message.mutable_welcome()->set_build(std::string(known().id.bytes()));
         hear(message);
         break;

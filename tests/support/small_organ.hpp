@@ -37,9 +37,9 @@ inline CarriedOrgan smallOrgan(bool finger, double deep = 0.02, const PushedPart
   touch.name = "all";
   if (finger) {
     touch.finger_radius = radius;
-    touch.stations = {{0.02, 0, 0.02}, {0.03, 0.03, 0.03}};
-    for (const Eigen::Vector3d& station : touch.stations)
-      organ.spaces.push_back(springs(Finger{station, radius, reach}, deep));
+    touch.collocation_points = {{0.02, 0, 0.02}, {0.03, 0.03, 0.03}};
+    for (const Eigen::Vector3d& collocation_point : touch.collocation_points)
+      organ.spaces.push_back(springs(Finger{collocation_point, radius, reach}, deep));
     touch.spaces = {0, 1};
   } else {
     touch.rest = organ.vertices[3];

@@ -45,7 +45,7 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
   const std::vector<Eigen::Vector3d> centers = centersOf(sites);
   const double radius = first_.patch.finger->radius;
   area_ = std::make_unique<AreaField>(
-      sites, AreaField::stationsOf(sites, placesAround(dataset.mesh(), centers, radius)));
+      sites, AreaField::collocationPointsOf(sites, placesAround(dataset.mesh(), centers, radius)));
   places_.emplace(dataset.mesh(), dataset.fixedNodes(), centers, radius);
 }
 

@@ -26,7 +26,7 @@ DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, do
       socket_(makeDeviceRouter(context_)) {
   if (!(rate >= 1) || !(rate <= 1e5))
     throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", rate);
-  if (keys) gatekeeper_.emplace(context_, socket_, *keys);
+  if (keys) zap_handler_.emplace(context_, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
   thread_ = std::jthread([this, rate](const std::stop_token& stop) { run(stop, rate); });
 }
@@ -79,7 +79,7 @@ void DeviceServer::turn() {
 void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
   const wire::DeviceMessage& message = incoming.message;
   const bool of_holder = !holder_.empty() && incoming.peer == holder_;
-  if (gatekeeper_ && !include(gatekeeper_->rolesOf(incoming.key), Roles::system_operator)) {
+  if (zap_handler_ && !include(zap_handler_->rolesOf(incoming.key), Roles::system_operator)) {
     if (of_holder) release();
     return refuse(
         incoming.peer,

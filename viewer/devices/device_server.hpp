@@ -66,7 +66,7 @@ class DeviceServer {
   HapticDevice& device_;
   const DeviceProfile profile_;
   zmq::context_t context_;
-  std::optional<Gatekeeper> gatekeeper_;  ///< before the socket: it goes after it
+  std::optional<ZapHandler> zap_handler_;  ///< before the socket: it goes after it
   zmq::socket_t socket_;
   std::string endpoint_;
 

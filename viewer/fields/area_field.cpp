@@ -18,24 +18,27 @@
 namespace palpate {
 namespace {
 
-/// A station is at most this many radii of the finger from any place, sites as site_distance says.
-constexpr double station_distance = 0.3;
-/// Of a station and a site, in the distances that such points may be from places: at the farthest
-/// place two or three still share. Less makes blends steeper, and drives worse.
+/// A collocation point is at most this many radii of the finger from any place, sites as
+/// site_distance says.
+constexpr double collocation_distance = 0.3;
+/// Of a collocation point and a site, in the distances that such points may be from places: at the
+/// farthest place two or three still share. Less makes blends steeper, and drives worse.
 constexpr double reach_in_distances = 1.4;
-/// What a station is interpolated from, and a site from the others.
-constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
+/// What a collocation point is interpolated from, and a site from the others.
+constexpr std::size_t sites_of_collocation_point = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
 constexpr double kernel_width = 1.5;
 /// The bound of an area: of that in p at each site; of the force, what a site lacks when the others
 /// around stand in for it, times the root of the power of the place (HermiteWeights) over that of
 /// the site without itself, between 1, for what is not smooth, and their ratio, for what is; the
-/// power of the place; and what stations leave out. docs/thresholds.md says how they were chosen.
+/// power of the place; and what collocation points leave out. docs/thresholds.md says how they were
+/// chosen.
 constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
                  share_of_force = 0.003;
 /// Of the largest force of a site: below it nothing is taken as a share of a force.
 constexpr float weakest_share = 0.01f;
-/// To make a site takes about as long as to interpolate to so many stations, or to judge as many.
+/// To make a site takes about as long as to interpolate to so many collocation points, or to judge
+/// as many.
 constexpr std::size_t work_of_site = 16;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
@@ -82,8 +85,8 @@ class Interpolation {
   template <int quantities = place_quantities>
   Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
       const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) {
-    std::array<LeafPlace, sites_of_station> places;
-    std::bitset<sites_of_station> solved;
+    std::array<LeafPlace, sites_of_collocation_point> places;
+    std::bitset<sites_of_collocation_point> solved;
     for (std::size_t n = 0; n < from.size(); ++n) {
       places[n] = made[from[n]]->placeOf(point);
       solved[n] = made[from[n]]->isSolvedAt(places[n]);
@@ -100,12 +103,12 @@ class Interpolation {
   }
 
   /// HermiteWeights::power where all of them are solved.
-  double power() { return weightsFor(std::bitset<sites_of_station>().set()).power; }
+  double power() { return weightsFor(std::bitset<sites_of_collocation_point>().set()).power; }
 
   const std::vector<std::size_t> from;
 
  private:
-  const HermiteWeights& weightsFor(const std::bitset<sites_of_station>& solved) {
+  const HermiteWeights& weightsFor(const std::bitset<sites_of_collocation_point>& solved) {
     const auto [known, is_new] = weights_.try_emplace(solved.to_ulong());
     if (is_new) {
       std::vector<bool> of_sites;
@@ -187,13 +190,14 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
   return centers;
 }
 
-AreaField::AreaField(std::vector<const SpaceTable*> sites, Stations stations)
+AreaField::AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points)
     : spaces_(std::move(sites)),
       radius_(spaces_.at(0)->lattice.radius()),
       finger_(spaces_.front()->patch.finger.value().radius),
       sites_(centersOf(spaces_), reach_in_distances * site_distance * finger_),
-      stations_(std::move(stations.places), reach_in_distances * station_distance * finger_),
-      at_stations_(stationCount()),
+      collocation_points_(std::move(collocation_points.places),
+                          reach_in_distances * collocation_distance * finger_),
+      at_collocation_points_(collocationPointCount()),
       judgements_(siteCount()),
       made_(siteCount()) {
   const auto isTooFine = [](const LatticeCell& cell) { return at(cell.level) >= most_levels; };
@@ -212,30 +216,30 @@ AreaField::AreaField(std::vector<const SpaceTable*> sites, Stations stations)
 AreaField::AreaField(const std::vector<const SpaceTable*>& sites,
                      const std::vector<Eigen::Vector3d>& surface,
                      const std::function<void(double)>& progress)
-    : AreaField(sites, stationsOf(sites, surface)) {
+    : AreaField(sites, collocationPointsOf(sites, surface)) {
   prepareAll(progress);
 }
 
 /// Of the surface near sites, spread evenly.
-AreaField::Stations AreaField::stationsOf(const std::vector<const SpaceTable*>& sites,
-                                          const std::vector<Eigen::Vector3d>& surface) {
+AreaField::CollocationPoints AreaField::collocationPointsOf(
+    const std::vector<const SpaceTable*>& sites, const std::vector<Eigen::Vector3d>& surface) {
   const double finger = sites.at(0)->patch.finger.value().radius;
   std::vector<Eigen::Vector3d> places = centersOf(sites);
   const NearPoints centers(places, answered_distance * finger);
   for (const Eigen::Vector3d& place : surface)
     if (centers.isReached(place)) places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
-  const std::vector<double> distances(places.size(), station_distance * finger);
+  const std::vector<double> distances(places.size(), collocation_distance * finger);
   return {farthestPoints(places, distances, any)};
 }
 
 void AreaField::prepareAll(const std::function<void(double)>& progress) {
   std::atomic<std::size_t> work_done = 0;
-  const std::size_t work = (work_of_site + 1) * siteCount() + stationCount();
-  std::vector<std::size_t> stations(stationCount()), judged(siteCount());
-  std::iota(stations.begin(), stations.end(), 0);
+  const std::size_t work = (work_of_site + 1) * siteCount() + collocationPointCount();
+  std::vector<std::size_t> collocation_points(collocationPointCount()), judged(siteCount());
+  std::iota(collocation_points.begin(), collocation_points.end(), 0);
   std::iota(judged.begin(), judged.end(), 0);
-  prepare(stations, judged, [&](std::size_t more) {
+  prepare(collocation_points, judged, [&](std::size_t more) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
   });
@@ -246,22 +250,22 @@ void AreaField::prepareAll(const std::function<void(double)>& progress) {
 }
 
 void AreaField::prepareAt(const Eigen::Vector3d& s) {
-  prepare(stationsAt(s), sitesAt(s), [](std::size_t) {});
+  prepare(collocationPointsAt(s), sitesAt(s), [](std::size_t) {});
 }
 
-void AreaField::prepare(const std::vector<std::size_t>& stations,
+void AreaField::prepare(const std::vector<std::size_t>& collocation_points,
                         const std::vector<std::size_t>& judged,
                         const std::function<void(std::size_t)>& did) {
-  std::vector<std::size_t> new_stations, new_judged;
+  std::vector<std::size_t> new_collocation_points, new_judged;
   std::set<std::size_t> sites;
   const auto need = [&](const std::vector<std::size_t>& needed) {
     for (const std::size_t site : needed)
       if (!made_[site]) sites.insert(site);
   };
-  for (const std::size_t station : stations) {
-    if (isInterpolated(station)) continue;
-    new_stations.push_back(station);
-    need(sitesOfStation(station));
+  for (const std::size_t collocation_point : collocation_points) {
+    if (isInterpolated(collocation_point)) continue;
+    new_collocation_points.push_back(collocation_point);
+    need(sitesOfCollocationPoint(collocation_point));
   }
   for (const std::size_t site : judged) {
     if (isJudged(site)) continue;
@@ -269,7 +273,7 @@ void AreaField::prepare(const std::vector<std::size_t>& stations,
     need({site});
     need(sitesOfJudgement(site));
   }
-  if (new_stations.empty() && new_judged.empty()) return;
+  if (new_collocation_points.empty() && new_judged.empty()) return;
   const std::vector<std::size_t> new_sites(sites.begin(), sites.end());
   const std::size_t n_parts = coreCount();
   while (fits_.size() < n_parts) fits_.emplace_back(spaces_.front()->lattice.unit());
@@ -280,9 +284,10 @@ void AreaField::prepare(const std::vector<std::size_t>& stations,
     }
   });
   made_count_ += new_sites.size();
-  for (const std::size_t station : new_stations) beginStation(station);
-  inParallel(new_stations.size(), [&](std::size_t n) {
-    interpolateTo(new_stations[n]);
+  for (const std::size_t collocation_point : new_collocation_points)
+    beginCollocationPoint(collocation_point);
+  inParallel(new_collocation_points.size(), [&](std::size_t n) {
+    interpolateTo(new_collocation_points[n]);
     did(1);
   });
   for (const std::size_t site : new_judged) beginJudgement(site);
@@ -303,11 +308,11 @@ bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
 }
 
 bool AreaField::prepareNext(const Eigen::Vector3d& s) {
-  for (const std::size_t station : stationsAt(s)) {
-    if (isInterpolated(station)) continue;
-    if (makeOneOf(sitesOfStation(station))) return true;
-    beginStation(station);
-    interpolateTo(station);
+  for (const std::size_t collocation_point : collocationPointsAt(s)) {
+    if (isInterpolated(collocation_point)) continue;
+    if (makeOneOf(sitesOfCollocationPoint(collocation_point))) return true;
+    beginCollocationPoint(collocation_point);
+    interpolateTo(collocation_point);
     return true;
   }
   for (const std::size_t site : sitesAt(s)) {
@@ -342,8 +347,8 @@ std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeC
   return known->second;
 }
 
-std::vector<std::size_t> AreaField::stationsAt(const Eigen::Vector3d& s) const {
-  return withinReach(stations_, s);
+std::vector<std::size_t> AreaField::collocationPointsAt(const Eigen::Vector3d& s) const {
+  return withinReach(collocation_points_, s);
 }
 
 std::vector<std::size_t> AreaField::sitesAt(const Eigen::Vector3d& s) const {
@@ -352,38 +357,40 @@ std::vector<std::size_t> AreaField::sitesAt(const Eigen::Vector3d& s) const {
 
 bool AreaField::isPreparedAt(const Eigen::Vector3d& s) const noexcept {
   bool is_prepared = true;
-  eachWithin(stations_, s, [&](std::size_t n) { is_prepared = is_prepared && isInterpolated(n); });
+  eachWithin(collocation_points_, s,
+             [&](std::size_t n) { is_prepared = is_prepared && isInterpolated(n); });
   eachWithin(sites_, s, [&](std::size_t n) { is_prepared = is_prepared && isJudged(n); });
   return is_prepared;
 }
 
-std::vector<std::size_t> AreaField::sitesOfStation(std::size_t station) const {
-  return nearestOf(sites_.points(), stations_.points()[station], sites_of_station, siteCount());
+std::vector<std::size_t> AreaField::sitesOfCollocationPoint(std::size_t collocation_point) const {
+  return nearestOf(sites_.points(), collocation_points_.points()[collocation_point],
+                   sites_of_collocation_point, siteCount());
 }
 
 std::vector<std::size_t> AreaField::sitesOfJudgement(std::size_t site) const {
   return nearestOf(sites_.points(), sites_.points()[site], sites_of_judgement, site);
 }
 
-void AreaField::beginStation(std::size_t station) {
+void AreaField::beginCollocationPoint(std::size_t collocation_point) {
   std::set<LatticeCell> cells;
-  for (const std::size_t site : sitesOfStation(station))
+  for (const std::size_t site : sitesOfCollocationPoint(collocation_point))
     cells.insert(spaces_[site]->splits.begin(), spaces_[site]->splits.end());
   std::vector<LatticeCell> splits(cells.begin(), cells.end());
   std::ranges::sort(splits, coarserFirst);
-  at_stations_[station].tree = treeOf(*spaces_.front(), splits);
+  at_collocation_points_[collocation_point].tree = treeOf(*spaces_.front(), splits);
 }
 
-void AreaField::interpolateTo(std::size_t station) {
-  PALPATE_ASSERT(std::ranges::all_of(sitesOfStation(station),
+void AreaField::interpolateTo(std::size_t collocation_point) {
+  PALPATE_ASSERT(std::ranges::all_of(sitesOfCollocationPoint(collocation_point),
                                      [&](std::size_t site) { return made_[site].has_value(); }),
-                 "a station's sites are made before it");
-  const CellTree& tree = trees_[at_stations_[station].tree];
-  std::vector<SiteJet>& jets = at_stations_[station].jets;
+                 "a collocation point's sites are made before it");
+  const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
+  std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
   jets.resize(tree.slots().size());
-  Interpolation interpolation(sites_.points(), stations_.points()[station], sites_of_station,
-                              siteCount(), kernel_width * finger_);
-  at_stations_[station].power = interpolation.power();
+  Interpolation interpolation(sites_.points(), collocation_points_.points()[collocation_point],
+                              sites_of_collocation_point, siteCount(), kernel_width * finger_);
+  at_collocation_points_[collocation_point].power = interpolation.power();
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
     if (tree.slots()[slot].kind != SlotKind::hanging)
       jets[slot] = interpolation.at(made_, tree.slots()[slot].point);
@@ -437,8 +444,8 @@ void AreaField::judge(std::size_t site) {
       doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
 }
 
-struct AreaField::NearStation {
-  const Station* station;
+struct AreaField::NearCollocationPoint {
+  const CollocationPoint* collocation_point;
   Eigen::Vector3d offset;  ///< m, of the place from it
   double weight;
   Eigen::Vector3d weight_slope;  ///< 1/m
@@ -449,22 +456,22 @@ struct AreaField::NearStation {
   std::array<const SiteJet*, 8> jets() const noexcept {
     const LeafCorners& slots = tree->corners(place.leaf);
     std::array<const SiteJet*, 8> found;
-    for (std::size_t c = 0; c < 8; ++c) found[c] = &station->jets[at(slots[c])];
+    for (std::size_t c = 0; c < 8; ++c) found[c] = &collocation_point->jets[at(slots[c])];
     return found;
   }
 };
 
 template <class Visit>
-void AreaField::eachStation(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
-                            Visit visit) const noexcept {
-  NearStation near{};
-  for (const std::int32_t number : stations_.near(s)) {
-    near.offset = s - stations_.points()[at(number)];
-    const double x = near.offset.norm() / stations_.reach();
+void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                                     Visit visit) const noexcept {
+  NearCollocationPoint near{};
+  for (const std::int32_t number : collocation_points_.near(s)) {
+    near.offset = s - collocation_points_.points()[at(number)];
+    const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
-    near.station = &at_stations_[at(number)];
+    near.collocation_point = &at_collocation_points_[at(number)];
     // Neighbours often share a tree.
-    const CellTree* const tree = &trees_[near.station->tree];
+    const CellTree* const tree = &trees_[near.collocation_point->tree];
     near.is_new_tree = near.tree != tree;
     if (near.is_new_tree) {
       near.tree = tree;
@@ -473,7 +480,8 @@ void AreaField::eachStation(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     }
     const Wendland w(x);
     near.weight = w.value;
-    near.weight_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * near.offset;
+    near.weight_slope =
+        w.slope_over_x / (collocation_points_.reach() * collocation_points_.reach()) * near.offset;
     visit(near);
   }
 }
@@ -551,7 +559,7 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   LevelSum* level = nullptr;
   double spacing = 0, whole = 0, power = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
-  eachStation(s, p, [&](const NearStation& near) {
+  eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
     if (near.is_new_tree) {
       spacing = near.tree->spacing();  // of all the same
       level = &levels[at(near.tree->leaves()[at(near.place.leaf)].level)];
@@ -562,7 +570,7 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
     const JetSums::Quantities values =
         level->sums.add(near.jets(), static_cast<float>(near.weight) * factors);
     whole += near.weight;
-    power += near.weight * near.station->power;
+    power += near.weight * near.collocation_point->power;
     whole_slope += near.weight_slope;
     slope += static_cast<double>(factors.dot(values)) * near.weight_slope +
              near.weight * slopeAt(offset, values).cast<double>();
@@ -586,7 +594,7 @@ Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vec
   JetSums sums;
   double whole = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
-  eachStation(s, p, [&](const NearStation& near) {
+  eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
     if (near.is_new_tree)
       sums.begin(slopeBasis(near.tree->edge(near.place.leaf), near.tree->spacing(),
                             near.place.local, direction));

@@ -34,11 +34,13 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// alone to the second; of the third order what counts, see LocalFits::judge).
 /// - In p the ten quantities of a site are interpolated on its lattice, which may be refined
 ///   (site_jets.hpp).
-/// - From the sites they are interpolated to *stations*, places closer together, by a kernel that
+/// - From the sites they are interpolated to *collocation points*, places closer together, by a
+/// kernel that
 ///   meets values, gradients and curvatures at the seven nearest sites (hermite_kernel.hpp). This
 ///   is what makes few sites enough: its error goes with about the fifth power of their distance.
-///   A station's lattice is refined where that of one of them is.
-/// - Around a station E is its expansion Q to the second order in s - station, and expansions are
+///   A collocation point's lattice is refined where that of one of them is.
+/// - Around a collocation point E is its expansion Q to the second order in s - collocation point,
+/// and expansions are
 ///   blended by a partition of unity (Shepard 1968)
 ///
 ///     E(s, p) = sum of w(|d| / reach) Q(d, p) / sum of w,    w(x) = (1 - x)^4 (4 x + 1)
@@ -57,21 +59,21 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 class AreaField {
  public:
   /// Metres.
-  struct Stations {
+  struct CollocationPoints {
     std::vector<Eigen::Vector3d> places;
   };
   /// Nothing is prepared yet. `sites` are spaces of fingers of one radius, of one build, and
-  /// outlive what is prepared of them; `stations` those of the whole area, at least one. Error when
-  /// a site has cells that are halved more often than a build does.
-  AreaField(std::vector<const SpaceTable*> sites, Stations stations);
-  /// All is prepared, with `progress` (prepareAll). `surface`: as for stationsOf.
+  /// outlive what is prepared of them; `collocation points` those of the whole area, at least one.
+  /// Error when a site has cells that are halved more often than a build does.
+  AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
+  /// All is prepared, with `progress` (prepareAll). `surface`: as for collocationPointsOf.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
             const std::function<void(double)>& progress = {});
-  /// The stations of an area. `surface`: places of the body's surface around the sites, close
-  /// together against the radius (placesAround of common/problem/sites.hpp). Quick.
-  static Stations stationsOf(const std::vector<const SpaceTable*>& sites,
-                             const std::vector<Eigen::Vector3d>& surface);
+  /// The collocation points of an area. `surface`: places of the body's surface around the sites,
+  /// close together against the radius (placesAround of common/problem/sites.hpp). Quick.
+  static CollocationPoints collocationPointsOf(const std::vector<const SpaceTable*>& sites,
+                                               const std::vector<Eigen::Vector3d>& surface);
 
   /// Side by side on all cores, any of which calls `progress` with the share of the work that is
   /// done, up to 1; what it throws ends the making. Error when a site has no solved point. The
@@ -95,15 +97,15 @@ class AreaField {
 
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t madeSites() const { return made_count_; }
-  std::size_t stationCount() const { return stations_.points().size(); }
+  std::size_t collocationPointCount() const { return collocation_points_.points().size(); }
   double siteReach() const { return sites_.reach(); }  ///< m: farther away a site says nothing
   /// The numbers of those that say something at a place, metres.
   std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
   const Eigen::Vector3d& siteCenter(std::size_t site) const { return sites_.points()[site]; }
 
  private:
-  /// The lattice of a station, and what is interpolated to it.
-  struct Station {
+  /// The lattice of a collocation point, and what is interpolated to it.
+  struct CollocationPoint {
     std::size_t tree = 0;
     std::vector<SiteJet> jets;  ///< per slot of the tree
     double power = 0;           ///< HermiteWeights::power
@@ -126,35 +128,39 @@ class AreaField {
     /// By the place: m/m and N/m per m.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
   };
-  /// A station within reach of a place, and what is known of a displacement there.
-  struct NearStation;
-  /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
+  /// A collocation point within reach of a place, and what is known of a displacement there.
+  struct NearCollocationPoint;
+  /// Sums over the collocation points whose leaves around a displacement are on one level: all are
+  /// the same.
   struct LevelSum;
 
-  std::vector<std::size_t> stationsAt(const Eigen::Vector3d& s) const;
-  // What stations and judgements are made from.
-  std::vector<std::size_t> sitesOfStation(std::size_t station) const;
+  std::vector<std::size_t> collocationPointsAt(const Eigen::Vector3d& s) const;
+  // What collocation points and judgements are made from.
+  std::vector<std::size_t> sitesOfCollocationPoint(std::size_t collocation_point) const;
   std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
-  bool isInterpolated(std::size_t station) const { return !at_stations_[station].jets.empty(); }
+  bool isInterpolated(std::size_t collocation_point) const {
+    return !at_collocation_points_[collocation_point].jets.empty();
+  }
   bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
   bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
 
-  /// Those of these stations and sites that are lacking, with the sites that they need. `did` is
-  /// told how much work is done, by any thread.
-  void prepare(const std::vector<std::size_t>& stations, const std::vector<std::size_t>& judged,
-               const std::function<void(std::size_t)>& did);
+  /// Those of these collocation points and sites that are lacking, with the sites that they need.
+  /// `did` is told how much work is done, by any thread.
+  void prepare(const std::vector<std::size_t>& collocation_points,
+               const std::vector<std::size_t>& judged, const std::function<void(std::size_t)>& did);
   bool makeOneOf(const std::vector<std::size_t>& sites);
-  // In two parts: the first changes what all share, the second is of this station or site alone,
-  // whose sites are made.
-  void beginStation(std::size_t station);
-  void interpolateTo(std::size_t station);
+  // In two parts: the first changes what all share, the second is of this collocation point or site
+  // alone, whose sites are made.
+  void beginCollocationPoint(std::size_t collocation_point);
+  void interpolateTo(std::size_t collocation_point);
   void beginJudgement(std::size_t site);
   void judge(std::size_t site);
   /// The number of the tree of a lattice like that of a space, with these cells split.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
-  /// visit(NearStation), in a fixed order; p: in the ball.
+  /// visit(NearCollocationPoint), in a fixed order; p: in the ball.
   template <class Visit>
-  void eachStation(const Eigen::Vector3d& s, const Eigen::Vector3d& p, Visit visit) const noexcept;
+  void eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                            Visit visit) const noexcept;
   /// visit(judgement, weight of the site, by s).
   template <class Visit>
   void eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept;
@@ -174,9 +180,9 @@ class AreaField {
   /// One for each way in which lattices are refined; of their slots only the places count.
   std::vector<CellTree> trees_;
   std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
-  NearPoints sites_, stations_;
-  std::vector<Station> at_stations_;   ///< per station
-  std::vector<Judgement> judgements_;  ///< per site
+  NearPoints sites_, collocation_points_;
+  std::vector<CollocationPoint> at_collocation_points_;  ///< per collocation point
+  std::vector<Judgement> judgements_;                    ///< per site
 
   // While it is prepared.
   std::vector<SiteFits> fits_;                 ///< per thread

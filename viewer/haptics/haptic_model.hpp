@@ -103,7 +103,7 @@ class HapticModel {
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
   std::vector<double> tool_radii_;                    ///< m, [space]
-  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its stations
+  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its collocation points
   std::mutex making_areas_;
   bool areas_made_ = false;
   std::atomic<double> areas_share_ = 0;                  ///< of the work on areas

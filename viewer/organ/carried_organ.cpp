@@ -276,7 +276,7 @@ void carryTouch(Bytes& bytes, Touch& touch) {
   carryNumbers(bytes, touch.spaces);
   carry(bytes, touch.finger_radius);
   carryVector(bytes, touch.rest);
-  carryVectors(bytes, touch.stations);
+  carryVectors(bytes, touch.collocation_points);
 }
 
 template <class Bytes, class Organ>

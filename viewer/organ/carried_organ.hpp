@@ -21,7 +21,8 @@ struct CarriedTouch {
   double finger_radius = 0;  ///< m; 0: no finger
   /// m, of the active node at rest. A finger is at rest wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> stations;  ///< m, of a surface: AreaField::stationsOf
+  std::vector<Eigen::Vector3d>
+      collocation_points;  ///< m, of a surface: AreaField::collocationPointsOf
 };
 
 /// The deformed shapes of all solved points as sums of the same few modes.

@@ -36,9 +36,9 @@ std::string faultOfSurface(const CarriedOrgan& organ) {
 
 std::string faultOfArea(const CarriedTouch& touch, const std::vector<SpaceTable>& spaces) {
   if (!isLength(touch.finger_radius)) return "its finger has no radius";
-  if (touch.stations.empty()) return "it has no stations";
-  for (const Eigen::Vector3d& station : touch.stations)
-    if (!isPlace(station)) return "a station of it is nowhere";
+  if (touch.collocation_points.empty()) return "it has no collocation points";
+  for (const Eigen::Vector3d& collocation_point : touch.collocation_points)
+    if (!isPlace(collocation_point)) return "a collocation point of it is nowhere";
   const Lattice& first = spaces[at(touch.spaces.front())].lattice;
   for (const std::int32_t space : touch.spaces) {
     const auto& finger = spaces[at(space)].patch.finger;

@@ -28,7 +28,7 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
     if (touch.finger_radius == 0) continue;
     std::vector<const SpaceTable*> sites;
     for (const std::int32_t space : touch.spaces) sites.push_back(&organ_.spaces[at(space)]);
-    touched.area.emplace(std::move(sites), AreaField::Stations{touch.stations});
+    touched.area.emplace(std::move(sites), AreaField::CollocationPoints{touch.collocation_points});
   }
 }
 

@@ -212,7 +212,7 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
   AreaMeasures measures;
   measures.name = choice.name;
   measures.sites = spaces.size();
-  measures.stations = area.stationCount();
+  measures.collocation_points = area.collocationPointCount();
   measures.seconds_to_prepare = Seconds(Clock::now() - began).count();
 
   const double radius = spaces.front()->lattice.radius();

@@ -41,7 +41,7 @@ struct AreaProbes {
 /// normal, by forces up to the scene's largest; those of the probes are all that contact reaches.
 struct AreaMeasures {
   std::string name;
-  std::size_t sites = 0, stations = 0;
+  std::size_t sites = 0, collocation_points = 0;
   double seconds_to_prepare = not_measured, nanoseconds = not_measured;  ///< per query
   std::size_t samples = 0;
   Spread bound;  ///< relative, as DepthMeasures::bound

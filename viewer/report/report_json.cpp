@@ -115,7 +115,7 @@ Json areaJson(const AreaMeasures& area) {
                       {"relative_error", toJson(depth.error)}});
   return {{"name", area.name},
           {"sites", area.sites},
-          {"stations", area.stations},
+          {"collocation_points", area.collocation_points},
           {"seconds_to_prepare", area.seconds_to_prepare},
           {"nanoseconds_per_query", area.nanoseconds},
           {"samples", area.samples},

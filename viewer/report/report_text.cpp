@@ -100,7 +100,8 @@ std::string areas(const Report& report) {
                        "{}: a finger anywhere on the surface, {}, {}, prepared in {} s, {} ns per "
                        "query. Errors at exact solutions and error bounds everywhere, as "
                        "shares of the force:",
-                       area.name, counted(area.sites, "site"), counted(area.stations, "station"),
+                       area.name, counted(area.sites, "site"),
+                       counted(area.collocation_points, "collocation point"),
                        formatNumber(area.seconds_to_prepare), formatNumber(area.nanoseconds, 3)));
     text += fmt::format(row, "displacement", "force, N", "exact", "error", "95 %", "bound", "95 %");
     for (const DepthMeasures& depth : area.depths)

@@ -104,9 +104,9 @@ CarriedTouch touchOf(const TouchArea& area, const Dataset& dataset) {
   for (const std::size_t space : area.spaces)
     touch.spaces.push_back(static_cast<std::int32_t>(space));
   const auto sites = chosenOf(dataset.spaces(), area.spaces);
-  touch.stations =
-      AreaField::stationsOf(sites, placesAround(dataset.mesh(), centersOf(sites), area.radius))
-          .places;
+  touch.collocation_points = AreaField::collocationPointsOf(
+                                 sites, placesAround(dataset.mesh(), centersOf(sites), area.radius))
+                                 .places;
   return touch;
 }
 

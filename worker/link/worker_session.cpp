@@ -43,7 +43,7 @@ WorkerSession::WorkerSession(Mailbox& mailbox, SessionOptions options, Send send
 void WorkerSession::connected(Time now) {
   last_connected_ = now;
   last_sent_hello_ = now - hello_interval;
-  incarnation_.clear();
+  epoch_.clear();
 }
 
 void WorkerSession::sayHello(Time now) {
@@ -101,8 +101,8 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
 }
 
 void WorkerSession::handleHeartbeat(const wire::HeartbeatReply& reply, Time now) {
-  // Another incarnation knows nothing of us, of our jobs, nor of results it did not acknowledge.
-  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;
+  // Another epoch knows nothing of us, of our jobs, nor of results it did not acknowledge.
+  if (epoch_.empty() || reply.epoch() == epoch_) return;
   spdlog::info("the scheduler was restarted; introducing this worker again");
   introduceAgain(now);
 }
@@ -114,10 +114,10 @@ void WorkerSession::drain() {
 
 void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   // The answer to a hello that was said twice.
-  if (incarnation_ == welcome.incarnation()) return;
+  if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
   if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
-  incarnation_ = welcome.incarnation();
+  epoch_ = welcome.epoch();
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
@@ -155,7 +155,7 @@ void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
 
 /// The scheduler takes back what a worker holds that says hello again, and hands it out anew.
 void WorkerSession::introduceAgain(Time now) {
-  incarnation_.clear();
+  epoch_.clear();
   forgetWork();
   sayHello(now);
 }
@@ -358,7 +358,7 @@ WorkerSession::Next WorkerSession::advance(Time now) {
                  std::chrono::duration_cast<std::chrono::seconds>(now - last_heard_).count());
     return Next::connect;
   }
-  if (incarnation_.empty()) {
+  if (epoch_.empty()) {
     if (now - last_sent_hello_ >= hello_interval) sayHello(now);
   } else if (now - last_beat_ > heartbeat_) {
     beat(now);

@@ -100,7 +100,7 @@ class WorkerSession {
   const SessionOptions options_;
   const Send send_;
 
-  std::string incarnation_;  ///< of the scheduler; empty before Welcome
+  std::string epoch_;  ///< of the scheduler; empty before Welcome
   ContentId build_;
   std::shared_ptr<const Problem> problem_;
   std::chrono::milliseconds heartbeat_{1000};

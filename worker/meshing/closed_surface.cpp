@@ -17,7 +17,7 @@
 #include "common/base/program.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/node_set.hpp"
-#include "common/mesh/surface_cuts.hpp"
+#include "common/mesh/self_intersections.hpp"
 
 namespace palpate {
 namespace {
@@ -574,7 +574,7 @@ class SurfaceRepair {
   }
 
   void refuseCuts() const {
-    const SurfaceCuts cuts = cutsOf(points_, triangles_);
+    const SelfIntersections cuts = selfIntersectionsOf(points_, triangles_);
     if (cuts.count == 0) return;
     const Triangle& triangle = triangles_[cuts.first[0]];
     throw wrong(

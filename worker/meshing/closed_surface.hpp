@@ -55,7 +55,8 @@ double edgeFor(double volume, double area, double nodes);
 /// Error (bad input), which begins with `source` and tells how many, where the first is and what to
 /// do: no triangles, or far too large coordinates; edges with one triangle (open) or with more than
 /// two; one side only; no volume; several bodies, with their sizes; triangles that cut each other
-/// (surface_cuts.hpp). Error with the exit code of an interrupt when this process is interrupted.
+/// (self_intersections.hpp). Error with the exit code of an interrupt when this process is
+/// interrupted.
 ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies,
                             const Fineness& fineness = {});
 

@@ -2,7 +2,7 @@
 
 #include "worker/elements/element_kernels.hpp"
 #include "worker/solver/body_model.hpp"
-#include "worker/solver/unknowns.hpp"
+#include "worker/solver/dof_map.hpp"
 
 namespace palpate {
 
@@ -14,7 +14,7 @@ struct ElementBatch {
   int displacements, unknowns;  ///< local ones: of the displacement, and with those of the pressure
 
   /// Where the equation of a local unknown of the element in this lane is.
-  Place placeOf(int local_unknown, int lane) const {
+  Dof dofOf(int local_unknown, int lane) const {
     if (local_unknown < displacements)
       return {geometry.node[local_unknown / 3][lane], local_unknown % 3};
     return {geometry.pressure[local_unknown - displacements][lane], pressure_component};

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "worker/solver/scatter.hpp"
+#include "worker/solver/assembler.hpp"
 
 namespace palpate {
 
@@ -84,7 +84,7 @@ class System {
   /// violate the inf-sup condition: the spurious modes have eigenvalues near zero of either sign,
   /// so that the count says nothing.
   std::optional<std::int32_t> expectedNegativePivots() const;
-  const Unknowns& numbers() const { return unknowns_; }  ///< which unknown is where
+  const DofMap& numbers() const { return unknowns_; }  ///< which unknown is where
   const SparsityPattern& pattern() const { return pattern_; }
   const BodyModel& model() const { return model_; }
   const ElementKernels& kernels() const { return kernels_; }
@@ -155,10 +155,10 @@ class System {
   const double shear_modulus_;                       ///< the smallest, Pa
   const std::vector<ElementParameters> parameters_;  ///< per material
   const PressureSlots pressures_;
-  const Unknowns unknowns_;
+  const DofMap unknowns_;
   const ElementBatches batches_;
   const SparsityPattern pattern_;
-  mutable Scatter sums_;  ///< of the assembly that is going on
+  mutable Assembler sums_;  ///< of the assembly that is going on
 
   std::optional<Tool> tool_;
   std::vector<std::int32_t> idle_;  ///< idlePressures of a rigid tool_, those with an unknown

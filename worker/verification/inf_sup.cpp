@@ -18,9 +18,9 @@ namespace {
 /// zero where they are held.
 std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes,
                                         Eigen::Index pressures) {
-  std::vector<Place> place_of(system.unknowns());
-  const auto note = [&](const Place& place) {
-    if (const std::int32_t k = system.numbers().at(place); k >= 0) place_of[k] = place;
+  std::vector<Dof> dof_of(system.unknowns());
+  const auto note = [&](const Dof& place) {
+    if (const std::int32_t k = system.numbers().at(place); k >= 0) dof_of[k] = place;
   };
   for (std::int32_t node = 0; node < nodes; ++node)
     for (int i = 0; i < 3; ++i) note({node, i});
@@ -33,7 +33,7 @@ std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes
   B.fill(Eigen::MatrixXd::Zero(pressures, nodes));
   const SparsityPattern& pattern = system.pattern();
   for (std::size_t entry = 0; entry < pattern.row.size(); ++entry) {
-    Place a = place_of[pattern.row[entry] - 1], b = place_of[pattern.column[entry] - 1];
+    Dof a = dof_of[pattern.row[entry] - 1], b = dof_of[pattern.column[entry] - 1];
     if (b.component == pressure_component) std::swap(a, b);
     if (a.component == pressure_component && b.component != pressure_component)
       B[b.component](a.node, b.node) = tangent.values[entry] / system.pressureScale();

@@ -18,7 +18,7 @@ struct CurveTest : testing::Test {
   test::TemporaryDirectory directory;
   const KeyFolder server_keys{directory / "server"}, client_keys{directory / "client"};
   zmq::context_t context;
-  std::optional<Gatekeeper> gatekeeper;
+  std::optional<ZapHandler> zap_handler;
   zmq::socket_t server = makeRouter(context);
   std::string endpoint;
 
@@ -28,8 +28,8 @@ struct CurveTest : testing::Test {
   }
   void listen(bool with_keys) {
     server = makeRouter(context);
-    gatekeeper.reset();
-    if (with_keys) gatekeeper.emplace(context, server, server_keys);
+    zap_handler.reset();
+    if (with_keys) zap_handler.emplace(context, server, server_keys);
     endpoint = bindRouter(server, "tcp://127.0.0.1:*");
   }
   void TearDown() override { server.close(); }
@@ -76,13 +76,13 @@ TEST_F(CurveTest, MessagesCarryTheKeyOfTheirSender) {
   ASSERT_TRUE(outcome.incoming) << outcome.trouble;
   EXPECT_TRUE(outcome.incoming->message.has_status_request());
   EXPECT_EQ(outcome.incoming->key, client());
-  EXPECT_EQ(gatekeeper->rolesOf(outcome.incoming->key), rolesOf("observer"));
+  EXPECT_EQ(zap_handler->rolesOf(outcome.incoming->key), rolesOf("observer"));
 }
 
 TEST_F(CurveTest, WhoHasTheServersFolderIsLetInWithoutAnyList) {
   const Outcome outcome = say(server_keys);
   ASSERT_TRUE(outcome.incoming) << outcome.trouble;
-  EXPECT_EQ(gatekeeper->rolesOf(outcome.incoming->key), Roles::all);
+  EXPECT_EQ(zap_handler->rolesOf(outcome.incoming->key), Roles::all);
 }
 
 TEST_F(CurveTest, AKeyThatIsNotLetInIsTurnedAwayAndLearnsWhy) {

@@ -268,7 +268,7 @@ Json run(const Options& options) {
   return {{"benchmark", "area_probes"},
           {"scene", problem.scene.name},
           {"sites", sites.size()},
-          {"stations", area.stationCount()},
+          {"collocation_points", area.collocationPointCount()},
           {"preparing_seconds", preparing.count()},
           {"query_us", randomMicroseconds(area, probes)},
           {"sliding_query_us", slidingMicroseconds(area, probes)},

@@ -25,7 +25,7 @@ TEST_F(CoordinatorTest, WelcomesAWorkerAndSendsItTheProblem) {
   const auto welcome = world.take("a", Message::kWelcome);
   ASSERT_EQ(welcome.size(), 1u);
   EXPECT_EQ(welcome[0].welcome().build(), problemId(world.problem).bytes());
-  EXPECT_EQ(welcome[0].welcome().incarnation().size(), 16u);
+  EXPECT_EQ(welcome[0].welcome().epoch().size(), 16u);
   Message ask;
   ask.mutable_problem_request();
   world.send("a", ask);
@@ -181,7 +181,7 @@ TEST_F(CoordinatorTest, AsksAWorkerOfAnEarlierRunToIntroduceItselfAndTakesItsRes
   world.deliver("a", jobs[0]);
   const auto replies = world.take("a", Message::kHeartbeatReply);
   ASSERT_EQ(replies.size(), 1u);
-  EXPECT_EQ(replies[0].heartbeat_reply().incarnation(), "");
+  EXPECT_EQ(replies[0].heartbeat_reply().epoch(), "");
   world.join("a", 1);
   world.deliver("a", jobs[0]);
   world.pass(25ms);

@@ -65,7 +65,7 @@ class AreaFieldTest : public ::testing::Test {
 std::vector<SpaceTable>* AreaFieldTest::spaces = nullptr;
 AreaField* AreaFieldTest::field = nullptr;
 
-// "100 %" once stood for seconds, while stations were interpolated to.
+// "100 %" once stood for seconds, while collocation points were interpolated to.
 TEST_F(AreaFieldTest, TellsHowMuchIsDoneToTheEnd) {
   std::vector<double> shares;
   std::mutex adding;
@@ -75,7 +75,7 @@ TEST_F(AreaFieldTest, TellsHowMuchIsDoneToTheEnd) {
                          shares.push_back(share);
                        });
   std::ranges::sort(shares);
-  EXPECT_EQ(shares.size(), 2 * area.siteCount() + area.stationCount());
+  EXPECT_EQ(shares.size(), 2 * area.siteCount() + area.collocationPointCount());
   EXPECT_GT(shares.front(), 0);
   EXPECT_EQ(shares.back(), 1);
   EXPECT_LT(shares[shares.size() - 2], 1);
@@ -216,7 +216,7 @@ TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
   EXPECT_TRUE(std::isnan(single.evaluate(s, p).error_bound)) << "nothing tells";
 }
 
-/// A station's lattice is finer where that of one of its sites is.
+/// A collocation point's lattice is finer where that of one of its sites is.
 TEST_F(AreaFieldTest, IsOneEnergyOverSitesThatAreRefinedAndOthers) {
   std::vector<SpaceTable> mixed;
   for (const SpaceTable& site : *spaces)

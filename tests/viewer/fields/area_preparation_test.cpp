@@ -19,7 +19,7 @@ struct AreaPreparation : testing::Test {
     surface = placesAround(body.problem.mesh, centersOf(sites),
                            body.spaces.front().patch.finger.value().radius);
   }
-  AreaField area() const { return {sites, AreaField::stationsOf(sites, surface)}; }
+  AreaField area() const { return {sites, AreaField::collocationPointsOf(sites, surface)}; }
 };
 
 TEST_F(AreaPreparation, SaysWhatTheWholeFieldDoesToTheLastBit) {

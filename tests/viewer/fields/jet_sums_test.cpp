@@ -9,8 +9,8 @@ namespace {
 
 struct JetSumsOfALeaf : ::testing::Test {
   JetSumsOfALeaf() {
-    for (auto& station : stations)
-      for (SiteJet& jet : station)
+    for (auto& collocation_point : collocation_points)
+      for (SiteJet& jet : collocation_point)
         jet = SiteJet::NullaryExpr([this] { return static_cast<float>(number()); });
     sums.begin(basis);
   }
@@ -22,39 +22,41 @@ struct JetSumsOfALeaf : ::testing::Test {
   }
 
   std::mt19937 random{11};
-  std::array<std::array<SiteJet, 8>, 3> stations;
+  std::array<std::array<SiteJet, 8>, 3> collocation_points;
   const LeafBasis basis = valueBasis(0.5, 1, {0.3, 0.8, 0.1});
   JetSums sums;
 };
 
 TEST_F(JetSumsOfALeaf, AreThoseOfAllQuantitiesAndStations) {
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(27, 8);
-  for (const auto& station : stations) {
+  for (const auto& collocation_point : collocation_points) {
     const JetSums::Quantities factors =
         JetSums::Quantities::NullaryExpr([this] { return static_cast<float>(number()); });
     for (int c = 0; c < 8; ++c)
-      expected.col(c) += station[at(c)].topRows<27>().cast<double>() * factors.cast<double>();
-    sums.add(corners(station), factors);
+      expected.col(c) +=
+          collocation_point[at(c)].topRows<27>().cast<double>() * factors.cast<double>();
+    sums.add(corners(collocation_point), factors);
   }
   for (int c = 0; c < 8; ++c)
     for (int n = 0; n < 27; ++n) EXPECT_NEAR(sums.sum(at(c), at(n)), expected(n, c), 1e-5);
 }
 
 TEST_F(JetSumsOfALeaf, SayWhatTheQuantitiesAreAtThePlace) {
-  for (const auto& station : stations) {
-    const JetSums::Quantities values = sums.add(corners(station), JetSums::Quantities::Ones());
+  for (const auto& collocation_point : collocation_points) {
+    const JetSums::Quantities values =
+        sums.add(corners(collocation_point), JetSums::Quantities::Ones());
     for (int q = 0; q < place_quantities; ++q) {
       double expected = 0;
       for (int c = 0; c < 8; ++c)
         for (int n = 0; n < 27; ++n)
-          expected += basis[at(c)][at(n)] * static_cast<double>(station[at(c)](n, q));
+          expected += basis[at(c)][at(n)] * static_cast<double>(collocation_point[at(c)](n, q));
       EXPECT_NEAR(values[q], expected, 1e-5);
     }
   }
 }
 
 TEST_F(JetSumsOfALeaf, BeginAnew) {
-  sums.add(corners(stations[0]), JetSums::Quantities::Ones());
+  sums.add(corners(collocation_points[0]), JetSums::Quantities::Ones());
   sums.begin(basis);
   for (std::size_t c = 0; c < 8; ++c)
     for (std::size_t n = 0; n < 27; ++n) EXPECT_EQ(sums.sum(c, n), 0);

@@ -78,7 +78,8 @@ TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
   expectFault([](auto& organ) { organ.touches[0].spaces[0] = std::ssize(organ.spaces); },
               {"touch 0", "space"});
   expectFault([](auto& organ) { organ.touches[0].spaces.clear(); }, {"touch 0", "no space"});
-  expectFault([](auto& organ) { organ.touches[0].stations.clear(); }, {"touch 0", "no stations"});
+  expectFault([](auto& organ) { organ.touches[0].collocation_points.clear(); },
+              {"touch 0", "no collocation points"});
   expectFault(
       [](auto& organ) {
         organ.spaces[1].splits = {{{0, 0, 0}, 40}};
@@ -90,7 +91,8 @@ TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
   expectFault([](auto& organ) { organ.vertices[2].y() = no_number; }, {"vertex 2"});
   expectFault([](auto& organ) { organ.max_force = 0; }, {"largest force"});
   expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"touch 0"});
-  expectFault([](auto& organ) { organ.touches[0].stations[0].z() = 1e300; }, {"station"});
+  expectFault([](auto& organ) { organ.touches[0].collocation_points[0].z() = 1e300; },
+              {"collocation point"});
   expectFault([](auto& organ) { organ.spaces[1].patch.finger->center.x() = no_number; },
               {"finger"});
   expectFault([](auto& organ) { organ.spaces[1].patch.finger->radius *= 2; },

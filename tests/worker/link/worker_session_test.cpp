@@ -52,10 +52,10 @@ struct WorkerSessionTest : testing::Test {
     return static_cast<int>(std::ranges::count_if(
         said, [&](const auto& entry) { return entry.first.body_case() == kind; }));
   }
-  void welcome(const std::string& incarnation) {
-    incarnation_ = incarnation;
+  void welcome(const std::string& epoch) {
+    epoch_ = epoch;
     Message message;
-    message.mutable_welcome()->set_incarnation(incarnation);
+    message.mutable_welcome()->set_epoch(epoch);
     message.mutable_welcome()->set_build(build);
     message.mutable_welcome()->set_heartbeat_ms(1000);
     hear(message);
@@ -117,11 +117,11 @@ struct WorkerSessionTest : testing::Test {
  private:
   void answerHeartbeats() {
     Message message;
-    message.mutable_heartbeat_reply()->set_incarnation(incarnation_);
-    if (!incarnation_.empty()) hear(message);
+    message.mutable_heartbeat_reply()->set_epoch(epoch_);
+    if (!epoch_.empty()) hear(message);
   }
 
-  std::string incarnation_;
+  std::string epoch_;
 };
 
 TEST_F(WorkerSessionTest, SaysHelloUntilItIsWelcome) {

@@ -615,8 +615,8 @@ ${held}`,
 
 function areaContent(area, drawn) {
   const { probes } = drawn;
-  return [html`<h3>${area.name}</h3>`, table(["sites", "stations", "preparing, s", "query, ns",
-    "exact", "error, median", "95 %", "bound, median", "95 %"], row([area.sites, area.stations,
+  return [html`<h3>${area.name}</h3>`, table(["sites", "collocation points", "preparing, s", "query, ns",
+    "exact", "error, median", "95 %", "bound, median", "95 %"], row([area.sites, area.collocation_points,
     number(area.seconds_to_prepare), number(area.nanoseconds_per_query, 3), probes.length,
     ...sharesOf(area.probes.relative_error, "median", "percentile_95"),
     ...sharesOf(area.relative_bound, "median", "percentile_95")])),

@@ -1,4 +1,4 @@
-#include "common/mesh/surface_cuts.hpp"
+#include "common/mesh/self_intersections.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -144,8 +144,8 @@ struct CutsOfOne {
 
 }  // namespace
 
-SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
-                   const std::vector<Triangle>& triangles) {
+SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points,
+                                      const std::vector<Triangle>& triangles) {
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
   std::vector<std::int32_t> numbers(triangles.size());
   std::iota(numbers.begin(), numbers.end(), 0);
@@ -156,7 +156,7 @@ SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
   const Eigen::KdBVH<double, 3, std::int32_t> tree(numbers.begin(), numbers.end(), boxes.begin(),
                                                    boxes.end());
   const PairCheck check(points, triangles);
-  SurfaceCuts cuts;
+  SelfIntersections cuts;
   for (const std::int32_t a : numbers) {
     endWhenInterrupted();
     CutsOfOne query{check, boxes, a};
@@ -185,7 +185,7 @@ void refuseOverlaps(const Mesh& mesh, const std::string& source) {
     if (!is_cut && std::ranges::adjacent_find(triangle) == triangle.end())
       places.insert(places.end(), at(count), triangle);
   }
-  const SurfaceCuts cuts = cutsOf(mesh.nodes, places);
+  const SelfIntersections cuts = selfIntersectionsOf(mesh.nodes, places);
   if (cuts.count == 0) return;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const std::int32_t node : places[cuts.first[0]]) middle += mesh.nodes[node] / 3;

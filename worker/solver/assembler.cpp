@@ -1,4 +1,4 @@
-#include "worker/solver/scatter.hpp"
+#include "worker/solver/assembler.hpp"
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -16,21 +16,21 @@ constexpr std::int32_t tool_off_diagonal = 9;
 
 }  // namespace
 
-SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batches) {
+SparsityPattern patternOf(const DofMap& unknowns, const ElementBatches& batches) {
   std::vector<std::vector<std::int32_t>> columns(unknowns.count());
   for (const ElementBatch& batch : batches.all)
     for (int lane = 0; lane < lanes; ++lane)
       for (int row = 0; row < batch.unknowns; ++row)
         for (int column = row; column < batch.unknowns; ++column) {
-          const std::int32_t a = unknowns.at(batch.placeOf(row, lane));
-          const std::int32_t b = unknowns.at(batch.placeOf(column, lane));
+          const std::int32_t a = unknowns.at(batch.dofOf(row, lane));
+          const std::int32_t b = unknowns.at(batch.dofOf(column, lane));
           if (a >= 0 && b >= 0) columns[std::min(a, b)].push_back(std::max(a, b));
         }
   return patternOf(std::move(columns));
 }
 
-Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
-                 const ElementBatches& batches)
+Assembler::Assembler(const DofMap& unknowns, const SparsityPattern& pattern,
+                     const ElementBatches& batches)
     : unknowns_(unknowns),
       pattern_(pattern),
       batches_(batches),
@@ -48,14 +48,14 @@ Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
   for (std::int32_t batch = 0; at(batch) < batches.all.size(); ++batch) findSlots(batch);
 }
 
-std::int32_t Scatter::rowSlot(const Place& place) const {
+std::int32_t Assembler::rowSlot(const Dof& place) const {
   const std::int32_t unknown = unknowns_.at(place);
   if (unknown < 0) return unknowns_.count() + tool_rows;
   if (!held_[unknown]) return unknown;
   return unknowns_.count() + (place.component == pressure_component ? tool_rows : place.component);
 }
 
-std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) const {
+std::int32_t Assembler::entrySlot(const Dof& place_a, const Dof& place_b) const {
   const auto coupling_begin = static_cast<std::int32_t>(pattern_.row.size());
   const std::int32_t tool_begin = coupling_begin + 3 * unknowns_.count();
   const std::int32_t sink = tool_begin + tool_diagonal + tool_off_diagonal;
@@ -70,7 +70,7 @@ std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) cons
   return pattern_.entryOf(a, b);
 }
 
-void Scatter::findSlots(std::int32_t number) {
+void Assembler::findSlots(std::int32_t number) {
   const ElementBatch& batch = batches_.all[number];
   std::int32_t* row_slot = row_slots_.data() + number * row_stride_;
   std::int32_t* entry_slot = entry_slots_.data() + number * entry_stride_;
@@ -80,17 +80,17 @@ void Scatter::findSlots(std::int32_t number) {
   };
   for (int row = 0; row < batch.unknowns; ++row) {
     for (int lane = 0; lane < lanes; ++lane)
-      *row_slot++ = batch.element[lane] < 0 ? sinkOf(rows_) : rowSlot(batch.placeOf(row, lane));
+      *row_slot++ = batch.element[lane] < 0 ? sinkOf(rows_) : rowSlot(batch.dofOf(row, lane));
     for (int column = row; column < batch.unknowns; ++column)
       for (int lane = 0; lane < lanes; ++lane)
         *entry_slot++ = batch.element[lane] < 0
                             ? sinkOf(entries_)
-                            : entrySlot(batch.placeOf(row, lane), batch.placeOf(column, lane));
+                            : entrySlot(batch.dofOf(row, lane), batch.dofOf(column, lane));
   }
 }
 
-void Scatter::hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
-                   bool by_tool) {
+void Assembler::hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
+                     bool by_tool) {
   std::vector<std::int32_t> changed;
   for (const std::int32_t node : nodes) {
     for (int i = 0; i < 3; ++i) {
@@ -106,29 +106,29 @@ void Scatter::hold(const std::vector<std::int32_t>& nodes, const std::vector<std
   for (const std::int32_t batch : changed) findSlots(batch);
 }
 
-void Scatter::add(std::int32_t batch, const BatchResult& result) {
+void Assembler::add(std::int32_t batch, const BatchResult& result) {
   const std::int32_t* slot = row_slots_.data() + batch * row_stride_;
   for (int row = 0; row < batches_.all[batch].unknowns; ++row)
     for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
 }
 
-void Scatter::add(std::int32_t batch, const BatchTangent& tangent) {
+void Assembler::add(std::int32_t batch, const BatchTangent& tangent) {
   const std::int32_t* slot = entry_slots_.data() + batch * entry_stride_;
   const int entries = localEntries(batches_.all[batch].unknowns);
   for (int entry = 0; entry < entries; ++entry)
     for (int lane = 0; lane < lanes; ++lane) entries_[*slot++] += tangent.entry[entry][lane];
 }
 
-std::vector<double> Scatter::entries() const {
+std::vector<double> Assembler::entries() const {
   return {entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(pattern_.row.size())};
 }
 
-Eigen::MatrixX3d Scatter::toolCoupling() const {
+Eigen::MatrixX3d Assembler::toolCoupling() const {
   return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
       entries_.data() + pattern_.row.size(), unknowns_.count(), 3);
 }
 
-Eigen::Matrix3d Scatter::toolEntries() const {
+Eigen::Matrix3d Assembler::toolEntries() const {
   const double* tool =
       entries_.data() + pattern_.row.size() + 3 * static_cast<std::size_t>(unknowns_.count());
   const Eigen::Matrix3d off_diagonal =

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Where an equation is: at a node, for a component of its displacement (0, 1, 2), or at a slot of
 /// the pressures (PressureSlots).
-struct Place {
+struct Dof {
   std::int32_t node;  ///< the slot where the component is the pressure
   int component;
 };
@@ -18,14 +18,14 @@ inline constexpr int pressure_component = 3;
 /// The numbers of the unknowns of a body: the displacements that are not fixed and the pressures
 /// that have an equation, node by node. Dirichlet values have none, what a rigid tool holds has
 /// (System).
-class Unknowns {
+class DofMap {
  public:
-  Unknowns(const BodyModel& model, const PressureSlots& slots);
+  DofMap(const BodyModel& model, const PressureSlots& slots);
 
   std::int32_t count() const { return count_; }
   std::int32_t pressures() const { return pressures_; }  ///< unknowns among them
   /// -1 where there is none.
-  std::int32_t at(const Place& place) const {
+  std::int32_t at(const Dof& place) const {
     const auto index = static_cast<std::size_t>(place.node);
     return place.component == pressure_component ? pressure_[index]
                                                  : displacement_[3 * index + place.component];

@@ -1,4 +1,4 @@
-#include "worker/solver/unknowns.hpp"
+#include "worker/solver/dof_map.hpp"
 
 #include <algorithm>
 
@@ -112,7 +112,7 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
 }
 
 // Node by node, so that the unknowns of an element stand near each other in the matrix.
-Unknowns::Unknowns(const BodyModel& model, const PressureSlots& slots)
+DofMap::DofMap(const BodyModel& model, const PressureSlots& slots)
     : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
   const std::vector<std::uint8_t> fixed = fixedNodes(model),
                                   determined = DeterminedPressures(model, slots, fixed).find(false);
@@ -127,7 +127,7 @@ Unknowns::Unknowns(const BodyModel& model, const PressureSlots& slots)
   }
 }
 
-std::vector<std::int32_t> Unknowns::atNode(const PressureSlots& slots, std::int32_t node) const {
+std::vector<std::int32_t> DofMap::atNode(const PressureSlots& slots, std::int32_t node) const {
   std::vector<std::int32_t> of_node;
   for (int i = 0; i < 3; ++i) of_node.push_back(at({node, i}));
   for (const std::int32_t slot : slotsAt(slots, node))

@@ -9,7 +9,7 @@
 namespace palpate {
 
 /// Every entry that an unknown of an element, or two of them, have in the matrix of the body.
-SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batches);
+SparsityPattern patternOf(const DofMap& unknowns, const ElementBatches& batches);
 
 /// Adds the equations of elements up to those of the body. What falls on a displacement that a
 /// rigid tool holds goes to the tool's three equations, and its coupling to the others beside the
@@ -17,10 +17,10 @@ SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batche
 ///
 /// The sums of one assembly live here: clear, add, read. Slots are looked up once, when the tool
 /// changes. One thread.
-class Scatter {
+class Assembler {
  public:
   /// Keeps references to all three. Nothing is held.
-  Scatter(const Unknowns& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
+  Assembler(const DofMap& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
 
   /// The displacements of these nodes, none of them fixed, are the tool's from now on, or not any
   /// more; the pressures of the slots `idle` stay as they are meanwhile.
@@ -30,7 +30,7 @@ class Scatter {
 
   void clearRows() { std::fill(rows_.begin(), rows_.end(), 0.0); }
   void clearEntries() { std::fill(entries_.begin(), entries_.end(), 0.0); }
-  void add(const Place& place, double force) { rows_[rowSlot(place)] += force; }
+  void add(const Dof& place, double force) { rows_[rowSlot(place)] += force; }
   void add(std::int32_t batch, const BatchResult& result);
   void add(std::int32_t batch, const BatchTangent& tangent);
 
@@ -44,11 +44,11 @@ class Scatter {
   Eigen::Matrix3d toolEntries() const;
 
  private:
-  std::int32_t rowSlot(const Place& place) const;
-  std::int32_t entrySlot(const Place& a, const Place& b) const;
+  std::int32_t rowSlot(const Dof& place) const;
+  std::int32_t entrySlot(const Dof& a, const Dof& b) const;
   void findSlots(std::int32_t batch);
 
-  const Unknowns& unknowns_;
+  const DofMap& unknowns_;
   const SparsityPattern& pattern_;
   const ElementBatches& batches_;
   std::vector<std::uint8_t> held_;  ///< per unknown, 1 where the rigid tool holds it

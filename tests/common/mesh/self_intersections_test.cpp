@@ -1,4 +1,4 @@
-#include "common/mesh/surface_cuts.hpp"
+#include "common/mesh/self_intersections.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,9 @@ using test::moved;
 using test::together;
 using test::welded;
 
-std::int64_t cutsIn(const Mesh& mesh) { return cutsOf(mesh.nodes, mesh.surface).count; }
+std::int64_t cutsIn(const Mesh& mesh) {
+  return selfIntersectionsOf(mesh.nodes, mesh.surface).count;
+}
 
 Mesh box(int cells = 2) { return test::cubeMesh(1, cells); }
 
@@ -31,13 +33,13 @@ Mesh mirroredBox(int cells = 2) {
   return mesh;
 }
 
-TEST(SurfaceCuts, AreNoneInSoundSurfaces) {
+TEST(SelfIntersections, AreNoneInSoundSurfaces) {
   for (const Mesh& mesh : {test::blobMesh(), verification::sphereOctantMesh(0.05, 0.07, 4),
                            verification::quarterTubeMesh(1, 2, 0.5, 4)})
     EXPECT_EQ(cutsIn(mesh), 0);
 }
 
-TEST(SurfaceCuts, AreNoneWhereRoundingBendsFlatSides) {
+TEST(SelfIntersections, AreNoneWhereRoundingBendsFlatSides) {
   std::mt19937 random(5);
   std::normal_distribution<double> number;
   for (int turn = 0; turn < 50; ++turn) {
@@ -51,7 +53,7 @@ TEST(SurfaceCuts, AreNoneWhereRoundingBendsFlatSides) {
   }
 }
 
-TEST(SurfaceCuts, AreFoundWhereverTwoBoxesMeet) {
+TEST(SelfIntersections, AreFoundWhereverTwoBoxesMeet) {
   const auto cuts = [](const Eigen::Vector3d& offset) {
     return cutsIn(together(box(), moved(box(), offset)));
   };
@@ -62,18 +64,20 @@ TEST(SurfaceCuts, AreFoundWhereverTwoBoxesMeet) {
   EXPECT_EQ(cuts({1.001, 0, 0}), 0);
 }
 
-TEST(SurfaceCuts, AreFoundBesideASharedCornerAndAFoldedEdge) {
+TEST(SelfIntersections, AreFoundBesideASharedCornerAndAFoldedEdge) {
   const std::vector<Eigen::Vector3d> points = {{0, 0, 0},   {1, 0, 0},      {0, 1, 0},
                                                {1, 1, 1},   {0.3, 0.3, -1}, {0.2, 0.2, 0},
                                                {1, 0.5, 0}, {0.5, 1, 0}};
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 3, 4}}).count, 1) << "through the inside";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 6, 7}}).count, 1) << "over each other in a plane";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 1, 5}}).count, 1) << "folded";
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).count, 0);
-  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).first[0], -1);
-  EXPECT_EQ(
-      cutsOf({{0, 0, 0}, {2, 2, 0}, {3, 1, 0}, {4, 4, 0}, {1, 1, 0}}, {{0, 1, 2}, {3, 2, 4}}).count,
-      1)
+  EXPECT_EQ(selfIntersectionsOf(points, {{0, 1, 2}, {0, 3, 4}}).count, 1) << "through the inside";
+  EXPECT_EQ(selfIntersectionsOf(points, {{0, 1, 2}, {0, 6, 7}}).count, 1)
+      << "over each other in a plane";
+  EXPECT_EQ(selfIntersectionsOf(points, {{0, 1, 2}, {0, 1, 5}}).count, 1) << "folded";
+  EXPECT_EQ(selfIntersectionsOf(points, {{0, 1, 2}, {1, 3, 2}}).count, 0);
+  EXPECT_EQ(selfIntersectionsOf(points, {{0, 1, 2}, {1, 3, 2}}).first[0], -1);
+  EXPECT_EQ(selfIntersectionsOf({{0, 0, 0}, {2, 2, 0}, {3, 1, 0}, {4, 4, 0}, {1, 1, 0}},
+                                {{0, 1, 2}, {3, 2, 4}})
+                .count,
+            1)
       << "with a corner on an edge";
 }
 
