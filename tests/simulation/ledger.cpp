@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/wire/wire.hpp"
 #include "scheduler/state/job_store.hpp"
 
 namespace palpate::simulation {
