@@ -52,9 +52,8 @@ TEST_F(CheckCommand, CountsWhatWillBeSolved) {
 TEST_F(CheckCommand, PrintsTheSameForPeople) {
   const CommandResult result = check();
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* part :
-       {"125 nodes, 384 tetrahedra", "\"xmin\": 25 nodes", "mooney-rivlin, c10 = 1300 Pa",
-        "P1-stabilized", "active     \"tip\"", "515 points in each of 1 space,", "cost"})
+  for (const char* part : {"125 nodes", "384 tetrahedra", "\"xmin\"", "mooney-rivlin", "c10 = 1300",
+                           "P1-stabilized", "\"tip\"", "515 points"})
     EXPECT_THAT(result.output, HasSubstr(part));
   EXPECT_THAT(result.output, ::testing::Not(HasSubstr("warning")));
 }
@@ -113,27 +112,22 @@ TEST_F(CheckCommand, PrintsRegionsAndGravity) {
   scene.gravity = {0, 0, -9.81};
   const json found = report();
   EXPECT_EQ(found.at("regions").size(), 1u);
-  EXPECT_EQ(found.at("regions").at(0).at("group"), "body");
-  EXPECT_EQ(found.at("regions").at(0).at("law"), "mooney-rivlin");
   const json& body = found.at("regions").at(0);
+  EXPECT_EQ(body.at("group"), "body");
+  EXPECT_EQ(body.at("law"), "mooney-rivlin");
   EXPECT_EQ(body.at("tetrahedra"), 384);
   EXPECT_NEAR(body.at("young"), 15480, 1e-6);
   EXPECT_EQ(body.at("poisson"), 0.5);
   EXPECT_TRUE(body.at("bulk").is_null()) << "infinite";
   EXPECT_NEAR(body.at("mass"), 1060 * body.at("volume").get<double>(), 1e-9);
-  const CommandResult result = check();
-  for (const char* part :
-       {"material   \"body\" (384 tetrahedra): mooney-rivlin, c10 = 1300 Pa",
-        "density = 1060 kg/m^3", "at rest    Young's modulus 1.548e+04 Pa",
-        "shear modulus 5160 Pa, bulk modulus infinite, mass", "gravity    (0, 0, -9.81) m/s^2"})
-    EXPECT_THAT(result.output, HasSubstr(part));
+  EXPECT_THAT(check().output, AllOf(HasSubstr("1060 kg/m^3"), HasSubstr("(0, 0, -9.81) m/s^2")));
 }
 
 /// problem_warnings_test knows them all.
 TEST_F(CheckCommand, PrintsWhatIsDoubtfulAboutTheProblem) {
   scene.active[0].radius = 0;
-  EXPECT_THAT(warnings(), Contains(HasSubstr("single node (radius = 0)")));
-  EXPECT_THAT(check().output, HasSubstr("warning    active \"tip\": a single node"));
+  EXPECT_THAT(warnings(), Contains(HasSubstr("radius = 0")));
+  EXPECT_THAT(check().output, HasSubstr("warning    active \"tip\""));
 }
 
 TEST_F(CheckCommand, MeasuresWhatABuildWillCost) {
@@ -145,13 +139,11 @@ TEST_F(CheckCommand, MeasuresWhatABuildWillCost) {
                           found.at("measured").at("transitions").get<double>();
   EXPECT_GT(each, measured / 3);
   EXPECT_LT(each, measured * 3);
-  EXPECT_THAT(check().output, HasSubstr("ways from rest"));
 }
 
 TEST_F(CheckCommand, WarnsOfAWorkspaceThatTheForceLimitCutsOff) {
   scene.workspace.max_force = 0.5;
-  EXPECT_THAT(warnings(), Contains(AllOf(HasSubstr("% of the lattice points will be reached"),
-                                         HasSubstr("exceed workspace.max_force = 0.5 N"))));
+  EXPECT_THAT(warnings(), Contains(HasSubstr("workspace.max_force = 0.5 N")));
 }
 
 TEST_F(CheckCommand, IsContentWithAFingersWorkspaceThatTheForceEnds) {
@@ -161,7 +153,7 @@ TEST_F(CheckCommand, IsContentWithAFingersWorkspaceThatTheForceEnds) {
                      .surface = SurfaceSelection{.all = true}};
   scene.workspace.max_force = 0.5;
   EXPECT_LT(report().at("measured").at("reached").get<double>(), 0.5);
-  EXPECT_THAT(warnings(), Not(Contains(HasSubstr("will be reached"))));
+  EXPECT_THAT(warnings(), Not(Contains(HasSubstr("workspace.max_force"))));
 }
 
 TEST_F(CheckCommand, SaysThatABodyFindsNoRestUnderItsWeight) {
@@ -176,7 +168,6 @@ TEST_F(CheckCommand, PromisesNothingWhereNothingCanBeSolved) {
   scene.regions[0].material = {.law = LawName::yeoh, .c10 = 1500, .c20 = -50000};
   scene.workspace.radius = 0.08;
   scene.workspace.spacing = 0.08;
-  EXPECT_THAT(warnings(), Contains(HasSubstr("hardly anything can be solved")));
   EXPECT_LT(report().at("measured").at("reached"), 0.1);
 }
 
@@ -191,10 +182,7 @@ TEST_F(CheckCommand, SumsUpTheActiveNodesOfASurface) {
   const json found = report();
   EXPECT_EQ(found.at("active").size(), 98 - 25u);
   EXPECT_EQ(found.at("configurations"), (98 - 25) * 515);
-  const std::string text = check().output;
-  EXPECT_THAT(text, HasSubstr("and 68 more, \"skin-"));
-  EXPECT_THAT(text, HasSubstr("73 active nodes"));
-  EXPECT_THAT(text, HasSubstr("\" and 68 more: a single node (radius = 0)"));
+  EXPECT_THAT(check().output, AllOf(HasSubstr("and 68 more"), HasSubstr("73 active nodes")));
 }
 
 TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
@@ -202,11 +190,8 @@ TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
   scene.device = Device{device_profiles[0]};  // touch: 75 mm, 3.3 N
   EXPECT_EQ(report().at("lattice").at("radius"), 0.075);
   EXPECT_EQ(report().at("device").at("max_force_cut_from"), 8.5);
-  const std::string text = check().output;
-  for (const char* part :
-       {"device     touch: reaches 0.075 m, 3.3 N, 400 N/m",
-        "workspace.radius cut from 0.1 to 0.075 m", "workspace.max_force cut from 8.5 to 3.3 N"})
-    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(check().output, AllOf(HasSubstr("workspace.radius cut from 0.1 to 0.075"),
+                                    HasSubstr("workspace.max_force cut from 8.5 to 3.3")));
 }
 
 TEST_F(CheckCommand, EstimatesTheCostOfAnAdaptiveBuildByTheErrorOfItsWays) {
@@ -216,18 +201,13 @@ TEST_F(CheckCommand, EstimatesTheCostOfAnAdaptiveBuildByTheErrorOfItsWays) {
   EXPECT_EQ(found.at("configurations"), 7 + 10);
   EXPECT_GE(found.at("likely_configurations"), found.at("configurations"));
   EXPECT_GE(found.at("likely_core_seconds"), found.at("core_seconds"));
-  const std::string text = check().output;
-  for (const char* part : {"at least 17 configurations", "force to 3 % or 0.01 N",
-                           "10 in each space", "halved", "when none is"})
-    EXPECT_THAT(text, HasSubstr(part));
 }
 
 TEST_F(CheckCommand, RefusesABadSceneWithCode2) {
   scene.fixed.groups = {"nobody"};
   const CommandResult result = check();
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("palpate check: "));
-  EXPECT_THAT(result.output, HasSubstr("nobody"));
+  EXPECT_THAT(result.output, AllOf(HasSubstr("palpate check: "), HasSubstr("nobody")));
 }
 
 }  // namespace
