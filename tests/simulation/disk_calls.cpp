@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <ctime>
+#include <type_traits>
 
 #include "tests/simulation/disk.hpp"
 
@@ -41,37 +42,16 @@ namespace {
 using palpate::simulation::Disk;
 namespace calls = palpate::simulation::calls;
 
-template <class OnDisk, class Past>
-auto either(OnDisk on_disk, Past past) {
+/// On the disk, where one is mounted, else past it.
+template <class Result, class... Arguments>
+Result either(Result (Disk::*on_disk)(Arguments...), Result (*past)(Arguments...),
+              std::type_identity_t<Arguments>... arguments) {
   Disk* const disk = Disk::mounted();
-  return disk == nullptr ? past() : on_disk(*disk);
+  return disk == nullptr ? past(arguments...) : (disk->*on_disk)(arguments...);
 }
 
 mode_t modeOf(int flags, va_list& arguments) {
   return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;
-}
-
-int openFile(const char* path, int flags, mode_t mode) {
-  return either([&](Disk& disk) { return disk.open(path, flags, mode); },
-                [&] { return calls::open(path, flags, mode); });
-}
-
-ssize_t writeFile(int file, const void* bytes, std::size_t count, off_t offset) {
-  return either([&](Disk& disk) { return disk.write(file, bytes, count, offset); },
-                [&] { return calls::write(file, bytes, count, offset); });
-}
-
-int truncateFile(int file, off_t size) {
-  return either([&](Disk& disk) { return disk.truncate(file, size); },
-                [&] { return calls::truncate(file, size); });
-}
-
-int syncFile(int file) {
-  return either([&](Disk& disk) { return disk.sync(file); }, [&] { return calls::sync(file); });
-}
-
-int removeFile(const char* path) {
-  return either([&](Disk& disk) { return disk.unlink(path); }, [&] { return calls::unlink(path); });
 }
 
 }  // namespace
@@ -83,15 +63,9 @@ int open(const char* path, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = modeOf(flags, arguments);
   va_end(arguments);
-  return openFile(path, flags, mode);
+  return either(&Disk::open, calls::open, path, flags, mode);
 }
-int open64(const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = modeOf(flags, arguments);
-  va_end(arguments);
-  return openFile(path, flags, mode);
-}
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 /// How the C++ library opens the folders that it lists.
 int openat(int folder, const char* path, int flags, ...) {
   va_list arguments;
@@ -101,36 +75,32 @@ int openat(int folder, const char* path, int flags, ...) {
   if (Disk* const disk = Disk::mounted()) disk->reads();
   return static_cast<int>(syscall(SYS_openat, folder, path, flags, mode));
 }
-int close(int file) {
-  return either([&](Disk& disk) { return disk.close(file); }, [&] { return calls::close(file); });
-}
+int close(int file) { return either(&Disk::close, calls::close, file); }
 ssize_t write(int file, const void* bytes, std::size_t count) {
-  return writeFile(file, bytes, count, -1);
+  return either(&Disk::write, calls::write, file, bytes, count, -1);
 }
 ssize_t pwrite(int file, const void* bytes, std::size_t count, off_t offset) {
-  return writeFile(file, bytes, count, offset);
+  return either(&Disk::write, calls::write, file, bytes, count, offset);
 }
-ssize_t pwrite64(int file, const void* bytes, std::size_t count, off64_t offset) {
-  return writeFile(file, bytes, count, offset);
+ssize_t pwrite64(int, const void*, std::size_t, off64_t) __attribute__((alias("pwrite")));
+int ftruncate(int file, off_t size) noexcept {
+  return either(&Disk::truncate, calls::truncate, file, size);
 }
-int ftruncate(int file, off_t size) noexcept { return truncateFile(file, size); }
-int ftruncate64(int file, off64_t size) noexcept { return truncateFile(file, size); }
-int fsync(int file) { return syncFile(file); }
-int fdatasync(int file) { return syncFile(file); }
+int ftruncate64(int, off64_t) noexcept __attribute__((alias("ftruncate")));
+int fsync(int file) { return either(&Disk::sync, calls::sync, file); }
+int fdatasync(int) __attribute__((alias("fsync")));
 int rename(const char* from, const char* to) noexcept {
-  return either([&](Disk& disk) { return disk.rename(from, to); },
-                [&] { return calls::rename(from, to); });
+  return either(&Disk::rename, calls::rename, from, to);
 }
-int unlink(const char* path) noexcept { return removeFile(path); }
+int unlink(const char* path) noexcept { return either(&Disk::unlink, calls::unlink, path); }
 int remove(const char* path) noexcept {
-  if (removeFile(path) == 0) return 0;
+  if (unlink(path) == 0) return 0;
   if (errno != EISDIR) return -1;
   return static_cast<int>(syscall(SYS_unlinkat, AT_FDCWD, path, AT_REMOVEDIR));
 }
 /// Whoever waits in this process waits for another one, and there is none.
 int nanosleep(const timespec* /*wanted*/, timespec* /*left*/) { return 0; }
 int mkdir(const char* path, mode_t mode) noexcept {
-  return either([&](Disk& disk) { return disk.makeDirectory(path, mode); },
-                [&] { return calls::makeDirectory(path, mode); });
+  return either(&Disk::makeDirectory, calls::makeDirectory, path, mode);
 }
 }

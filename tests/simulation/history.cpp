@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <sstream>
 
+#include "common/base/assertion.hpp"
 #include "tests/simulation/random.hpp"
 
 namespace palpate::simulation {
@@ -13,43 +16,15 @@ constexpr auto kinds = static_cast<std::size_t>(Accident::count);
 /// That any history may have.
 constexpr auto common_kinds = static_cast<std::size_t>(Accident::lying_worker);
 constexpr double share_with_liars = 0.25;
-constexpr std::array<std::string_view, kinds> names = {"slow_network",
-                                                       "lost_messages",
-                                                       "doubled_messages",
-                                                       "reordered_messages",
-                                                       "cut_to_worker",
-                                                       "cut_to_scheduler",
-                                                       "cut_both_ways",
-                                                       "reset",
-                                                       "half_open",
-                                                       "narrow_link",
-                                                       "kill_scheduler",
-                                                       "power_cut",
-                                                       "stop_scheduler",
-                                                       "suspend_scheduler",
-                                                       "scheduler_clock_jump",
-                                                       "ask_to_stop",
-                                                       "second_scheduler",
-                                                       "lock_file_removed",
-                                                       "write_error",
-                                                       "short_write",
-                                                       "sync_error",
-                                                       "rename_error",
-                                                       "full_disk",
-                                                       "journal_rot",
-                                                       "table_rot",
-                                                       "tables_lost",
-                                                       "kill_worker",
-                                                       "stop_worker",
-                                                       "suspend_worker",
-                                                       "worker_clock_jump",
-                                                       "interrupt_worker",
-                                                       "hung_solver",
-                                                       "out_of_memory",
-                                                       "slow_solve",
-                                                       "deadly_transition",
-                                                       "lying_worker",
-                                                       "kill_at_verdict"};
+/// In the order of the enumerators.
+constexpr const char* names =
+    "slow_network lost_messages doubled_messages reordered_messages cut_to_worker "
+    "cut_to_scheduler cut_both_ways reset half_open narrow_link kill_scheduler power_cut "
+    "stop_scheduler suspend_scheduler scheduler_clock_jump ask_to_stop second_scheduler "
+    "lock_file_removed write_error short_write sync_error rename_error full_disk journal_rot "
+    "table_rot tables_lost kill_worker stop_worker suspend_worker worker_clock_jump "
+    "interrupt_worker hung_solver out_of_memory slow_solve deadly_transition lying_worker "
+    "kill_at_verdict";
 
 /// Most accidents last a moment, some longer than any patience.
 double lengthOf(Random& random) {
@@ -83,7 +58,14 @@ std::vector<Event> inOrder(std::vector<Event> events) {
 
 bool mayHaveLiar(std::uint64_t seed) { return Random(seed ^ 0x6c696573).chance(share_with_liars); }
 
-std::string_view nameOf(Accident accident) { return names[static_cast<std::size_t>(accident)]; }
+std::string_view nameOf(Accident accident) {
+  static const std::vector<std::string> words = [] {
+    std::istringstream in(names);
+    return std::vector<std::string>(std::istream_iterator<std::string>(in), {});
+  }();
+  PALPATE_ASSERT(words.size() == kinds, "each accident has a name");
+  return words.at(static_cast<std::size_t>(accident));
+}
 
 std::string describe(const Event& event) {
   return fmt::format("at {:.3f} s {} for {:.3f} s (who {}, how much {:.3f})", event.at,

@@ -78,33 +78,8 @@ struct Summary {
   bool isBad() const { return !failed.empty() || tooManySpoiled(); }
 };
 
-nlohmann::json toJson(const Summary& summary) {
-  return {{"seeds", summary.seeds},
-          {"failed", summary.failed.size()},
-          {"failed_seeds", summary.failed},
-          {"simulated_seconds", summary.simulated},
-          {"faults", summary.active},
-          {"lied", summary.lied},
-          {"found_out", summary.found_out},
-          {"lied_without_tables", summary.lied_without_tables},
-          {"spoiled_without_tables", summary.spoiled_without_tables},
-          {"spoiled", summary.spoiled.size()},
-          {"spoiled_seeds", summary.spoiled}};
-}
-
-Summary fromJson(const nlohmann::json& json) {
-  Summary summary;
-  summary.seeds = json.at("seeds");
-  summary.simulated = json.at("simulated_seconds");
-  summary.failed = json.at("failed_seeds").get<std::vector<std::uint64_t>>();
-  summary.active = json.at("faults").get<std::map<std::string, std::uint64_t>>();
-  summary.lied = json.at("lied");
-  summary.found_out = json.at("found_out");
-  summary.lied_without_tables = json.at("lied_without_tables");
-  summary.spoiled_without_tables = json.at("spoiled_without_tables");
-  summary.spoiled = json.at("spoiled_seeds").get<std::vector<std::uint64_t>>();
-  return summary;
-}
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Summary, seeds, simulated, failed, active, lied, found_out,
+                                   spoiled, lied_without_tables, spoiled_without_tables)
 
 std::vector<Event> historyFor(std::uint64_t seed, const std::vector<std::size_t>& only) {
   const std::vector<Event> all = historyOf(seed);
@@ -141,7 +116,7 @@ Summary runAll(const Options& options) {
       close(ends[0]);
       int code = 1;
       try {
-        const std::string text = toJson(runShare(options, share, options.jobs)).dump();
+        const std::string text = nlohmann::json(runShare(options, share, options.jobs)).dump();
         if (write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size())) code = 0;
       } catch (const std::exception& error) {
         fmt::print(stderr, "simulation: {}\n", error.what());
@@ -162,7 +137,7 @@ Summary runAll(const Options& options) {
     int status = 0;
     waitpid(child, &status, 0);
     whole = whole && status == 0;
-    if (status == 0) all.add(fromJson(nlohmann::json::parse(text)));
+    if (status == 0) all.add(nlohmann::json::parse(text).get<Summary>());
   }
   if (!whole) throw std::runtime_error("a process of the simulation did not end well");
   std::ranges::sort(all.failed);
@@ -227,7 +202,7 @@ int run(const Options& options) {
   constexpr std::size_t explained = 3;
   for (std::size_t n = 0; n < std::min(explained, summary.failed.size()); ++n)
     explain(options, summary.failed[n]);
-  nlohmann::json json = toJson(summary);
+  nlohmann::json json = summary;
   json["seconds"] = took;
   if (options.json) {
     fmt::print("{}\n", json.dump());
