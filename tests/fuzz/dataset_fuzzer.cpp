@@ -19,7 +19,7 @@ std::vector<std::string> datasetSeeds() {
   const test::TemporaryDirectory directory;
   test::SampleDataset sample;
   sample.seal(directory / "sample.h5");
-  return {contentOf(directory / "sample.h5")};
+  return {bytesIn(directory / "sample.h5")};
 }
 
 const Registration dataset_fuzzer({"dataset", readDatasetFile, datasetSeeds});

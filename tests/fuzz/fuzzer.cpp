@@ -4,8 +4,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 namespace palpate::fuzz {
 
@@ -33,19 +31,6 @@ void require(bool condition, const char* what) {
   if (condition) return;
   std::fprintf(stderr, "fuzzer: %s\n", what);
   std::abort();
-}
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw failure("{}: cannot open", file.string());
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void putInto(const std::filesystem::path& file, std::string_view bytes) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) throw failure("{}: cannot write", file.string());
 }
 
 }  // namespace palpate::fuzz

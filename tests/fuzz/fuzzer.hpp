@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "common/base/error.hpp"
+#include "tests/support/file_bytes.hpp"
 
 /// What the fuzzers share. Each is one source, NAME_fuzzer.cpp, and is linked twice: with
 /// libFuzzer, and with all others into the program that reads the corpora once (README.md).
@@ -43,10 +43,7 @@ void writeSeeds(const Fuzzer& fuzzer, const std::filesystem::path& folder);
 /// everything that a parser accepts.
 void require(bool condition, const char* what);
 
-/// All that is in a file.
-std::string contentOf(const std::filesystem::path& file);
-/// Replaces what is in a file.
-void putInto(const std::filesystem::path& file, std::string_view bytes);
+using test::bytesIn, test::putInto;
 
 /// An input that says what to do, for what is more than a file. Where it ends, all is zero.
 class Choices {

@@ -12,7 +12,7 @@ std::vector<std::string> gmshSeeds() {
   const Mesh mesh = test::cubeMesh(0.1, 1);
   test::writeGmsh22(mesh, directory / "2.msh");
   test::writeGmsh41(mesh, directory / "4.msh");
-  return {contentOf(directory / "2.msh"), contentOf(directory / "4.msh")};
+  return {bytesIn(directory / "2.msh"), bytesIn(directory / "4.msh")};
 }
 
 const Registration gmsh_fuzzer({"gmsh", readGmshText, gmshSeeds});

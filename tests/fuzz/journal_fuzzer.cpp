@@ -56,7 +56,7 @@ std::vector<std::string> journalSeeds() {
   journal.drop({1, 0, 28});
   Script whole, one_missing;
   for (const std::uint32_t segment : journal.segments()) {
-    const std::string content = contentOf(journal.segmentPath(segment));
+    const std::string content = bytesIn(journal.segmentPath(segment));
     whole.putBytes(content);
     one_missing.putBytes(segment == 2 ? "" : content);
   }

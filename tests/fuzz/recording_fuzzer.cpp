@@ -54,8 +54,8 @@ std::vector<std::string> recordingSeeds() {
   Script lost = Script().op(1), short_list = Script().op(1);
   recordedArrays().overwriteIn(lost, "/device/status", 3, "\2");
   recordedArrays().resizeIn(short_list, "/device/buttons", 3);
-  return {Script().op(0).text() + contentOf(directory / "run.h5"), Script().op(1).text(),
-          lost.text(), short_list.text()};
+  return {Script().op(0).text() + bytesIn(directory / "run.h5"), Script().op(1).text(), lost.text(),
+          short_list.text()};
 }
 
 const Registration recording_fuzzer({"recording", readRecordingFile, recordingSeeds});

@@ -31,7 +31,7 @@ int replay(const std::string& name, const std::vector<std::filesystem::path>& co
     for (const std::filesystem::path& file : filesBelow(corpus)) {
       std::printf("%s\n", file.c_str());
       std::fflush(stdout);  // the last line names what crashed
-      fuzz::feed(*fuzzer, fuzz::contentOf(file));
+      fuzz::feed(*fuzzer, fuzz::bytesIn(file));
       ++count;
     }
   std::printf("%s: %zu inputs\n", name.c_str(), count);

@@ -167,7 +167,7 @@ class FuzzedState {
   }
 
   static void overwrite(const std::filesystem::path& file, Choices& choices) {
-    std::string content = contentOf(file);
+    std::string content = bytesIn(file);
     const std::size_t offset = choices.take<std::uint32_t>() % (content.size() + 1);
     const std::string_view bytes = choices.takeBytes().substr(0, content.size() - offset);
     content.replace(offset, bytes.size(), bytes);
