@@ -21,12 +21,12 @@
 
 namespace palpate {
 
-/// Text of the last failure of this thread, for palpate_last_error; cut where it does not fit.
+/// Text of the last failure of this thread, for palpate_last_error; truncated if too long.
 using ErrorText = std::array<char, 1024>;
 ErrorText& lastErrorText() noexcept;
 
-/// Records a failure of this thread and gives back its status. Does not allocate (the first failure
-/// of a thread may: its text comes to be).
+/// Records a failure of this thread and returns its status. Does not allocate, except that the
+/// first failure of a thread may allocate its text.
 template <class... Args>
 palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
                     Args&&... args) noexcept {
@@ -42,15 +42,16 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
   return status;
 }
 
-/// Records that an argument cannot be used. False, as checks of arguments tell it.
+/// Records that an argument is invalid. Always returns false, as the checks of arguments do on
+/// failure.
 template <class... Args>
 bool refuse(fmt::format_string<Args...> format, Args&&... args) noexcept {
   fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
   return false;
 }
 
-/// Runs what may throw. An Error is about the file that is being opened: arguments were looked at
-/// before.
+/// Runs `work` and turns its exceptions into a status. An Error is taken as one about the opened
+/// file: arguments were checked before.
 template <class Work>
 palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
   try {
@@ -68,14 +69,13 @@ palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
   }
 }
 
-// Checks of arguments. Each tells whether the argument can be used, and records what is wrong with
-// it.
+// Checks of arguments. Each returns whether the argument is valid, and records the failure if not.
 
 inline bool isThere(const char* function, const char* name, const void* pointer) noexcept {
   return pointer != nullptr || refuse("{}: {} is NULL", function, name);
 }
 
-/// sizeof each structure when it was published first: callers with smaller ones do not exist.
+/// Sizes of the structures in their first published version; no caller has a smaller one.
 constexpr std::size_t firstSize(const palpate_open_options*) { return 32; }
 constexpr std::size_t firstSize(const palpate_dataset_info*) { return 64; }
 constexpr std::size_t firstSize(const palpate_space_info*) { return 72; }
@@ -89,8 +89,8 @@ constexpr std::size_t firstSize(const palpate_profile*) { return 40; }
 constexpr std::size_t firstSize(const palpate_guard_options*) { return 64; }
 constexpr std::size_t firstSize(const palpate_guarded_force*) { return 48; }
 
-/// Whether a structure of the caller is there and of a size that this library knows; records what
-/// is wrong.
+/// Returns whether the caller's structure is not NULL and has a known size; records the failure if
+/// not.
 template <class Struct>
 bool sizeIsKnown(const char* function, const char* name, const Struct* given) noexcept {
   constexpr std::size_t first_size = firstSize(static_cast<Struct*>(nullptr));
@@ -103,14 +103,16 @@ bool sizeIsKnown(const char* function, const char* name, const Struct* given) no
              function, name, given->size, sizeof(Struct), name);
 }
 
-/// Copies what the caller's structure has of `value`, and keeps its size. Its size is known.
+/// Copies `value` into the caller's structure, up to its size, which was checked before. Keeps
+/// `size`.
 template <class Struct>
 void give(Struct* to, Struct value) noexcept {
   value.size = to->size;
   std::memcpy(to, &value, value.size);
 }
 
-/// `defaults` overwritten by what the caller's structure has. Its size is known.
+/// Returns `defaults`, overwritten by the members that the caller's structure has. Its size was
+/// checked before.
 template <class Struct>
 Struct taken(const Struct* from, Struct defaults) noexcept {
   std::memcpy(&defaults, from, from->size);
@@ -130,7 +132,8 @@ inline void give(double to[9], const Eigen::Matrix3d& values) noexcept {
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = values;
 }
 
-/// What a sample and a touch of the caller both say of a force. Does not set their sizes.
+/// Copies the members that samples and touches of the caller have in common. Does not set their
+/// sizes.
 template <class Struct>
 void giveForce(Struct& to, const ForceSample& sample) noexcept {
   give(to.force, sample.force);
@@ -141,7 +144,7 @@ void giveForce(Struct& to, const ForceSample& sample) noexcept {
   to.inside = sample.inside ? 1 : 0;
 }
 
-/// What a sample says of a force, as answer n of the caller's arrays.
+/// Copies a sample into element n of the caller's arrays.
 template <class Struct>
 void giveAnswer(const palpate_answers& to, std::size_t n, const Struct& sample) noexcept {
   if (to.forces != nullptr) std::copy_n(sample.force, 3, to.forces + 3 * n);
@@ -165,7 +168,7 @@ inline bool isEnough(const char* function, std::size_t capacity, std::size_t nee
          refuse("{}: the buffer holds {} numbers, {} are needed", function, capacity, needed);
 }
 
-/// Whether a number that has no other limits is above zero, or zero.
+/// Lower limit of a number that has no other limits.
 enum class Least { above_zero, zero };
 inline bool isFinite(const char* function, const char* name, double value, Least least) noexcept {
   return (std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)) ||
@@ -173,7 +176,7 @@ inline bool isFinite(const char* function, const char* name, double value, Least
                 least == Least::zero ? ">=" : ">");
 }
 
-/// A number that a structure of options has, and its twin inside of the library.
+/// A number in an options structure of the C API, and its counterpart in the library's options.
 template <class Given, class Options>
 struct OptionNumber {
   const char* name;  ///< "options->friction"
@@ -182,13 +185,14 @@ struct OptionNumber {
   double Options::*twin;
 };
 
-/// Copies all `numbers` of the library's options into the structure.
+/// Copies all `numbers` of the library's options into the caller's structure.
 template <class Given, class Options, class Numbers>
 void fillIn(Given& given, const Options& options, const Numbers& numbers) noexcept {
   for (const auto& number : numbers) given.*number.given = options.*number.twin;
 }
 
-/// Copies them back. False when one of them cannot be used.
+/// Copies them from the caller's structure into the library's options. Returns false if one is
+/// invalid.
 template <class Given, class Options, class Numbers>
 bool takeOver(const char* function, const Given& given, Options& options,
               const Numbers& numbers) noexcept {
@@ -199,8 +203,8 @@ bool takeOver(const char* function, const Given& given, Options& options,
   return true;
 }
 
-/// Overwrites `chosen`, which holds the defaults, by what the caller's structure has; NULL is one
-/// that has nothing.
+/// Overwrites `chosen`, which holds the defaults, with the members that the caller's structure has.
+/// NULL keeps the defaults. Returns false if the structure is invalid.
 template <class Struct>
 bool takeOptions(const char* function, const Struct* options, Struct& chosen) noexcept {
   if (options == nullptr) return true;
@@ -209,7 +213,7 @@ bool takeOptions(const char* function, const Struct* options, Struct& chosen) no
   return true;
 }
 
-/// Number of the element with a name; when there is none that is recorded with all names.
+/// Finds the element with a name. If there is none, records an error text that lists all names.
 template <class Elements, class NameOf>
 palpate_status findNamed(const char* function, const char* what, std::string_view name,
                          const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
@@ -218,7 +222,7 @@ palpate_status findNamed(const char* function, const char* what, std::string_vie
     *number = static_cast<std::int32_t>(found - elements.begin());
     return PALPATE_OK;
   }
-  // Only now: what is found needs no memory, so that looking up is cheap.
+  // Only a failed search allocates, to keep successful ones cheap.
   std::string names;
   const palpate_status status = withoutExceptions(function, [&] {
     for (const auto& element : elements)
@@ -229,7 +233,7 @@ palpate_status findNamed(const char* function, const char* what, std::string_vie
               name, names);
 }
 
-/// Numbers in `triples` vertices or triangles.
+/// Number of indices or coordinates in `triples` triangles or vertices.
 inline std::size_t countOf(std::int32_t triples) noexcept { return 3 * at(triples); }
 
 }  // namespace palpate

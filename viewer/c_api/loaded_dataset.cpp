@@ -15,7 +15,8 @@ double largestForce(const SpaceTable& space) {
   return largest;
 }
 
-/// Its name is that of `space`; `vertex` is its active node's, -1 when that lies inside the body.
+/// The returned name points into `space`. vertex: surface vertex of the active node, -1 if that
+/// node lies inside the body.
 palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::int32_t vertex) {
   palpate_space_info info{};
   info.size = sizeof info;

@@ -10,10 +10,10 @@
 
 namespace palpate {
 
-/// A dataset as the C API gives it out: the prepared model, and what palpate_..._info say of it.
-/// Immutable.
+/// The dataset behind a handle: the prepared model and the contents of the palpate_..._info
+/// structures. Immutable.
 struct LoadedDataset {
-  /// Error as of Dataset and HapticModel.
+  /// Throws the errors of Dataset and HapticModel.
   LoadedDataset(const Dataset& dataset, const HapticModelOptions& options);
 
   const HapticModel model;
@@ -21,12 +21,12 @@ struct LoadedDataset {
   palpate_dataset_info info{};  ///< its texts belong to this object
   std::vector<palpate_space_info> spaces;
   std::vector<palpate_area_info> areas;  ///< as HapticModel::surface().areas()
-  std::vector<AreaPlaces> places;        ///< the same
+  std::vector<AreaPlaces> places;        ///< same order as areas
 };
 
 }  // namespace palpate
 
-/// Contacts share what they were made from, so that handles may be given back in any order.
+/// Contacts share the loaded dataset, so handles may be closed in any order.
 struct palpate_dataset {
   std::shared_ptr<const palpate::LoadedDataset> loaded;
 };

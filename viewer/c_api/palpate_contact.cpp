@@ -40,7 +40,7 @@ Given defaultsFor(const palpate_dataset& dataset) noexcept {
   return given;
 }
 
-/// False when the options cannot be used.
+/// Returns false if the options are invalid.
 bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
                ContactOptions& chosen) noexcept {
   if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED)
@@ -51,10 +51,10 @@ bool translate(const char* function, const Given& options, const palpate_dataset
          isNumber(function, "method", options.method, dataset.loaded->info.method_count);
 }
 
-/// Whether a touch that the caller may have put together names triangles and spaces that there are.
+/// Returns whether the triangle and the spaces of a touch exist; the caller may have made it up.
 bool belongsTo(const char* function, const palpate_touch& touch,
                const palpate_dataset_info& info) noexcept {
-  // The rest of such a touch is not read.
+  // The other members of such a touch are not read.
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES)
@@ -79,7 +79,7 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                       const palpate_contact_options* options,
                                       palpate_contact** contact) {
   if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
-  // Whatever fails, the caller holds no handle.
+  // The caller gets no handle if anything below fails.
   *contact = nullptr;
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
   palpate_contact_options given = defaultsFor(*dataset);
@@ -112,7 +112,7 @@ palpate_status palpate_contact_use(palpate_contact* contact, const palpate_datas
   if (!isThere(__func__, "contact", contact) || !isThere(__func__, "dataset", dataset) ||
       !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
-  // The former model must be alive while use() compares the two.
+  // use() compares the two models, so the previous one must stay alive until it returns.
   const std::shared_ptr<const LoadedDataset> former = contact->loaded;
   contact->loaded = dataset->loaded;
   contact->contact.use(contact->loaded->model, at(method));

@@ -10,7 +10,7 @@ using namespace palpate;
 
 namespace {
 
-/// HDF5 is not thread-safe.
+/// Serializes reading: HDF5 is not thread-safe.
 std::mutex& readingMutex() {
   static std::mutex mutex;
   return mutex;
@@ -47,7 +47,7 @@ palpate_sample sampleOf(const ForceField& field, const double displacement[3]) {
 palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
                                     palpate_dataset** dataset) {
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  // Whatever fails, the caller holds no handle.
+  // The caller gets no handle if anything below fails.
   *dataset = nullptr;
   if (!isThere(__func__, "file", file)) return PALPATE_INVALID_ARGUMENT;
   palpate_open_options chosen{};
@@ -57,7 +57,7 @@ palpate_status palpate_dataset_open(const char* file, const palpate_open_options
   bool known = true;
   const char* const function = __func__;
   const palpate_status status = withoutExceptions(function, [&] {
-    // Inside: to list the methods takes memory.
+    // Inside withoutExceptions: listing the methods allocates.
     known = methodsAreKnown(function, chosen);
     if (!known) return;
     const std::lock_guard lock(readingMutex());

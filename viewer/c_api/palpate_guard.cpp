@@ -37,7 +37,7 @@ const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   return found;
 }
 
-/// Periods, as ForceGuard demands.
+/// Largest delay that ForceGuard accepts, periods.
 constexpr std::uint32_t most_delay = EnergyLimit::remembered - 2;
 
 using Options = palpate_guard_options;
@@ -59,17 +59,17 @@ Options toStruct(const GuardOptions& options) noexcept {
   return given;
 }
 
-/// Zero is in `guarded` when it can be written.
+/// Sets `guarded` to zero if it can be written.
 bool canBeLimited(const char* function, const palpate_guard* guard, const double tool[3],
                   const palpate_touch* touch, std::uint32_t flags,
                   palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
-  // Before anything can fail: who sends it without a look at the status sends nothing harmful.
+  // Comes before all other checks: a caller that ignores the status must not send a harmful force.
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
       !sizeIsKnown(function, "touch", touch))
     return false;
-  // A flag of a later version may mean "stop": better no force than one that ignores it.
+  // A flag of a later version may mean "stop", so giving no force is safer than ignoring the flag.
   return (flags & ~known_flags) == 0 ||
          refuse("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
 }
@@ -138,7 +138,7 @@ palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                    palpate_guarded_force* guarded) {
   if (!canBeLimited(__func__, guard, tool, touch, flags, guarded)) {
     if (guard != nullptr)
-      guard->guard.reset();  // the hand is given zero: the next force begins from there
+      guard->guard.reset();  // the hand gets zero: the next force starts from there
     return PALPATE_INVALID_ARGUMENT;
   }
   const GuardedForce limited =

@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// A Touch as the C API has it, and back. Real time.
+/// Conversions between Touch and the structure of the C API. Real time.
 palpate_touch toStruct(const Touch& touch) noexcept;
-/// Shares beyond PALPATE_MOST_SHARES are left out; nothing else is looked at.
+/// Drops shares beyond PALPATE_MOST_SHARES; checks nothing else.
 Touch toTouch(const palpate_touch& touch) noexcept;
 
 }  // namespace palpate
