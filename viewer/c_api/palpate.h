@@ -187,7 +187,7 @@ PALPATE_API palpate_status palpate_dataset_touchable(const palpate_dataset* data
 typedef struct palpate_sample {
   size_t size;
   double force[3];     /* N */
-  double stiffness[9]; /* N/m, row major: the exact derivative of this method's force */
+  double stiffness[9]; /* N/m, row major: the derivative of force, exact in the solved region */
   double energy;       /* J, stored in the tissue; NaN if the method has none */
   /* N, bound on the error of the force, estimated to hold at 99 % of places; NaN: unknown */
   double error_bound;
@@ -200,17 +200,17 @@ typedef struct palpate_sample {
 
 /* Interpolates force and stiffness in one space. displacement: of its active node from the rest
  * position, m. Beyond the solved region the force continues from the edge, as the gradient of the
- * same energy, and only stiffens; the error bound grows with it, and inside = 0. A displacement
- * that is not finite gives zero force and inside = 0. That is not an error, so a bad reading does
- * not stop a loop. Any thread, real time (wait-free). */
+ * same energy, and only stiffens; the error bound grows with it, and inside = 0. A NaN in
+ * it gives zero force and inside = 0; an infinite displacement counts as a very long one. Neither
+ * is an error, so a bad reading does not stop a loop. Any thread, real time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
                                          int32_t method, const double displacement[3],
                                          palpate_sample* sample);
 
 /* Computes the deformed surface for a displacement of a single active node. displacements: of the
  * vertices, m, 3 * vertex_count floats; `capacity` as in palpate_dataset_vertices. *inside (may be
- * NULL): as in palpate_sample. A displacement that is not finite gives the shape at rest. Any
- * thread, real time; the time grows with the surface, so call it on the drawing thread. */
+ * NULL): as in palpate_sample. A NaN in displacement gives the shape at rest. Any thread, real
+ * time; the time grows with the surface, so call it on the drawing thread. */
 PALPATE_API palpate_status palpate_displacements(const palpate_dataset* dataset, int32_t space,
                                                  const double displacement[3], float* displacements,
                                                  size_t capacity, int32_t* inside);
@@ -235,7 +235,7 @@ typedef struct palpate_area_info {
 typedef struct palpate_area_sample {
   size_t size;
   double force[3];     /* N, on the tool: -dE/dp */
-  double stiffness[9]; /* N/m, row major: the exact derivative of force with respect to p */
+  double stiffness[9]; /* N/m, row major: d force / d p, exact in the solved region */
   /* N, -dE/ds along the surface: the direction in which the tissue slides the finger */
   double drive[3];
   double at[3];       /* m, the point of the surface at rest nearest to the queried place */

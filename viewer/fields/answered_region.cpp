@@ -8,20 +8,22 @@
 namespace palpate {
 namespace {
 
-/// Of the answer on solved points: where less is, the region ends, unless the gap is short.
+/// Least share of the interpolation on solved points. The region ends where less is solved, unless
+/// the gap is short.
 constexpr double least_support = 0.5;
-/// Spacings. One point that failed among solved ones makes a gap of one.
+/// Longest bridged gap, spacings. One failed point among solved ones makes a gap of one spacing.
 constexpr double longest_gap = 1.25;
-/// Of the edge of the smallest leaf: steps along a direction.
+/// Step along a direction, as a share of the smallest leaf's edge.
 constexpr double step_share = 0.25;
-/// Of the spacing: the region holds at least this much around rest.
+/// Least radius of the region, as a share of the spacing.
 constexpr double least_radius_share = 0.1;
-/// m, and of the ball's radius: in which the continuation reaches max_force.
+/// Depth in which the continuation reaches max_force: m, and as a share of the ball's radius.
 constexpr double wall_depth = 3e-3, wall_depth_share = 0.1;
-/// Of the largest stiffness around: tables are coarser than what they tabulate.
+/// Factor on the largest stiffness of the neighbouring directions, because the table is coarser
+/// than the tabulated function.
 constexpr double stiffness_margin = 1.1;
 
-/// What a region is made of, along straight ways from rest.
+/// Radius and stiffness of a region along straight lines from rest.
 class Ways {
  public:
   explicit Ways(const CellData& data) : tree_(data.tree) {
@@ -29,7 +31,7 @@ class Ways {
     for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
       const bool is_solved = tree_.slots()[s].kind == SlotKind::solved;
       const double length = tree_.displacement(static_cast<std::int32_t>(s)).norm();
-      // Beyond the ball a corner is extrapolated as a rule, and says nothing.
+      // Corners beyond the ball are usually extrapolated, so they do not count.
       support_.emplace_back(is_solved, is_solved || isWithin(length, tree_.radius()));
       stiffness_.push_back(data.equilibria[s].stiffness);
     }
@@ -52,7 +54,7 @@ class Ways {
     return radius;
   }
 
-  /// N/m, at a displacement in the ball.
+  /// N/m, of the tissue along `unit`, at a displacement in the ball.
   double stiffnessAlong(const Eigen::Vector3d& unit, double length) const {
     const LeafPlace place = tree_.find(length * unit);
     if (place.leaf < 0) return 0;
@@ -115,7 +117,7 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
   const auto tangential = [&unit](const Eigen::Vector3d& v) -> Eigen::Vector3d {
     return v - unit.dot(v) * unit;
   };
-  // Gradient G and Hessian H of the energy at the edge, what the continuation adds to the force.
+  // Gradient and Hessian of the energy at the edge, and the force that the continuation adds.
   const double radius = edge.radius, length = radius + depth, share = radius / length;
   const Eigen::Matrix3d hessian = -0.5 * (at_edge.stiffness + at_edge.stiffness.transpose());
   const Eigen::Vector3d along = hessian * unit, sideways = tangential(along);
@@ -131,7 +133,7 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                       length;
   sample.error_bound += (sample.force - at_edge.force).norm();
 
-  // Where the edge is oblique the wall is steep across it.
+  // The wall is steepest across the edge, not along `unit`, if the edge is oblique.
   const Eigen::Vector3d steepest = unit - edge.radius_slope / length;
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - unit * unit.transpose();
   sample.stiffness = -edge.stiffness * steepest * steepest.transpose() +

@@ -6,21 +6,23 @@
 
 namespace palpate {
 
-/// Where the answers end along one direction, and how that changes when the direction turns.
+/// Edge of the answered region along one direction, and its derivatives with respect to the
+/// direction.
 struct RegionEdge {
   double radius = 0;     ///< m from rest
-  double stiffness = 0;  ///< N/m of the continuation beyond it
-  /// By the direction, tangential: m and N/m.
+  double stiffness = 0;  ///< N/m, of the continuation beyond the edge
+  /// Derivatives by the direction, tangential: m and N/m.
   Eigen::Vector3d radius_slope = Eigen::Vector3d::Zero(), stiffness_slope = Eigen::Vector3d::Zero();
 
   /// Adds `weight` times another edge.
   void add(double weight, const RegionEdge& other) noexcept;
 };
 
-/// The displacements that one configuration space answers: star-shaped around rest. It ends at the
-/// workspace ball, or earlier where half of the answer would be extrapolated for longer than 1.25
-/// spacings (points that failed, that were not reached, or whose element is being crushed); shorter
-/// gaps are bridged. The edge is twice continuously differentiable by direction.
+/// The displacements that a configuration space answers by interpolation: a region that is
+/// star-shaped around rest. It ends at the workspace ball, or earlier where half of the
+/// interpolation would be extrapolated over more than 1.25 spacings. Such gaps come from failed
+/// points, points that were not reached, and crushed elements; shorter ones are bridged. The edge
+/// is twice continuously differentiable in the direction.
 ///
 /// Immutable: any thread may read.
 class AnsweredRegion {
@@ -41,35 +43,38 @@ class AnsweredRegion {
   double least_radius_ = 0;
 };
 
-/// Whether a displacement of `length`, m, is in the region; on the edge, within round-off, it is.
+/// Whether a displacement of `length`, m, is in a region that ends at `radius`, m. A displacement
+/// on the edge, within round-off, is.
 inline bool isWithin(double length, double radius) noexcept {
   return length <= radius * (1 + 5e-10);
 }
 
-/// The answer beyond the edge: a continuation that only stiffens. With direction n, length r and
+/// Continues a sample beyond the edge by a wall that only stiffens. With direction n, length r and
 /// depth t = r - radius beyond the edge point q = radius n,
 ///
 ///   E(p) = E(q) - t n . F(q) + stiffness t^2 / 2
 ///
-/// is one energy with the answers inside: the force is its exact gradient, continuous at the edge,
-/// and along n it grows by the continuation's stiffness, which is at least that of the tissue
-/// there, and large enough to bring max_force within 3 mm, or a tenth of the workspace's radius if
-/// that is less. The stiffness is exact at the edge; beyond it, it leaves out how the tissue's
-/// stiffness and the slope of the edge change along the edge. The bound grows by what the
-/// continuation adds to the force. Real time.
+/// is one energy with the interpolation inside. The force is its exact gradient, and continuous at
+/// the edge. Along n it grows by the stiffness of the continuation. This is at least the stiffness
+/// of the tissue there. It is also large enough to reach max_force within 3 mm, or within a tenth
+/// of the workspace's radius if that is less.
 ///
-/// at_edge: the answer at q; unit: n; depth: t, m, >= 0.
+/// The stiffness is exact at the edge. Beyond it, the changes of the tissue's stiffness and of the
+/// edge's slope along the edge are neglected. The error bound grows by the force that the
+/// continuation adds. Real time.
+///
+/// at_edge: the sample at q; unit: n; depth: t, m, >= 0.
 ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                             const Eigen::Vector3d& unit, double depth) noexcept;
 
-/// Displacements longer than this many radii of the ball are answered as if they were so long, so
-/// that all numbers stay finite.
+/// Longer displacements are shortened to this many radii of the ball, so that all numbers stay
+/// finite.
 inline constexpr double farthest_in_radii = 4;
 
-/// How every field answers a displacement, m: not at all where it is no number, by inRegion(p) in
-/// the region, and beyond it by beyond(edge, unit, depth), which continues from the edge.
+/// Evaluates a field at a displacement, m: inRegion(p) in the region, and beyond(edge, unit,
+/// depth), a continuation from the edge, outside it. A NaN gives a default sample.
 ///
-/// radius: of the ball; least_radius: every displacement up to it is in the region;
+/// radius: of the ball; least_radius: every displacement up to this length is in the region;
 /// edgeAlong(unit): the RegionEdge. Real time.
 template <class EdgeAlong, class InRegion, class Beyond>
 auto answerTo(const Eigen::Vector3d& displacement, double radius, double least_radius,

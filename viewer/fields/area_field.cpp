@@ -18,32 +18,38 @@
 namespace palpate {
 namespace {
 
-/// A collocation point is at most this many radii of the finger from any place, sites as
-/// site_distance says.
+/// Largest distance from any place of the surface to a collocation point, in radii of the finger.
+/// For sites it is site_distance.
 constexpr double collocation_distance = 0.3;
-/// Of a collocation point and a site, in the distances that such points may be from places: at the
-/// farthest place two or three still share. Less makes blends steeper, and drives worse.
+/// Reach of a collocation point or a site, as a multiple of its largest distance from a place. Even
+/// the farthest place is then shared by two or three. A smaller reach makes the blend steeper and
+/// the drive less accurate.
 constexpr double reach_in_distances = 1.4;
-/// What a collocation point is interpolated from, and a site from the others.
+/// Number of sites that a collocation point is interpolated from, and that a site is checked
+/// against.
 constexpr std::size_t sites_of_collocation_point = 7, sites_of_judgement = 6;
-/// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
+/// Width of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
 constexpr double kernel_width = 1.5;
-/// The bound of an area: of that in p at each site; of the force, what a site lacks when the others
-/// around stand in for it, times the root of the power of the place (HermiteWeights) over that of
-/// the site without itself, between 1, for what is not smooth, and their ratio, for what is; the
-/// power of the place; and what collocation points leave out. docs/thresholds.md says how they were
-/// chosen.
+/// Terms of an area's error bound:
+/// - share_of_p_error: of the bound for interpolation in p at each site;
+/// - share_of_lack: of the force. A site is interpolated from the sites around it, and the error is
+///   scaled by the root of a ratio of powers (HermiteWeights): of the place, and of the site
+///   without itself. The factor 1 would suit functions that are not smooth, the ratio smooth ones;
+/// - share_of_power: of the force, times the power of the place;
+/// - share_of_force: of the force, for the error of interpolating to collocation points.
+///
+/// docs/thresholds.md says how they were chosen.
 constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
                  share_of_force = 0.003;
-/// Of the largest force of a site: below it nothing is taken as a share of a force.
+/// Smallest force that errors are taken relative to, as a share of the site's largest force.
 constexpr float weakest_share = 0.01f;
-/// To make a site takes about as long as to interpolate to so many collocation points, or to judge
-/// as many.
+/// Preparing a site takes about as long as interpolating to this many collocation points, or
+/// judging this many sites.
 constexpr std::size_t work_of_site = 16;
-/// Of refinement (Accuracy::levels).
+/// Maximum of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
-/// The numbers of the nearest points, the nearest first; `except` is left out.
+/// Numbers of the `count` points nearest to `place`, nearest first, without `except`.
 std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
                                    const Eigen::Vector3d& place, std::size_t count,
                                    std::size_t except) {
@@ -58,7 +64,7 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
   return numbers;
 }
 
-/// visit(number of a point within reach of s).
+/// Calls visit(number) for each point within reach of s.
 template <class Visit>
 void eachWithin(const NearPoints& points, const Eigen::Vector3d& s, Visit visit) noexcept {
   for (const std::int32_t n : points.near(s))
@@ -71,7 +77,7 @@ std::vector<std::size_t> withinReach(const NearPoints& points, const Eigen::Vect
   return found;
 }
 
-/// The quantities at a place from those of sites around it.
+/// Interpolates the quantities at a place from the sites around it.
 class Interpolation {
  public:
   Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
@@ -80,8 +86,8 @@ class Interpolation {
     for (const std::size_t site : from) centers_.push_back(sites[site]);
   }
 
-  /// The first ones of the quantities. What is extrapolated at a site counts less than what is
-  /// solved.
+  /// Interpolates the first `quantities` of them. Sites where the point is extrapolated count less
+  /// than those where it is solved.
   template <int quantities = place_quantities>
   Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
       const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) {
@@ -102,7 +108,7 @@ class Interpolation {
     return sum;
   }
 
-  /// HermiteWeights::power where all of them are solved.
+  /// HermiteWeights::power if all sites are solved.
   double power() { return weightsFor(std::bitset<sites_of_collocation_point>().set()).power; }
 
   const std::vector<std::size_t> from;
@@ -121,10 +127,10 @@ class Interpolation {
   const Eigen::Vector3d place_;
   const double width_;
   std::vector<Eigen::Vector3d> centers_;
-  std::map<std::uint64_t, HermiteWeights> weights_;  ///< by which of them are solved
+  std::map<std::uint64_t, HermiteWeights> weights_;  ///< key: which of the sites are solved
 };
 
-/// Q(d) = E - T . d - d . (dT/ds) d / 2: what Q is of each quantity.
+/// Factors of the quantities in Q(d) = E - T . d - d . (dT/ds) d / 2.
 JetSums::Quantities expansionAt(const Eigen::Vector3f& d) noexcept {
   JetSums::Quantities factors;
   factors << 1, -d, JetSums::Quantities::Zero().tail<6>();
@@ -135,7 +141,7 @@ JetSums::Quantities expansionAt(const Eigen::Vector3f& d) noexcept {
   return factors;
 }
 
-/// dQ/dd = -T - (dT/ds) d, from the quantities.
+/// dQ/dd = -T - (dT/ds) d.
 Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& quantities) noexcept {
   Eigen::Vector3f slope = -quantities.segment<3>(1);
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
@@ -153,7 +159,7 @@ struct AreaField::LevelSum {
   bool begun = false;
   double edge = 0;
   Eigen::Vector3d local;
-  JetSums sums;  ///< of w Q, whose polynomial is that of E times the sum of w
+  JetSums sums;  ///< of w Q; the same polynomial as E, times the sum of w
 
   void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
     begun = true;
@@ -162,7 +168,7 @@ struct AreaField::LevelSum {
     sums.begin(valueBasis(edge, spacing, local));
   }
 
-  /// Adds what the sum says to a sample, over `whole`.
+  /// Adds the summed energy and its derivatives to a sample, divided by `whole`.
   void addTo(AreaSample& sample, double whole, double spacing) const noexcept {
     std::array<EnergyJet, 8> jets;
     LeafJets leaf;
@@ -220,7 +226,7 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& sites,
   prepareAll(progress);
 }
 
-/// Of the surface near sites, spread evenly.
+/// Spread evenly over the surface near sites.
 AreaField::CollocationPoints AreaField::collocationPointsOf(
     const std::vector<const SpaceTable*>& sites, const std::vector<Eigen::Vector3d>& surface) {
   const double finger = sites.at(0)->patch.finger.value().radius;
@@ -421,12 +427,12 @@ void AreaField::judge(std::size_t site) {
   };
   float strongest = std::numeric_limits<float>::min();
   for (const SiteJet& jet : own.jets) strongest = std::max(strongest, slopeOf(jet).norm());
-  // A force that nearly vanishes away from rest tells no share.
+  // Relative errors of forces that nearly vanish away from rest are meaningless.
   const float weakest = weakest_share * strongest;
   float worst = 0, least = std::numeric_limits<float>::infinity();
   for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
     const auto number = spaces_[site]->lattice.indexOf(tree.slots()[slot].point);
-    // The force at rest is zero, of which nothing is a share.
+    // The force at rest is zero, so it has no relative error.
     if (!number || *number == 0 || !isSolved(spaces_[site]->points[at(*number)].tag)) continue;
     const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
     const Eigen::Vector3f difference =
@@ -436,9 +442,9 @@ void AreaField::judge(std::size_t site) {
     worst = std::max(worst, lack);
     least = std::min(least, lack);
   }
-  // Rest alone tells nothing.
+  // Only rest is solved, so nothing can be compared.
   if (worst == 0) worst = least = share;
-  // What is not solved is no better known than the worst that is; near rest all is best.
+  // Unsolved points get the worst error of the solved ones, rest the least.
   for (std::size_t slot = 0; slot < doubts.size(); ++slot)
     if (std::isnan(doubts[slot].lack))
       doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
@@ -446,11 +452,11 @@ void AreaField::judge(std::size_t site) {
 
 struct AreaField::NearCollocationPoint {
   const CollocationPoint* collocation_point;
-  Eigen::Vector3d offset;  ///< m, of the place from it
+  Eigen::Vector3d offset;  ///< m, from the collocation point to the place
   double weight;
   Eigen::Vector3d weight_slope;  ///< 1/m
   const CellTree* tree;
-  LeafPlace place;  ///< of the displacement in the tree
+  LeafPlace place;  ///< leaf of the displacement in the tree
   bool is_new_tree;
 
   std::array<const SiteJet*, 8> jets() const noexcept {
@@ -470,7 +476,7 @@ void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vect
     const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
     near.collocation_point = &at_collocation_points_[at(number)];
-    // Neighbours often share a tree.
+    // Neighbours often share a tree, so its leaf is looked up once.
     const CellTree* const tree = &trees_[near.collocation_point->tree];
     near.is_new_tree = near.tree != tree;
     if (near.is_new_tree) {
@@ -518,7 +524,7 @@ double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {
   return least;
 }
 
-/// That of the sites around, by their weights.
+/// The weighted mean over the sites around.
 AreaField::PlacedEdge AreaField::edgeAt(const Eigen::Vector3d& s,
                                         const Eigen::Vector3d& unit) const noexcept {
   const DirectionWeights direction(unit);
@@ -546,7 +552,7 @@ AreaSample AreaField::beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& e
   if (edge.radius <= 0) return {};
   AreaSample sample = inRegion(s, edge.radius * unit);
   const double slope = -unit.dot(sample.force), curvature = -unit.dot(sample.stiffness * unit);
-  // -d/ds of the energy of continuedBeyond, where the radius and the stiffness depend on s too.
+  // -d/ds of the energy of continuedBeyond, with a radius and stiffness that depend on s too.
   sample.drive += depth * driveSlope(s, edge.radius * unit, unit, slope) -
                   depth * (curvature - edge.stiffness) * edge.radius_by_s -
                   0.5 * depth * depth * edge.stiffness_by_s;
@@ -561,7 +567,7 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
   eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
     if (near.is_new_tree) {
-      spacing = near.tree->spacing();  // of all the same
+      spacing = near.tree->spacing();  // the same for all trees
       level = &levels[at(near.tree->leaves()[at(near.place.leaf)].level)];
       if (!level->begun) level->begin(near.tree->edge(near.place.leaf), spacing, near.place.local);
     }
@@ -580,14 +586,14 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   sample.energy = 0;
   for (const LevelSum& sum : levels)
     if (sum.begun) sum.addTo(sample, whole, spacing);
-  // -d/ds of a quotient.
+  // -d/ds of the quotient.
   sample.drive = (sample.energy * whole_slope - slope) / whole;
   addJudgement(s, p, power / whole, sample);
   return sample;
 }
 
-/// N/m, of the drive when the displacement moves along a direction, with dE/dp along it. The same
-/// sums as in inRegion, of derivatives in place of values.
+/// Derivative of the drive when the displacement moves along a direction, N/m. energy_slope: dE/dp
+/// along it. The same sums as in inRegion, of derivatives instead of values.
 Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                       const Eigen::Vector3d& direction,
                                       double energy_slope) const noexcept {
@@ -625,7 +631,7 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
       lack += weight * weights[c] * static_cast<double>(doubt.lack);
       covered += weights[c] * static_cast<double>(doubt.coverage);
     }
-    // Rounded, so that what is solved on all sides is covered.
+    // Rounded, so that the coverage is exactly 1 where all corners are solved.
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;

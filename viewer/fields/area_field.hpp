@@ -13,129 +13,138 @@
 
 namespace palpate {
 
-/// What the energy of an area says about a finger at s with the displacement p.
+/// Sample of an area's energy for a finger at s with the displacement p.
 struct AreaSample : ForceSample {
-  /// N, T = -dE/ds: what drives the finger, in space; what of it lies in the surface moves it
-  /// along.
+  /// N, T = -dE/ds, in space. Its tangential part moves the finger along the surface.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
 };
 
-/// The chosen ones of all spaces, which outlive what is returned.
+/// Returns pointers to the chosen ones of `spaces`, which must outlive them.
 std::vector<const SpaceTable*> chosenOf(const std::vector<SpaceTable>& spaces,
                                         const std::vector<std::size_t>& chosen);
-/// Where the fingers of these spaces stand, metres.
+/// Centres of the fingers of these spaces, metres.
 std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sites);
 
-/// One energy E(s, p) of a finger over an area, its place s and its displacement p: force = -dE/dp
-/// and drive = -dE/ds. So every loop in (s, p) is closed in energy, over places where other sites
-/// take over too.
+/// Energy E(s, p) of a finger over an area, as a function of its place s and its displacement p.
+/// The force is -dE/dp, the configurational force (drive) is -dE/ds. The work around every closed
+/// loop in (s, p) is therefore zero, also where other sites take over.
 ///
-/// At each site and each solved p the energy is known to the third order in s and p, exactly (by s
-/// alone to the second; of the third order what counts, see LocalFits::judge).
-/// - In p the ten quantities of a site are interpolated on its lattice, which may be refined
+/// At each site and each solved p, the derivatives of E by s and p are known exactly to the third
+/// order, and by s alone to the second. Third derivatives are used only where LocalFits::judge
+/// trusts them.
+/// - In p, the ten quantities of a site are interpolated on its lattice, which may be refined
 ///   (site_jets.hpp).
-/// - From the sites they are interpolated to *collocation points*, places closer together, by a
-/// kernel that
-///   meets values, gradients and curvatures at the seven nearest sites (hermite_kernel.hpp). This
-///   is what makes few sites enough: its error goes with about the fifth power of their distance.
-///   A collocation point's lattice is refined where that of one of them is.
-/// - Around a collocation point E is its expansion Q to the second order in s - collocation point,
-/// and expansions are
-///   blended by a partition of unity (Shepard 1968)
+/// - In s, they are interpolated from the sites to *collocation points*, places closer together, by
+///   a kernel that meets values, gradients and curvatures at the seven nearest sites
+///   (hermite_kernel.hpp). Few sites suffice, because its error falls with about the fifth power of
+///   their distance. The lattice of a collocation point is refined wherever one of its sites'
+///   lattices is.
+/// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
+///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
 ///
 ///     E(s, p) = sum of w(|d| / reach) Q(d, p) / sum of w,    w(x) = (1 - x)^4 (4 x + 1)
 ///
-///   (Wendland 1995), smooth in space: there is no triangulation of sites, no edge where a force
-///   could jump, and nothing special about thin lobes, rims or several bodies.
+///   (Wendland 1995). The blend is smooth in space: the sites are not triangulated, the force jumps
+///   at no edge, and thin lobes, rims or several bodies need no special treatment.
+///
 /// E is twice continuously differentiable in s and in p.
 ///
-/// The error bound adds shares, which were measured, of that of the interpolation in p, of what
-/// each site lacks when it is interpolated from the others around it, and of the force.
+/// The error bound is a sum of three terms, with measured factors: the bound for interpolation in
+/// p, the error of interpolating each site from the sites around it, and the force.
 ///
-/// Prepared as a whole, or only where a finger is: for a page, which must not make its reader wait,
-/// and for commands that ask a few places. Where it is prepared it says the same to the last bit.
+/// The field can be prepared as a whole, or only around a finger: for web pages, which must not
+/// make the reader wait, and for commands that query few places. Both give the same samples to the
+/// last bit.
 ///
-/// One thread prepares, while nobody evaluates; else any thread may evaluate.
+/// One thread may prepare while no thread evaluates; otherwise any thread may evaluate.
 class AreaField {
  public:
-  /// Metres.
+  /// Collocation points, metres.
   struct CollocationPoints {
     std::vector<Eigen::Vector3d> places;
   };
-  /// Nothing is prepared yet. `sites` are spaces of fingers of one radius, of one build, and
-  /// outlive what is prepared of them; `collocation points` those of the whole area, at least one.
-  /// Error when a site has cells that are halved more often than a build does.
+  /// Prepares nothing yet. `sites`: spaces of one build, of fingers of one radius; they must
+  /// outlive the preparation. `collocation_points`: all points of the area, at least one. Error if
+  /// a site has cells that are halved more often than any build does.
   AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
-  /// All is prepared, with `progress` (prepareAll). `surface`: as for collocationPointsOf.
+  /// Prepares everything and reports `progress`, as prepareAll(). `surface`: as in
+  /// collocationPointsOf().
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
             const std::function<void(double)>& progress = {});
-  /// The collocation points of an area. `surface`: places of the body's surface around the sites,
-  /// close together against the radius (placesAround of common/problem/sites.hpp). Quick.
+  /// Returns the collocation points of an area. `surface`: places on the body's surface around the
+  /// sites, much closer together than the radius (placesAround in common/problem/sites.hpp). Fast.
   static CollocationPoints collocationPointsOf(const std::vector<const SpaceTable*>& sites,
                                                const std::vector<Eigen::Vector3d>& surface);
 
-  /// Side by side on all cores, any of which calls `progress` with the share of the work that is
-  /// done, up to 1; what it throws ends the making. Error when a site has no solved point. The
-  /// sites are not read any more after it.
+  /// Prepares everything, in parallel on all cores. Any of them calls `progress` with the share of
+  /// the work done, up to 1; an exception thrown by it ends the preparation. Error if a site has no
+  /// solved point. The sites are not read after it returns.
   void prepareAll(const std::function<void(double)>& progress = {});
-  /// What a finger at s (metres) needs, side by side on all cores. Error as prepareAll().
-  void prepareAt(const Eigen::Vector3d& s);
-  /// One piece of that, some milliseconds of work; false when nothing is lacking there. Error as
+  /// Prepares everything that a finger at s (metres) needs, in parallel on all cores. Errors as
   /// prepareAll().
+  void prepareAt(const Eigen::Vector3d& s);
+  /// Does one step of prepareAt(), some milliseconds of work. Returns false if nothing is left to
+  /// do at s. Errors as prepareAll().
   bool prepareNext(const Eigen::Vector3d& s);
-  /// One site that is not made yet, of all the nearest to s; false when all are. Where sites are
-  /// made, the rest is quick.
+  /// Prepares the nearest site to s that is not prepared yet. Returns false if all are. Most of the
+  /// work is in the sites; the steps after them are fast.
   bool prepareSite(const Eigen::Vector3d& s);
 
-  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond what was
-  /// computed around s the sample is the continuation of answered_region.hpp, one energy over s
-  /// too; where no site is within reach of s the sample is not inside, and fades out to nothing;
-  /// where it is not prepared the sample is not inside and has no force. Of a single site there is
-  /// no bound (NaN), because nothing tells how its expansion does beside it. Real time.
+  /// Evaluates the energy at any s and p. s: metres, place on the surface at rest; p: displacement,
+  /// metres.
+  ///
+  /// - Beyond the solved region around s, the sample is the continuation of answered_region.hpp,
+  ///   with one energy over s too.
+  /// - If no site is within reach of s, the sample is not inside; it fades out to zero.
+  /// - If s is not prepared, the sample is not inside and has no force.
+  /// - With a single site the error bound is NaN, since no other site can check its expansion.
+  ///
+  /// Real time.
   AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
 
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t madeSites() const { return made_count_; }
   std::size_t collocationPointCount() const { return collocation_points_.points().size(); }
-  double siteReach() const { return sites_.reach(); }  ///< m: farther away a site says nothing
-  /// The numbers of those that say something at a place, metres.
+  /// m, distance at which the influence of a site ends
+  double siteReach() const { return sites_.reach(); }
+  /// Numbers of the sites within reach of a place, metres.
   std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
   const Eigen::Vector3d& siteCenter(std::size_t site) const { return sites_.points()[site]; }
 
  private:
-  /// The lattice of a collocation point, and what is interpolated to it.
+  /// A collocation point: its lattice and the quantities interpolated to it.
   struct CollocationPoint {
     std::size_t tree = 0;
     std::vector<SiteJet> jets;  ///< per slot of the tree
     double power = 0;           ///< HermiteWeights::power
   };
-  /// What is said at a slot of a site's lattice.
+  /// Error estimate and coverage at a slot of a site's lattice.
   struct Doubt {
-    /// Of the force, by the root of the power of the place: what is lacking when the others around
-    /// stand in.
+    /// Error when the site is interpolated from the sites around it, as a share of the force,
+    /// divided by the square root of HermiteWeights::power at the site.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };
   struct Judgement {
     std::size_t tree = 0;
     std::vector<Doubt> doubts;  ///< per slot of the tree
-    FieldError p_error;         ///< of its leaves
+    FieldError p_error;         ///< of the tree's leaves
     AnsweredRegion region;
   };
-  /// Where the answers at a place end along one direction.
+  /// Edge of the answered region at a place along one direction.
   struct PlacedEdge : RegionEdge {
-    /// By the place: m/m and N/m per m.
+    /// Derivatives by the place: m/m and N/m per m.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
   };
-  /// A collocation point within reach of a place, and what is known of a displacement there.
+  /// A collocation point within reach of a place, with the leaf of a displacement in its tree.
   struct NearCollocationPoint;
-  /// Sums over the collocation points whose leaves around a displacement are on one level: all are
-  /// the same.
+  /// Sums over the collocation points with the same level of the leaf around a displacement. Such
+  /// leaves are identical.
   struct LevelSum;
 
   std::vector<std::size_t> collocationPointsAt(const Eigen::Vector3d& s) const;
-  // What collocation points and judgements are made from.
+  // Sites that a collocation point or a judgement is computed from.
   std::vector<std::size_t> sitesOfCollocationPoint(std::size_t collocation_point) const;
   std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
   bool isInterpolated(std::size_t collocation_point) const {
@@ -144,24 +153,27 @@ class AreaField {
   bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
   bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
 
-  /// Those of these collocation points and sites that are lacking, with the sites that they need.
-  /// `did` is told how much work is done, by any thread.
+  /// Prepares these collocation points and sites, and the sites that they need, unless they are
+  /// prepared already. Any thread may call `did`, with the work done since its last call.
   void prepare(const std::vector<std::size_t>& collocation_points,
                const std::vector<std::size_t>& judged, const std::function<void(std::size_t)>& did);
   bool makeOneOf(const std::vector<std::size_t>& sites);
-  // In two parts: the first changes what all share, the second is of this collocation point or site
-  // alone, whose sites are made.
+  // Preparation has two parts. The first changes shared data; the second changes only this
+  // collocation point or site, and needs its sites prepared.
   void beginCollocationPoint(std::size_t collocation_point);
   void interpolateTo(std::size_t collocation_point);
   void beginJudgement(std::size_t site);
   void judge(std::size_t site);
-  /// The number of the tree of a lattice like that of a space, with these cells split.
+  /// Returns the index of the tree for the lattice of `like` with these cells split. Creates the
+  /// tree if needed.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
-  /// visit(NearCollocationPoint), in a fixed order; p: in the ball.
+  /// Calls visit(NearCollocationPoint) for each within reach of s, in a fixed order; p: in the
+  /// ball.
   template <class Visit>
   void eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                             Visit visit) const noexcept;
-  /// visit(judgement, weight of the site, by s).
+  /// Calls visit(judgement, weight of the site, derivative of the weight by s) for each site within
+  /// reach.
   template <class Visit>
   void eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept;
   AreaSample inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
@@ -175,23 +187,23 @@ class AreaField {
   void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
                     AreaSample& sample) const noexcept;
 
-  std::vector<const SpaceTable*> spaces_;  ///< of the sites
-  double radius_ = 0, finger_ = 0;         ///< of the ball, of the finger, m
-  /// One for each way in which lattices are refined; of their slots only the places count.
+  std::vector<const SpaceTable*> spaces_;  ///< spaces of the sites
+  double radius_ = 0, finger_ = 0;         ///< m, radii of the ball and of the finger
+  /// One tree for each pattern of refinement. Their slots are used for positions only.
   std::vector<CellTree> trees_;
   std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, collocation_points_;
   std::vector<CollocationPoint> at_collocation_points_;  ///< per collocation point
   std::vector<Judgement> judgements_;                    ///< per site
 
-  // While it is prepared.
+  // Used only during preparation.
   std::vector<SiteFits> fits_;                 ///< per thread
   std::vector<std::optional<SiteJets>> made_;  ///< per site
   std::size_t made_count_ = 0;
   bool is_whole_ = false;
 };
 
-/// What an area says at one of its places, as a field of its own.
+/// An area's energy at a fixed place, as a force field of its own.
 class FieldAtPlace : public ForceField {
  public:
   FieldAtPlace(std::shared_ptr<const AreaField> area, const Eigen::Vector3d& place)

@@ -39,7 +39,7 @@ CellField::CellField(std::string_view name, const CellData& data, Limit limit)
                  "forces and their support are per slot");
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     nodes_[s] << data.equilibria[s].force, data.support[s];
-  // Next to a jump no corner counts as support, see coverage.
+  // No corner next to a jump counts as support; see slotCoverage().
   for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
     for (const std::int32_t slot : tree_.corners(leaf)) nodes_[at(slot)][3] = 0;
   fillHangingTrilinearly(tree_, nodes_);
@@ -48,7 +48,7 @@ CellField::CellField(std::string_view name, const CellData& data, Limit limit)
 }
 
 void CellField::setFlags(const std::vector<std::int32_t>& leaves) {
-  // No flags at all, so that fields without a jump do not pay for the limiter.
+  // Without jumps there are no flags, so the limiter costs nothing.
   if (leaves.empty()) return;
   flags_.assign(nodes_.size(), 0);
   for (const std::int32_t leaf : leaves)

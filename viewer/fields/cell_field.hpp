@@ -4,34 +4,36 @@
 
 namespace palpate {
 
-/// What all methods that interpolate in the leaves of a cell tree have in common: where a
-/// displacement lies, what happens beyond the region that was computed, coverage, and the limiter.
+/// Base of all methods that interpolate in the leaves of a cell tree. It finds the leaf of a
+/// displacement, continues the force beyond the solved region, and provides coverage and the
+/// limiter.
 ///
-/// Limiter: smooth interpolants overshoot where two corners of a leaf lie on different branches.
-/// All corners of a leaf with such an edge (branch_check.hpp) have the flag 1, the others 0; w is
-/// the tri-linear interpolant of the flags. Where w > 0 the error bound grows by w times the
-/// largest difference between forces at the leaf's corners. Methods without an energy of their own
-/// are blended: the force is (1 - w) smooth + w tri-linear, so exactly the tri-linear one in such a
-/// leaf, the smooth one in leaves that do not touch it, and continuous; there is no energy. The
-/// corners of leaves with an inconsistent edge count as not covered.
+/// Limiter. Smooth interpolants overshoot in a leaf with corners on different branches. All corners
+/// of a leaf with an edge between branches (branch_check.hpp) have the flag 1, the others 0, and w
+/// is the tri-linear interpolant of the flags. Where w > 0, the error bound grows by w times the
+/// largest difference between forces at the leaf's corners. The force of methods without an energy
+/// of their own is blended to (1 - w) smooth + w tri-linear, and has no energy. So it is tri-linear
+/// in such a leaf, smooth in leaves that do not touch one, and continuous. Corners of leaves with
+/// an inconsistent edge count as not covered.
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;
   std::string_view name() const final { return name_; }
 
  protected:
-  /// Which edges flag a leaf, and what that changes.
+  /// Edges that flag a leaf, and the effect of the flags.
   enum class Limit {
-    bound,  ///< inconsistent ones, and the error bound alone: the method itself is limited
-    force,  ///< suspect ones: the force is blended too
+    /// inconsistent edges; changes only the error bound, since the method itself is limited
+    bound,
+    force,  ///< suspect edges; blends the force too
   };
 
-  /// name: a literal. Copies what it needs of the data.
+  /// name: a literal. Copies the data that it needs.
   CellField(std::string_view name, const CellData& data, Limit limit = Limit::force);
 
-  /// Replaces what `sample` comes with, the tri-linear force and stiffness, by those of the method
-  /// at a place in a leaf (0..1 along each axis), with energy and error bound if it has them. Real
-  /// time.
+  /// Evaluates the method at a place in a leaf (0..1 along each axis). `sample` comes with the
+  /// tri-linear force and stiffness, which are replaced; energy and error bound are set if the
+  /// method has them. Real time.
   virtual void interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
                            ForceSample& sample) const noexcept = 0;
 
@@ -50,7 +52,7 @@ class CellField : public ForceField {
   Limit limit_;
   std::vector<Eigen::Vector4d> nodes_;  ///< per slot: force, N, and support
   std::vector<double> flags_;           ///< per slot
-  /// Per leaf: largest difference of corner forces, N; -1: no corner flagged.
+  /// Largest difference of corner forces per leaf, N; -1 if no corner is flagged.
   std::vector<double> spread_;
 };
 

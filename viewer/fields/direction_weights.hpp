@@ -7,23 +7,25 @@
 
 namespace palpate {
 
-/// Unit vectors spread evenly over the sphere (a Fibonacci lattice, z falling), some 7 degrees
-/// apart: where functions of a direction are tabulated.
+/// Returns unit vectors at which functions of a direction are tabulated. They are spread evenly
+/// over the sphere (a Fibonacci lattice, in order of falling z), some 7 degrees apart.
 const std::vector<Eigen::Vector3d>& tableDirections();
 
-/// A twice continuously differentiable partition of unity over tableDirections(), at one direction.
+/// A partition of unity over tableDirections(), at one direction; twice continuously
+/// differentiable.
 struct DirectionWeights {
   /// unit: a unit vector. Real time.
   explicit DirectionWeights(const Eigen::Vector3d& unit) noexcept;
 
   static constexpr std::size_t most = 32;
   std::size_t size = 0;                         ///< used entries of the arrays
-  std::array<std::uint16_t, most> numbers;      ///< in tableDirections()
+  std::array<std::uint16_t, most> numbers;      ///< indices in tableDirections()
   std::array<double, most> weights;             ///< sum: 1
   std::array<Eigen::Vector3d, most> gradients;  ///< of the weights by the direction, tangential
 };
 
-/// Table directions that share a weight somewhere with direction `number`, itself among them.
+/// Returns the table directions with a support that overlaps the support of direction `number`.
+/// Includes itself.
 const std::vector<std::size_t>& directionsBeside(std::size_t number);
 
 }  // namespace palpate

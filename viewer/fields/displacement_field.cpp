@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Rows that are added at once: few passes over `out`, and no more pointers than registers.
+/// Rows added per pass over `out`: few passes, and no more pointers than registers.
 constexpr std::size_t rows_at_once = 4;
 
 /// out += sum of factors[n] * rows[n].
@@ -30,7 +30,7 @@ DisplacementField::DisplacementField(const PointBlend& blend, std::span<const fl
   const ShapeRows shapes = blend.rowsOf(displacements, 3);
   PALPATE_ASSERT(shapes.rows() == std::ssize(blend.points()), "shares of points name these rows");
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
-  if (modeCount() == 0) return;  // nothing moves, and rows without columns lie nowhere
+  if (modeCount() == 0) return;  // nothing moves, and the rows have no data
   const Eigen::MatrixXd of_points = (shapes * modes_.transpose()).cast<double>();
   Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(tree_.slots()), modes_.rows());
   for (Eigen::Index s = 0; s < shares.rows(); ++s)
@@ -55,7 +55,7 @@ bool DisplacementField::evaluate(const Eigen::Vector3d& displacement,
 void DisplacementField::evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept {
   const std::array<double, 8> weights = trilinearWeights(place.local);
   std::ranges::fill(out, 0.0f);
-  // The last few are filled up with the first mode, times nothing.
+  // The last pass is filled up with the first mode, times zero.
   for (std::size_t first = 0; first < modeCount(); first += rows_at_once) {
     std::array<const float*, rows_at_once> rows;
     std::array<float, rows_at_once> factors{};

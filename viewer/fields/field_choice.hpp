@@ -9,12 +9,12 @@
 
 namespace palpate {
 
-/// The words for makeForceField, the default first.
+/// Names of the methods of makeForceField, the default first.
 const std::vector<std::string>& forceFieldMethods();
 
-/// The field that interpolates `space` by a method. Error (bad input) for an unknown method,
-/// listing the known; Error when the space has no solved point, or when radial functions cannot be
-/// had of its points (rbf_field.hpp). Any thread.
+/// Returns the field that interpolates `space` by a method. Error (bad input) for an unknown
+/// method, listing the known ones. Error if the space has no solved point, or if the radial
+/// functions cannot interpolate its points (rbf_field.hpp). Any thread.
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space);
 
 }  // namespace palpate

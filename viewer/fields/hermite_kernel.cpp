@@ -11,16 +11,16 @@
 namespace palpate {
 namespace {
 
-/// Of the diagonal, so that nearly equal sites do no harm.
+/// Relative increase of the diagonal, so that nearly coincident sites do no harm.
 constexpr double ridge = 1e-10;
 
-/// Variances of E, T and dT/ds where they are extrapolated, where those of the kernel are 1, 1 and
-/// 3 to 9. Of 146 exact solutions of a soft dome, pressed in by up to 1.1 radii, 84 % are kept with
-/// ten times these, 90 % with these and 89 % with none; of 148 of the shipped liver 147 and, with
-/// these and a third of them, 146.
+/// Variances of extrapolated E, T and dT/ds; the kernel's own are 1, 1 and 3 to 9. Measured at 146
+/// exact solutions of a soft dome, pressed in by up to 1.1 radii: 84 % meet the wanted accuracy
+/// with ten times these, 90 % with these and 89 % with none. At 148 of the shipped liver, 146 meet
+/// it with these or a third of them, and 147 otherwise.
 constexpr std::array<double, 3> noise = {0, 0.001, 0.03};
 
-/// Up to four axes along which is differentiated.
+/// Up to four axes to differentiate along.
 struct Axes {
   std::array<int, 4> axis{};
   int count = 0;
@@ -36,7 +36,7 @@ Axes axesOf(int quantity) {
   return {{a, b}, 2};
 }
 
-/// The kernel as a function g of q = |x|^2, and its derivatives at one x, in units of the width.
+/// Derivatives of the kernel, a function g of q = |x|^2, at one x, in units of the width.
 class Kernel {
  public:
   explicit Kernel(const Eigen::Vector3d& x) : x_(x) {
@@ -48,7 +48,7 @@ class Kernel {
     }
   }
 
-  /// The derivative of g(|x|^2) along the axes.
+  /// Derivative of g(|x|^2) along the axes.
   double derivative(const Axes& axes) const {
     const auto x = [&](int n) { return x_[axes.axis[at(n)]]; };
     const auto d = [&](int m, int n) { return axes.axis[at(m)] == axes.axis[at(n)] ? 1.0 : 0.0; };
@@ -75,8 +75,8 @@ class Kernel {
 
 using Block = Eigen::Matrix<double, place_quantities, place_quantities>;
 
-/// What the quantities at `to` are of a unit of each at `from`: derivatives of the kernel by both.
-/// Derivatives of the energy here, not yet T and its slope.
+/// Response of the quantities at `to` to a unit of each at `from`: derivatives of the kernel by
+/// both places. They are derivatives of the energy, not yet T and dT/ds.
 Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double width) {
   const Kernel kernel((to - from) / width);
   Block block;
@@ -102,7 +102,7 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
   for (std::size_t column = 0; column < sites.size(); ++column) {
     const auto c = static_cast<Eigen::Index>(place_quantities * column);
     to_place.middleCols<place_quantities>(c) = blockOf(place, sites[column], width);
-    // Of the symmetric matrix ldlt() reads what is below the diagonal.
+    // ldlt() reads only the lower triangle of the symmetric matrix.
     for (std::size_t row = column; row < sites.size(); ++row)
       matrix.block<place_quantities, place_quantities>(
           static_cast<Eigen::Index>(place_quantities * row), c) =
@@ -113,9 +113,9 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
     if (!solved[at(i / place_quantities)])
       matrix(i, i) += noise[at(axesOf(static_cast<int>(i % place_quantities)).count)];
   Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
-  // The kernel at distance 0 is 1.
+  // The kernel is 1 at distance 0.
   const double variance = 1 - coefficients.row(0).dot(to_place.row(0));
-  // In units of the width derivatives are width^order times larger; T and its slope are minus
+  // Derivatives in units of the width are width^order times larger. T and dT/ds are negative
   // derivatives.
   for (Eigen::Index i = 0; i < n; ++i) {
     const int quantity = static_cast<int>(i % place_quantities);

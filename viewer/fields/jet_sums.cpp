@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// One register of AVX-512, two of AVX2.
+/// One register of AVX-512, or two of AVX2.
 using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
 
 [[gnu::always_inline]] inline JetPack load(const float* numbers) {
@@ -16,8 +16,8 @@ using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
   return pack;
 }
 
-/// sum + a * b, rounded once where the machine can; so in a page too, whose sums are then those of
-/// the machine that made it.
+/// sum + a * b, rounded once where the machine can. WebAssembly rounds once too, so that a page
+/// computes the same sums as the machine that made it.
 template <class Factor>
 [[gnu::always_inline]] inline JetPack addedProduct(JetPack sum, Factor a, JetPack b) {
 #ifdef __wasm__
@@ -29,8 +29,8 @@ template <class Factor>
 #endif
 }
 
-/// Of 8 corners: packs of value_factors and sums, jets of ten columns; one pass over the jets,
-/// which are in no cache when a hand comes to a new place.
+/// For 8 corners: packs of value_factors and sums, and jets of ten columns. One pass over the jets,
+/// because none is in a cache when the tool reaches a new place.
 PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
                                     const float* value_factors, float* sums,
                                     float* values) noexcept {

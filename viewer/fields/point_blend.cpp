@@ -10,10 +10,11 @@
 namespace palpate {
 namespace {
 
-/// Solved points that a ghost is continued from: enough to span the space beside a flat rim too.
+/// Number of solved points that a ghost is extrapolated from: enough to span the space beside a
+/// flat rim too.
 constexpr std::ptrdiff_t most_sources = 20;
 
-/// The nearest of the `solved` slots, nearest first, without those on another branch than the
+/// Returns the nearest `solved` slots, nearest first, without those on another branch than the
 /// first.
 std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const CellBranches& data,
                                     std::int32_t ghost) {
@@ -34,7 +35,7 @@ std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const 
   return slots;
 }
 
-/// What stands in a ghost, in ascending order of slots; `solved`: all solved slots.
+/// Returns the shares of a ghost, in ascending order of slots. `solved`: all solved slots.
 std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
                                       const CellBranches& data, std::int32_t ghost) {
   const std::vector<std::int32_t> slots = sourcesOf(solved, data, ghost);
@@ -49,11 +50,12 @@ std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
     closeness[i] = 1 / offset.norm();
   }
   const Eigen::Vector4d target(1, 0, 0, 0);
-  // The least sum of squared factors over closeness: far slots take part where near ones do not do.
+  // Minimizes the sum of (factor / closeness)^2, so that far slots contribute only where near ones
+  // do not suffice.
   const Eigen::MatrixXd weighted = conditions * closeness.asDiagonal();
   const Eigen::VectorXd factors =
       closeness.cwiseProduct(weighted.completeOrthogonalDecomposition().solve(target));
-  constexpr double most = 6;  // sum of the magnitudes: 1 to 3 at a rim
+  constexpr double most = 6;  // largest sum of magnitudes; 1 to 3 at a rim
   const auto shareOf = [&](std::int32_t slot, double factor) {
     return PointShare{
         static_cast<std::int32_t>(std::ranges::lower_bound(solved, slot) - solved.begin()), factor};
@@ -66,7 +68,7 @@ std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
   return shares;
 }
 
-/// Between the corners of a leaf, whose shares must be known.
+/// Interpolates between the corners of a leaf. Their shares must be known.
 std::vector<PointShare> sharesIn(const CellTree& tree, const LeafPlace& place,
                                  const std::vector<std::vector<PointShare>>& of_slots) {
   std::map<std::int32_t, double> sum;

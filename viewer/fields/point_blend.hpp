@@ -7,43 +7,45 @@
 
 namespace palpate {
 
-/// A multiple of what a solved point has.
+/// A multiple of the values of a solved point.
 struct PointShare {
   std::int32_t row = -1;  ///< of PointBlend::points
   double factor = 0;
 };
 
-/// A row per solved point, a column per number of it.
+/// One row per solved point, one column per value of it.
 using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Of which solved points of a space, and of how much of each, anything between them is made that
-/// is no force: shapes, pressures, whole configurations.
+/// Shares of the solved points of a space in any quantity interpolated between them, except forces:
+/// shapes, pressures, whole configurations.
 ///
-/// Tri-linear in the leaf around a displacement. A ghost is continued from the up to 20 nearest
-/// solved corners, without those on another branch than the nearest, so that linear functions are
-/// exact and near points weigh more; from the nearest alone where those do not span the space. A
-/// hanging corner is what its coarser leaf interpolates there. Factors sum to 1; some may be
-/// negative.
+/// Tri-linear in the leaf around a displacement. A ghost is extrapolated from the up to 20 nearest
+/// solved corners, without those on another branch than the nearest one; linear functions are
+/// exact, and nearer points weigh more. If those corners do not span the space, the nearest one
+/// alone is used. A hanging corner takes the interpolant of its coarser leaf. Factors sum to 1;
+/// some may be negative.
 ///
-/// Immutable: any number of threads may ask at once.
+/// Immutable: any number of threads may read at the same time.
 class PointBlend {
  public:
-  /// Copies what it needs. Error when no point of the space, or no corner of a cell, is solved.
+  /// Copies the data that it needs. Error if no point of the space, or no corner of a cell, is
+  /// solved.
   explicit PointBlend(const SpaceTable& space);
 
   const CellTree& tree() const { return tree_; }
   /// Lattice numbers of the solved corners of cells, in the order of their slots.
   const std::vector<std::int32_t>& points() const { return points_; }
-  /// Their rows of `values`, [point of the space][node][component], of which those of other points
-  /// are not read. Error when the number of values does not fit.
+  /// Returns their rows of `values`, [point of the space][node][component]; values of other points
+  /// are not read. Error if the number of values does not fit.
   PointRows rowsOf(std::span<const float> values, std::size_t components) const;
 
-  /// In ascending order of rows, each once; a solved slot is itself alone. Real time.
+  /// Shares of a slot, each row once, in ascending order; a solved slot has only its own. Real
+  /// time.
   const std::vector<PointShare>& ofSlot(std::int32_t slot) const { return shares_[at(slot)]; }
-  /// The same for a displacement, metres. Outside of the ball those of the nearest point of the
-  /// sphere, those at rest for NaN.
+  /// Shares at a displacement, metres, in the same order. Outside the ball they are those at the
+  /// nearest point of the sphere; for NaN, those at rest.
   std::vector<PointShare> sharesAt(const Eigen::Vector3d& displacement) const;
-  /// The leaf that these are interpolated in. Real time.
+  /// Leaf in which sharesAt() interpolates. Real time.
   LeafPlace leafAt(const Eigen::Vector3d& displacement) const noexcept;
 
  private:

@@ -10,19 +10,19 @@
 namespace palpate {
 namespace {
 
-// Of the difference of the forces along the edge: quintics with a mismatch up to 0.27 of it stay
-// between the forces at the ends. Measured at 9315 exact solutions (ten nodes of the coarse liver,
-// 100 mm, 20 mm spacing): 0.1 keeps the largest error next to jumps near that of tri-linear
-// interpolation, larger shares only the mean.
+// Share of the difference of the forces along the edge. Quintics with a mismatch up to 0.27 of it
+// stay between the forces at the ends. Measured at 9315 exact solutions (ten nodes of the coarse
+// liver, 100 mm, 20 mm spacing): 0.1 keeps the largest error next to jumps near that of tri-linear
+// interpolation; larger shares do so only for the mean.
 constexpr double allowed_share = 0.1;
-// A sweep leaves at most some 6/7 of the distance to the minimum.
+// Each sweep reduces the distance to the minimum to at most about 6/7.
 constexpr int sweeps = 100;
 
 /// An edge of a leaf between slots that do not hang.
 struct CellEdge {
   std::int32_t a, b;
   double length;    ///< metres
-  double mismatch;  ///< N, (E_b - E_a + work of the force) / length, of the stored energies
+  double mismatch;  ///< N, (E_b - E_a + work of the force) / length, from the stored energies
   double allowed;   ///< N
 };
 
@@ -38,15 +38,15 @@ CellEdge edgeBetween(const CellData& data, std::int32_t a, std::int32_t b) {
           .allowed = allowed_share * std::abs((high.force - low.force).dot(step)) / length};
 }
 
-/// Those that have an end in a leaf with an inconsistent edge, and what they say of the corrections
-/// there.
+/// Corrections of the slots in leaves with an inconsistent edge, and the edges that end in these
+/// slots.
 class Corrections {
  public:
   explicit Corrections(const CellData& data) : values_(data.tree.slots().size(), 0) {
     for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
       for (const std::int32_t slot : data.tree.corners(leaf))
         if (data.tree.slots()[at(slot)].kind != SlotKind::hanging) edges_[slot];
-    // As almost always: nothing to correct.
+    // The usual case: nothing to correct.
     if (edges_.empty()) return;
     PALPATE_ASSERT(data.equilibria.size() == values_.size(), "a slot has an energy and a force");
     for (std::int32_t leaf = 0; leaf < std::ssize(data.tree.leaves()); ++leaf)
@@ -66,7 +66,7 @@ class Corrections {
         if ((c & axis) == 0) add(data, corners[c], corners[c | axis]);
   }
 
-  /// Every leaf around an edge brings it; it is kept once.
+  /// Keeps an edge once, though every leaf around it brings it.
   void add(const CellData& data, std::int32_t a, std::int32_t b) {
     for (const std::int32_t end : {a, b}) {
       const auto found = edges_.find(end);
@@ -79,7 +79,7 @@ class Corrections {
     }
   }
 
-  /// One step of the minimisation along one correction, the others held.
+  /// Minimises over one correction, with the others fixed.
   void relax(std::int32_t slot, const std::vector<CellEdge>& edges) {
     double slope = 0, curvature = 0, shortest = std::numeric_limits<double>::infinity();
     for (const CellEdge& edge : edges) {

@@ -13,7 +13,8 @@ std::string_view nameOf(RbfKernel kernel) {
   return kernel == RbfKernel::linear ? "rbf-linear" : "rbf-cubic";
 }
 
-/// The lattice numbers of solved points, as many as a matrix can be made of.
+/// Returns the lattice numbers of the solved points. Error if there are none, or more than a matrix
+/// is made of.
 std::vector<std::int32_t> solvedPoints(const SpaceTable& space) {
   std::vector<std::int32_t> solved;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
@@ -40,7 +41,7 @@ Eigen::MatrixXd kernelMatrix(RbfKernel kernel, const Rows& position) {
   return matrix;
 }
 
-/// In units of the spacing.
+/// Positions are in units of the spacing.
 std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
   const RbfWeights solution = solveRbfWeights(space, kernel);
   if (!solution.accurate())
@@ -52,7 +53,7 @@ std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
   PALPATE_ASSERT(solution.position.rows() == solution.weights.rows() && solution.weights.rows() > 0,
                  "there is a weight for every solved point, of which there is one at least");
   const std::size_t count = at(solution.weights.rows());
-  // The last block is filled up with weights of zero.
+  // Unused lanes of the last block have zero weights.
   std::vector<RbfBlock> blocks((count - 1) / rbf_lanes + 1);
   for (std::size_t n = 0; n < count; ++n)
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +79,7 @@ RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel) {
   const Eigen::PartialPivLU<Eigen::MatrixXd> factors(matrix);
   solution.condition = 1 / factors.rcond();
   solution.weights = factors.solve(force);
-  // A step of refinement takes the last digits that the condition cost.
+  // One step of iterative refinement recovers the last digits, lost to the condition.
   solution.weights += factors.solve(force - matrix * solution.weights);
   const double largest = force.cwiseAbs().maxCoeff();
   const double error = (force - matrix * solution.weights).cwiseAbs().maxCoeff();

@@ -8,39 +8,38 @@ namespace palpate {
 /// Radial function of an interpolation.
 enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 
-/// Global interpolation of the force of a configuration space over its solved points (paper, Eq.
-/// 12):
+/// Weights of the global interpolation of a space's force over its solved points (paper, Eq. 12):
 ///
 ///   force(p) = sum over solved points i of  w_i phi(|p - p_i| / spacing)
 struct RbfWeights {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   Rows position;  ///< of the solved points, in the order of their lattice numbers, in spacings
-  Rows weights;   ///< N, of each of them
+  Rows weights;   ///< N, of the solved points
   double condition = 0;  ///< of the matrix phi(|p_i - p_j|), estimated in the 1-norm
-  /// Largest error of a force component at a solved point, relative to the largest; infinite when
-  /// the system has no solution.
+  /// Largest error of a force component at a solved point, relative to the largest component;
+  /// infinite if the system has no solution.
   double residual = 0;
 
-  /// The residual is what rounding leaves. Otherwise the weights are worth nothing.
+  /// Whether the residual is only round-off. If not, the weights are useless.
   bool accurate() const { return residual <= 1e-8; }
 };
 
-/// More solved points than this are refused: the matrix of 5000 and its factors take 0.4 GB, and
-/// the time grows with the third power.
+/// Limit of solved points; more are refused. The matrix of 5000 and its factors take 0.4 GB, and
+/// the time grows with the third power of the number.
 inline constexpr std::size_t most_rbf_points = 5000;
 
-/// Solves for the weights. Error when the space has no solved point or more than most_rbf_points.
-/// Any thread.
+/// Solves for the weights. Error if the space has no solved point or more than most_rbf_points. Any
+/// thread.
 RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel);
 
-/// The paper's other method: one sum of radial functions over all solved points.
-/// No cells, so the force has continuous derivatives everywhere (of r: but at the solved points)
-/// and the whole ball is answered the same way. A query costs time for every solved point, and the
-/// force is not conservative.
+/// The paper's other method: one sum of radial functions over all solved points. It has no cells,
+/// so the force has continuous derivatives everywhere (with phi(r) = r, except at the solved
+/// points), and one formula holds in the whole ball. The time of a query grows with the number of
+/// solved points, and the force is not conservative.
 class RbfField : public CellField {
  public:
-  /// Solves for the weights. Error when the space has no solved point, too many, or points that
-  /// these radial functions cannot tell apart (a single one).
+  /// Solves for the weights. Error if the space has no solved point, too many, or points for which
+  /// the system has no accurate solution (such as a single one).
   RbfField(const SpaceTable& space, RbfKernel kernel);
 
  private:

@@ -7,8 +7,7 @@
 namespace palpate {
 namespace {
 
-/// A block's centres side by side: one register of AVX2 and AVX-512, so that the twelve sums stay
-/// in registers.
+/// Four centres side by side, one register of AVX2, so that the twelve sums stay in registers.
 using Pack = double __attribute__((vector_size(rbf_lanes * sizeof(double))));
 
 [[gnu::always_inline]] inline Pack load(const double* values) {
@@ -19,11 +18,11 @@ using Pack = double __attribute__((vector_size(rbf_lanes * sizeof(double))));
   return Pack{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }
 
-/// phi(r) = r^power.
+/// Sums for phi(r) = r^power.
 template <int power>
 [[gnu::always_inline]] inline RbfSums addUp(const RbfBlock* blocks, std::size_t count,
                                             const double* p) noexcept {
-  // So that 1 / r is finite at a centre, where it is multiplied by zero.
+  // Keeps 1 / r finite at a centre, where it is multiplied by zero.
   const Pack tiny = Pack{} + 1e-200;
   Pack value[3] = {}, gradient[3][3] = {};
   for (std::size_t n = 0; n < count; ++n) {
@@ -32,7 +31,7 @@ template <int power>
                        p[2] - load(block.position[2])};
     const Pack squared = ((tiny + d[0] * d[0]) + d[1] * d[1]) + d[2] * d[2];
     const Pack r = squareRoot(squared);
-    const Pack scale = power == 1 ? 1 / r : r;  // phi / r^2, and phi' / r but for the power
+    const Pack scale = power == 1 ? 1 / r : r;  // phi / r^2, which is also phi' / (power * r)
     for (int i = 0; i < 3; ++i) {
       const Pack w = load(block.weight[i]) * scale;
       value[i] += w * squared;

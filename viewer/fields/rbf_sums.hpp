@@ -7,8 +7,8 @@ namespace palpate {
 
 inline constexpr std::size_t rbf_lanes = 4;
 
-/// Four centres of radial functions, with a weight per force component (structure of arrays). A
-/// block that is not full has zero weights.
+/// Four centres of radial functions, with a weight per force component (structure of arrays).
+/// Unused lanes have zero weights.
 struct alignas(32) RbfBlock {
   double position[3][rbf_lanes] = {};
   double weight[3][rbf_lanes] = {};
@@ -20,12 +20,11 @@ struct RbfSums {
   double gradient[3][3] = {};  ///< [component][axis]
 };
 
-/// The sums of phi(r) = r at p, which is in the same unit as the centres. At a centre its own
-/// derivative, which is not defined, counts as zero. Real time: does not allocate, lock, throw or
-/// log.
+/// Returns the sums for phi(r) = r at p, in the unit of the centres. At a centre its own derivative
+/// is undefined and counts as zero. Real time: does not allocate, lock, throw or log.
 RbfSums linearRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
-/// The same for phi(r) = r^3.
+/// Returns the sums for phi(r) = r^3, in the same way.
 RbfSums cubicRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
 }  // namespace palpate

@@ -6,23 +6,23 @@
 namespace palpate {
 namespace {
 
-/// Shapes that choose at first: neighbours on a lattice are much alike.
+/// Number of shapes that provide the first modes; neighbours on a lattice are much alike.
 constexpr Eigen::Index electors = 400;
-/// Shapes that are looked at together: what they miss stays in a core's cache.
+/// Number of shapes checked together, so that their errors stay in a core's cache.
 constexpr Eigen::Index block = 256;
 
 Eigen::VectorXf largestEntries(const ShapeRows& rows) {
   return rows.rowwise().lpNorm<Eigen::Infinity>();
 }
 
-/// Appends modes until they span those whose part outside of `modes` is `missed`, too.
+/// Appends modes until they also span the shapes with the parts `missed` outside `modes`.
 void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   Eigen::VectorXf misses = largestEntries(missed);
-  // As many modes as a shape has entries miss nothing.
+  // A full set of modes, one per entry of a shape, leaves no error.
   for (Eigen::Index worst = 0;
        modes.rows() < modes.cols() && misses.maxCoeff(&worst) > tolerance;) {
     Eigen::RowVectorXd mode = missed.row(worst).cast<double>();
-    // Once more, because rounding leaves some of the others in it.
+    // Orthogonalizes again, because rounding leaves parts of other modes in it.
     mode -= (mode * modes.cast<double>().transpose()) * modes.cast<double>();
     const Eigen::RowVectorXf direction = mode.normalized().cast<float>();
     missed -= (missed * direction.transpose()) * direction;
@@ -32,7 +32,7 @@ void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   }
 }
 
-/// Parts outside of `modes` of the shapes that these miss by more than the tolerance.
+/// Returns the parts outside `modes` of the shapes with an error above the tolerance.
 ShapeRows missedBy(const ShapeRows& modes, const ShapeRows& shapes, float tolerance) {
   ShapeRows found(0, shapes.cols());
   for (Eigen::Index first = 0; first < shapes.rows(); first += block) {
@@ -57,8 +57,8 @@ ShapeRows modesOf(const ShapeRows& shapes, float tolerance) {
   for (Eigen::Index n = 0; n < choosing.rows(); ++n) choosing.row(n) = shapes.row(n * stride);
   constexpr float rounding = 4 * std::numeric_limits<float>::epsilon();
   const float reachable = std::max(tolerance, rounding * shapes.rowwise().norm().maxCoeff());
-  // What one mode takes from a shape it may add to an entry of another, so all are looked at until
-  // none is missed.
+  // Subtracting a mode from a shape may increase another of its entries, so all shapes are checked
+  // again until none is missed.
   while (choosing.rows() > 0 && modes.rows() < modes.cols()) {
     extend(modes, std::move(choosing), reachable);
     choosing = missedBy(modes, shapes, reachable);

@@ -4,17 +4,17 @@
 
 namespace palpate {
 
-/// A shape or a mode per row: [shape][node, axis].
+/// One shape or mode per row: [shape][node, axis].
 using ShapeRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Orthonormal rows that span all `shapes`, at least one, to within `tolerance` in every entry
-/// (both in the same unit; finite), or what float tells of the largest: a reduced basis, chosen
-/// greedily (Buffa et al., ESAIM: M2AN 46, 2012), each time the direction of the shape that those
-/// before it miss by most.
+/// Returns orthonormal rows that span all `shapes` (at least one, finite). Every entry is within
+/// `tolerance`, in the unit of the shapes, or within the float precision of the largest shape. They
+/// are a reduced basis, chosen greedily (Buffa et al., ESAIM: M2AN 46, 2012): each mode is the
+/// direction of the shape with the largest remaining error.
 ///
-/// Of many shapes a few hundred, spread evenly, choose; then all are looked at, and those that are
-/// still missed choose on, until none is. So a few more modes may be found than if all had chosen,
-/// in a fraction of the time.
+/// If there are many shapes, a few hundred spread evenly provide the first modes. Then all shapes
+/// are checked, and those with too large an error provide more modes, until none is left. This may
+/// find a few more modes than a choice from all shapes, in a fraction of the time.
 ShapeRows modesOf(const ShapeRows& shapes, float tolerance);
 
 }  // namespace palpate

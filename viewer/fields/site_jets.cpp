@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// The points of a space with another quantity in the place of the energy. What the energy is not
-/// interpolated with, the others are not either.
+/// The points of a space with another quantity in place of the energy. Points excluded from the
+/// interpolation of the energy are excluded for every quantity.
 class QuantityView {
  public:
   explicit QuantityView(const SpaceTable& space)
@@ -17,7 +17,7 @@ class QuantityView {
     for (std::size_t n = 0; n < interpolated_.size(); ++n)
       view_.points[n].tag = interpolated_[n] ? Tag::expandable : Tag::failed;
   }
-  /// `set` fills an Equilibrium from the one of the space. Valid until the next call.
+  /// `set` fills an Equilibrium from the space's one. Valid until the next call.
   template <class Set>
   const SpaceTable& of(Set set) {
     for (std::size_t n = 0; n < interpolated_.size(); ++n) {
@@ -41,7 +41,7 @@ void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
       jets[s](static_cast<Eigen::Index>(n), quantity) = static_cast<float>(values[s][n]);
 }
 
-/// Of a place that is a corner of its leaf.
+/// Returns the corner of a leaf at a place that is a corner.
 std::size_t cornerAt(const Eigen::Vector3d& local) {
   return (local.x() > 0 ? 1 : 0) + (local.y() > 0 ? 2 : 0) + (local.z() > 0 ? 4 : 0);
 }

@@ -10,8 +10,8 @@ namespace {
 
 using Node = TricubicField::Node;
 
-/// Interpolates between two ends of an edge: the columns with bit `axis` become the derivatives
-/// along it at `local` (0..1), those without it the values. edge: metres.
+/// Interpolates between two ends of an edge, at `local` (0..1). Columns with bit `axis` become
+/// derivatives along the edge, the others values. edge: metres.
 template <int axis>
 Node cubicAlong(const Node& low, const Node& high, const Eigen::Vector3d& local, double edge) {
   constexpr int bit = 1 << axis;
@@ -29,7 +29,7 @@ Node cubicAlong(const Node& low, const Node& high, const Eigen::Vector3d& local,
   return result;
 }
 
-/// All eight derivatives of the interpolant at a place in a leaf.
+/// Returns all eight derivatives of the interpolant at a place in a leaf.
 Node tricubicAt(const LeafCorners& corners, const std::vector<Node>& nodes,
                 const Eigen::Vector3d& local, double edge) {
   Node faces[2];
@@ -43,16 +43,16 @@ Node tricubicAt(const LeafCorners& corners, const std::vector<Node>& nodes,
   return cubicAlong<2>(faces[0], faces[1], local, edge);
 }
 
-/// Derivatives of nodal data by differences between slots, and the order in which they can be had
-/// on a refined tree.
+/// Finite-difference stencils between slots, and the order in which a refined tree can evaluate
+/// them.
 ///
-/// A slot has the level of the coarsest leaf it is a corner of, a hanging one that of the leaf it
-/// hangs in. The neighbours of a slot along an axis are the nearest slots at the distance of an
-/// edge of its level or of coarser ones, so their data are those of this or a coarser level, also
-/// where they hang: levels are made one after the other.
+/// A slot has the level of the coarsest leaf that it is a corner of; a hanging slot has the level
+/// of the leaf it hangs in. The neighbours of a slot along an axis are the nearest slots at the
+/// edge length of its level or of a coarser one. So their data, hanging or not, belong to this or a
+/// coarser level, and levels can be evaluated one after the other.
 class SlotDifferences {
  public:
-  /// `data` must outlive it.
+  /// `data` must outlive this object.
   explicit SlotDifferences(const CellData& data)
       : data_(data), level_(data.tree.slots().size(), std::numeric_limits<std::int32_t>::max()) {
     const CellTree& tree = data.tree;
@@ -68,14 +68,15 @@ class SlotDifferences {
   std::int32_t level(std::int32_t slot) const { return level_[at(slot)]; }
   std::int32_t deepest() const { return *std::ranges::max_element(level_); }
 
-  /// The slots that the derivative along an axis uses beside the slot itself, the first before the
-  /// second; -1 for none. None where the slot hangs. Never the end of an inconsistent edge to it.
+  /// Returns the slots that the derivative along an axis uses besides `slot`; -1 for none, and the
+  /// first is used before the second. Hanging slots have none. The other end of an inconsistent
+  /// edge is never used.
   const std::array<std::int32_t, 2>& stencil(std::int32_t slot, int axis) const {
     return stencils_[3 * at(slot) + at(axis)];
   }
 
-  /// d column / d axis at a slot: of the parabola through it and two others (error distance^2), of
-  /// the line through one other, zero without.
+  /// Returns d column / d axis at a slot. With two other slots it is the slope of the parabola
+  /// through the three (error distance^2), with one other that of a line, without others zero.
   Eigen::Vector4d derivative(const std::vector<Node>& nodes, int column, std::int32_t slot,
                              int axis) const {
     const auto [first, second] = stencil(slot, axis);
@@ -97,9 +98,11 @@ class SlotDifferences {
     return data_.tree.slots()[at(slot)].kind == SlotKind::hanging;
   }
 
-  /// The nearest slot in a direction whose data exist when those of `slot` are made; -1 for none.
+  /// Returns the nearest slot in a direction with data that are available when `slot` is evaluated;
+  /// -1 for none.
   std::int32_t neighbour(std::int32_t slot, int axis, int direction, std::int32_t level) const {
-    // From the edge of the slot's own leaves up: the neighbour may belong to coarser ones only.
+    // From the edge of the slot's own leaves upwards: the neighbour may belong only to coarser
+    // leaves.
     for (std::int32_t l = level; l >= 0; --l) {
       LatticePoint point = data_.tree.slots()[at(slot)].point;
       point[at(axis)] += direction * (data_.divisions >> l);
@@ -116,7 +119,7 @@ class SlotDifferences {
     const std::int32_t lower = neighbour(slot, axis, -1, level),
                        upper = neighbour(slot, axis, 1, level);
     if (lower >= 0 && upper >= 0) return {lower, upper};
-    // One-sided: with the neighbour's neighbour.
+    // One-sided: uses the neighbour's neighbour too.
     if (upper >= 0) return {upper, neighbour(upper, axis, 1, level)};
     return {lower, lower < 0 ? -1 : neighbour(lower, axis, -1, level)};
   }
@@ -134,7 +137,7 @@ std::vector<Node> makeNodes(const CellData& data) {
   for (std::int32_t slot = 0; slot < count; ++slot)
     nodes[at(slot)].col(0).head<3>() = data.equilibria[at(slot)].force;
   for (std::int32_t level = 0; level <= differences.deepest(); ++level) {
-    // A mixed derivative is that of one without its last axis.
+    // A mixed derivative differentiates the derivative without its last axis.
     for (const int column : {1, 2, 4, 3, 5, 6, 7}) {
       const int axis = column >= 4 ? 2 : column >= 2 ? 1 : 0;
       for (std::int32_t slot = 0; slot < count; ++slot)
@@ -150,7 +153,7 @@ std::vector<Node> makeNodes(const CellData& data) {
   return nodes;
 }
 
-/// Lowers the support of slots whose differences use ghosts.
+/// Lowers the support of slots with ghosts in their stencils.
 const CellData& withStencilSupport(CellData& data) {
   const SlotDifferences differences(data);
   for (int axis = 0; axis < 3; ++axis) {

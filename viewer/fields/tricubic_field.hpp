@@ -4,22 +4,23 @@
 
 namespace palpate {
 
-/// The paper's other baseline (Lekien and Marsden 2005): in a leaf each component of the force is
-/// the tensor product cubic Hermite polynomial of the eight derivatives d^(a+b+c) h / dx^a dy^b
-/// dz^c, a, b, c <= 1, at its corners. They are differences of the forces, so that a cell needs the
-/// 4 x 4 x 4 points around it, and the same for every leaf around a slot: the force has continuous
-/// first derivatives, also where levels meet. Error spacing^3. Not conservative; the stiffness (its
-/// exact derivative) need not be symmetric.
+/// The paper's other baseline (Lekien and Marsden 2005). In a leaf, each force component h is a
+/// tensor product cubic Hermite polynomial. Its data are the eight derivatives d^(a+b+c) h / dx^a
+/// dy^b dz^c, a, b, c <= 1, at the corners. The derivatives are finite differences of the forces,
+/// so a cell depends on the 4 x 4 x 4 points around it. They are the same for every leaf around a
+/// slot, so the force has continuous first derivatives, also between levels. The error is
+/// proportional to spacing^3. Not conservative; the stiffness (its exact derivative) need not be
+/// symmetric.
 ///
-/// Ghosts supply points that are not solved; coverage counts corners whose differences use one as
-/// not solved.
+/// Ghosts replace unsolved points. In the coverage, corners with ghosts in their differences count
+/// as unsolved.
 class TricubicField : public CellField {
  public:
-  /// Error when no point of the space is solved.
+  /// Error if no point of the space is solved.
   explicit TricubicField(const SpaceTable& space) : TricubicField(CellData(space)) {}
 
   /// Derivative (a, b, c) of the force, N / m^(a + b + c), in rows 0 to 2 of column a + 2 b + 4 c.
-  /// Row 3 is zero: it makes columns as long as registers.
+  /// Row 3 is zero: it pads columns to the length of a register.
   using Node = Eigen::Matrix<double, 4, 8>;
 
  protected:

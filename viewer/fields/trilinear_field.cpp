@@ -11,7 +11,8 @@ TrilinearField::TrilinearField(const CellData& data) : CellField("trilinear", da
   fillHangingTrilinearly(tree(), stiffness);
   for (std::int32_t leaf = 0; leaf < std::ssize(tree().leaves()); ++leaf) {
     const LeafCorners& corners = tree().corners(leaf);
-    Eigen::Vector3d bend = Eigen::Vector3d::Zero();  // N, along each axis
+    // N, change of the force's slope along each axis, times the edge
+    Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis)
       for (std::size_t c = 0; c < 8; ++c)
         if (const std::size_t other = c | std::size_t{1} << axis; other != c)

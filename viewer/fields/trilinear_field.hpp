@@ -4,17 +4,17 @@
 
 namespace palpate {
 
-/// The paper's method: each component of the force is interpolated tri-linearly between the 8
-/// corners of the leaf. Exact for forces that are linear in each coordinate; the error goes with
-/// spacing^2. Continuous, but not conservative: a closed loop can return energy, and the stiffness
-/// (its exact derivative) jumps between leaves and need not be symmetric.
+/// The paper's method: tri-linear interpolation of each force component between the 8 corners of
+/// the leaf. Exact for forces that are linear in each coordinate; the error is proportional to
+/// spacing^2. Continuous, but not conservative: a closed loop can return energy. The stiffness (its
+/// exact derivative) jumps between leaves and need not be symmetric.
 ///
-/// Error bound: an eighth of the largest change of the stiffness along an edge times that edge,
-/// summed over the axes: the error of linear interpolation with the curvature that the stiffnesses
-/// show.
+/// Error bound: an eighth of the largest change of stiffness along an edge, times the length of the
+/// edge, summed over the axes. This is the error of linear interpolation, with the curvature
+/// estimated from the stiffnesses.
 class TrilinearField : public CellField {
  public:
-  /// Error when no point of the space is solved.
+  /// Error if no point of the space is solved.
   explicit TrilinearField(const SpaceTable& space) : TrilinearField(CellData(space)) {}
 
  protected:

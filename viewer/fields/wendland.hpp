@@ -3,7 +3,7 @@
 namespace palpate {
 
 /// Wendland's compactly supported function (1 - x)^4 (4 x + 1) on 0 <= x <= 1, twice continuously
-/// differentiable in three dimensions (Wendland 1995), and its derivative divided by x, which is
+/// differentiable in three dimensions (Wendland 1995). slope_over_x is its derivative divided by x,
 /// finite at 0.
 struct Wendland {
   explicit Wendland(double x) noexcept {
