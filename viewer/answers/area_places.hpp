@@ -7,41 +7,43 @@
 
 namespace palpate {
 
-/// Where a finger was asked for, and whether a dataset can answer there.
+/// Place of a finger on the surface, and whether a dataset can answer there.
 struct FingerPlace {
   enum class Fault : std::uint8_t {
     none,
     away,     ///< farther from the surface than mostPlaceDistance()
-    no_site,  ///< no site of the finger is near
-    fixed     ///< the finger rests on what is fixed, where `solve` refuses it
+    no_site,  ///< no site of the finger is within answered_distance
+    fixed     ///< the finger rests on fixed nodes, where `solve` refuses it
   };
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< m, the nearest point of the surface at rest
-  /// m, between `at` and what was asked; NaN for what is not finite.
+  /// m, from the requested place to `at`; NaN if an input was not finite.
   double distance = std::numeric_limits<double>::quiet_NaN();
-  std::int32_t triangle = -1;  ///< of the surface, that `at` lies in; -1: what is not finite
+  std::int32_t triangle = -1;  ///< surface triangle of `at`; -1 if an input was not finite
   Fault fault = Fault::away;
-  Eigen::Vector3d drive = Eigen::Vector3d::Zero();  ///< N, what of it lies in the surface
+  Eigen::Vector3d drive = Eigen::Vector3d::Zero();  ///< N, tangential part of -dE/ds
 };
 
-/// What a dataset says about one touch.
+/// Answer of a dataset to one touch.
 struct ForceAnswer {
-  /// Of a finger `inside` is false too where its place has a fault.
+  /// For a finger, `inside` is also false if its place has a fault.
   ForceSample sample;
-  std::optional<FingerPlace> finger;  ///< where a place was given
+  std::optional<FingerPlace> finger;  ///< set if the touch has a place
 };
 
-/// The places of a finger's area: the one door through which programs, C and Python ask it.
-/// Immutable, and copies what it needs: any thread may ask. Real time.
+/// Finds the places of a finger's area and evaluates the area's energy there. Commands, C and
+/// Python all query areas through this class. Copies the data that it needs. Immutable: any thread
+/// may use it. Real time, except the constructor.
 class AreaPlaces {
  public:
-  /// `sites`: where the finger was solved, metres, at least one; `fixed` sorted.
+  /// sites: centres of the solved fingers, metres, at least one; fixed: sorted.
   AreaPlaces(const Mesh& mesh, const NodeSet& fixed, const std::vector<Eigen::Vector3d>& sites,
              double finger_radius);
 
-  /// For any `near` and displacement p, metres.
+  /// Returns the place on the surface nearest to `near`, and its fault. near, p (displacement):
+  /// metres, any value.
   FingerPlace placeOf(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const noexcept;
-  /// The same place, by the energy of the area, which is prepared there. Numbers that are not
-  /// finite give no force.
+  /// Evaluates `area` at placeOf(near, p), where it must be prepared. Numbers that are not finite
+  /// give no force.
   ForceAnswer answer(const AreaField& area, const Eigen::Vector3d& near,
                      const Eigen::Vector3d& p) const noexcept;
 
@@ -49,10 +51,10 @@ class AreaPlaces {
   FingerPlace::Fault faultOf(const FingerPlace& place) const noexcept;
 
   SurfaceTree surface_;
-  std::vector<Eigen::Vector3d> normals_;  ///< of its triangles
+  std::vector<Eigen::Vector3d> normals_;  ///< of the surface's triangles
   NearPoints sites_;
   FreeShare free_share_;
-  double most_distance_;  ///< m, from the surface
+  double most_distance_;  ///< m, largest distance of a place from the surface
 };
 
 }  // namespace palpate

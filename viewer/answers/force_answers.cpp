@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Zero without its sign: -0 means nothing to a reader.
+/// Replaces -0 by 0: the sign means nothing to a reader.
 template <class Derived>
 auto plain(const Eigen::MatrixBase<Derived>& values) {
   return (values.array() + 0.0).matrix().eval();
@@ -55,7 +55,7 @@ ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
     return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   }
   PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
-  fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
+  fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses places far outside the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
   if (place.triangle >= 0) area_->prepareAt(place.at);
   return withoutSigns(places_->answer(*area_, *touch.at, touch.displacement));

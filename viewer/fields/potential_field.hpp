@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Returns corrections to add to the energies of the slots, J, that reduce their contradiction to
-/// the forces where branches meet. They are zero except at corners of leaves with an inconsistent
-/// edge, and zero for hanging slots, which follow their coarser leaf.
+/// Returns corrections to add to the energies of the slots, J, so that they contradict the forces
+/// less where branches meet. They are zero except at corners of leaves with an inconsistent edge,
+/// and zero for hanging slots, which follow their coarser leaf.
 ///
 /// Over a jump between branches the body loses energy that the forces at the ends of the edge do
 /// not account for. A conservative force must account for it within one leaf. It exceeds the forces

@@ -11,24 +11,25 @@
 namespace palpate {
 namespace {
 
-// Together the first line.
+// The first line is organ_mark followed by organ_version.
 constexpr std::string_view organ_mark = "palpate-organ-";
 constexpr std::string_view organ_version = "3";
-/// Of shares: this many steps on each side of zero for the largest of a mode. A vertex is off by
-/// some tenth of a millimetre then.
+/// Steps on each side of zero for the largest share of a mode. Vertices are then off by some tenth
+/// of a millimetre.
 constexpr float share_steps = 127;
 constexpr float mode_steps = 32767;
 
-/// Of a double that is rounded: 37 bits of it stay significant. In single precision, which is what
-/// fields make of these numbers in the end, forces were up to 1.7e-6 N off where an organ is stiff.
+/// Bytes left out of rounded doubles, which keep 37 significant bits. With single precision, the
+/// precision of the fields made of these numbers, forces were up to 1.7e-6 N off in stiff organs.
 constexpr std::size_t left_out_bytes = 2;
 static_assert(std::endian::native == std::endian::little, "the least significant bytes are first");
 
-// More than any page has, and far enough from where products of numbers of a lattice overflow.
+// More than any page has, and small enough that products of lattice numbers do not overflow.
 constexpr std::int32_t most_divisions = 4096;
-/// What a finger reaches by pushing is about half of its ball, and no smaller share.
+/// Least share of its ball that a finger reaches by pushing; usually it is about half.
 constexpr double least_share_of_ball = 1.0 / 64;
-/// Of the radius: a narrower part counts as this wide, so that few bytes never make a large ball.
+/// Least width that a narrower part counts with, as a share of the radius, so that few bytes never
+/// make a large ball.
 constexpr double least_narrow = 1.0 / 8;
 
 Error damaged(std::string_view how) {
@@ -36,8 +37,8 @@ Error damaged(std::string_view how) {
       "the organ is damaged ({}): get its page again, or make it again with palpate share", how);
 }
 
-// An organ is described once: `carry` visits its numbers, a writer appends them, and a reader fills
-// them in, with checks of its own where wrong numbers would make too much of something.
+// `carry` describes the format once: it visits the numbers of an organ. A writer appends them, and
+// a reader fills them in. The reader checks numbers that would otherwise make it allocate too much.
 
 class OrganWriter {
  public:
@@ -45,7 +46,7 @@ class OrganWriter {
   void raw(const void* from, std::size_t size) {
     bytes_.append(static_cast<const char*>(from), size);
   }
-  /// The length of a list.
+  /// Writes the length of a list.
   std::size_t size(std::size_t length, std::size_t = 1) {
     const auto written = static_cast<std::uint32_t>(length);
     raw(&written, sizeof written);
@@ -66,7 +67,7 @@ class OrganReader {
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
-  /// That of a list of things that take at least so many bytes each.
+  /// Reads the length of a list with elements of at least `least` bytes.
   std::size_t size(std::size_t, std::size_t least = 1) {
     std::uint32_t length = 0;
     raw(&length, sizeof length);
@@ -90,7 +91,7 @@ void carryVector(Bytes& bytes, Vector& v) {
   bytes.raw(v.data(), 3 * sizeof(double));
 }
 
-/// Each takes at least so many bytes.
+/// least: bytes that an element takes at least.
 template <class Bytes, class List, class Each>
 void carryList(Bytes& bytes, List& list, std::size_t least, Each each) {
   const std::size_t size = bytes.size(list.size(), least);
@@ -157,7 +158,7 @@ void carryFinger(Bytes& bytes, Patch& patch) {
     throw damaged("a finger is none");
 }
 
-/// Before its points are made: bytes that claim many must have them.
+/// Checks a lattice before its points are made: bytes that claim many points must contain them.
 void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points,
                   const PushedPart& part) {
   const double ratio = radius / spacing, in_ball = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
@@ -229,7 +230,7 @@ void carrySpace(Bytes& bytes, Space& space) {
   for (auto& point : space.points) carryPoint(bytes, point, space.patch.finger.has_value());
 }
 
-/// The values that each(visit) visits, rounded to steps of the largest magnitude.
+/// Carries the values that each(visit) visits, rounded to steps of the largest magnitude.
 template <class Step, class Bytes, class Each>
 void carrySteps(Bytes& bytes, float most_steps, Each each) {
   float scale = 0;
@@ -245,7 +246,7 @@ void carrySteps(Bytes& bytes, float most_steps, Each each) {
   });
 }
 
-/// width: of a mode.
+/// width: length of a mode.
 template <class Bytes, class Shapes>
 void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
                  const std::vector<SpaceTable>& spaces) {
@@ -300,9 +301,9 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
   carryShapes(bytes, organ.shapes, 3 * organ.vertices.size(), organ.spaces);
 }
 
-/// What follows the first line.
+/// Returns a reader of the bytes after the first line.
 OrganReader behindVersion(std::string_view bytes) {
-  constexpr std::size_t longest = 10;  // so that what is no organ is not quoted
+  constexpr std::size_t longest = 10;  // avoids quoting bytes that are not an organ
   if (!bytes.starts_with(organ_mark))
     throw failure("there is no organ here: get its page again, or make it again with {}",
                   "palpate share");

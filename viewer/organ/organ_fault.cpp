@@ -69,8 +69,8 @@ std::string faultOfPoints(const SpaceTable& space) {
   return faultOf(space);
 }
 
-/// Modes are orthonormal, and a shape moves with the tool: shares that are very many radii would
-/// leave nothing but rounding of what is interpolated.
+/// Also refuses shares of very many radii. Modes are orthonormal and a shape moves with the tool;
+/// larger shares would leave only rounding errors of the interpolated shapes.
 std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTable>& spaces) {
   // False for NaN.
   const auto areWithin = [](const std::vector<float>& values, double most) {

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-/// Answers from a carried organ, prepared piece by piece where it is touched, so that one thread
-/// can do something else in between. Forces, bounds and all else are those of `palpate query`.
+/// Evaluates a carried organ and prepares it in small steps around the touch, so that a single
+/// thread can do other work in between. Forces and error bounds are those of `palpate query`.
 ///
 /// One thread.
 class TouchedOrgan {
@@ -21,25 +21,27 @@ class TouchedOrgan {
   explicit TouchedOrgan(CarriedOrgan organ);
 
   const CarriedOrgan& organ() const { return organ_; }
-  /// Where a point of the surface is at rest, m.
+  /// Returns the position of a surface point at rest, m.
   Eigen::Vector3d positionOf(const SurfacePoint& point) const;
-  /// Makes one piece of what a touch there needs; false when nothing is lacking. `touch`: into
-  /// CarriedOrgan::touches.
+  /// Does one step of the preparation for a touch at s. Returns false if nothing is left to do.
+  /// touch: index in CarriedOrgan::touches; s: m, place on the surface at rest.
   bool prepare(std::size_t touch, const Eigen::Vector3d& s);
-  /// One piece of what is needed elsewhere, the nearest first; false when nothing is lacking.
+  /// Does one step of the preparation elsewhere, nearest sites first. Returns false if nothing is
+  /// left to do.
   bool prepareAhead(std::size_t touch, const Eigen::Vector3d& s);
-  /// p: displacement of the finger from s, or of the active node from its rest, m. Once prepare()
-  /// has nothing to do.
+  /// Evaluates force and energy. p: displacement of the finger from s, or of the active node from
+  /// its rest position, m. Requires that prepare() has nothing left to do at s.
   AreaSample evaluate(std::size_t touch, const Eigen::Vector3d& s, const Eigen::Vector3d& p) const;
-  /// Displacements of all vertices, [vertex][axis], m: the blend of the solved shapes around, and a
-  /// smooth bump about the anchor, so that the surface meets the tool. After evaluate().
+  /// Fills `out` with the displacements of all vertices, [vertex][axis], m. They blend the solved
+  /// shapes around the anchor, and add a smooth bump so that the surface meets the tool. Call it
+  /// after evaluate().
   void shapeAt(std::size_t touch, const SurfacePoint& anchor, const Eigen::Vector3d& p,
                std::span<float> out);
 
  private:
   struct Touched {
     std::optional<AreaField> area;
-    std::unique_ptr<PotentialField> field;  ///< of an active node
+    std::unique_ptr<PotentialField> field;  ///< for an active node
   };
   const DisplacementField& sharesOf(std::int32_t space);
   void addShares(std::int32_t space, const Eigen::Vector3d& p, float weight);

@@ -19,7 +19,7 @@ nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[
 std::string describeJson(const std::optional<FingerPlace>& place,
                          const Eigen::Vector3d& displacement, const ForceSample& sample,
                          std::string_view method) {
-  nlohmann::ordered_json answer;  // prints what is not finite as null
+  nlohmann::ordered_json answer;  // prints numbers that are not finite as null
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
   for (int row = 0; row < 3; ++row)
@@ -37,7 +37,7 @@ std::string describeJson(const std::optional<FingerPlace>& place,
   return answer.dump() + '\n';
 }
 
-/// Why a displacement is not inside, and what the answer is then, for a person.
+/// Says why a displacement is outside, and how the force continues there.
 std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displacement) {
   if (displacement.stableNorm() > lattice.radius())
     return fmt::format(
@@ -48,7 +48,7 @@ std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displ
          "              The force goes on from where the answers end, and only stiffens";
 }
 
-/// What is missing around a displacement in the ball, for a person; of the uniform lattice.
+/// Lists the unsolved corners of the uniform lattice's cell around a displacement in the ball.
 std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displacement) {
   const Lattice& lattice = space.lattice;
   int beyond = 0;
@@ -60,7 +60,7 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
           lattice.divisions() *
           (static_cast<int>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1));
     const auto number = lattice.indexOf(corner);
-    // Corners of the cell that are no lattice point lie outside of the ball.
+    // Corners that are not lattice points lie outside the ball.
     beyond += number ? 0 : 1;
     if (!number || isSolved(space.points[*number].tag)) continue;
     const PointRecord& point = space.points[*number];
@@ -72,7 +72,7 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
   return gaps;
 }
 
-/// The numbers of an answer, a line each.
+/// Formats the numbers of an answer, one line each.
 std::string describeSample(const std::optional<FingerPlace>& place,
                            const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text;
@@ -106,7 +106,7 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
-/// Why an answer of an area is not inside, for a person.
+/// Says why an answer of an area is not inside.
 std::string describeFault(const FingerPlace& place, bool in_ball) {
   switch (place.fault) {
     case FingerPlace::Fault::away:
@@ -178,7 +178,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
                  PALPATE_ASSERT(answer.finger.has_value() == touch.at.has_value(),
                                 "an answer has a place where the question has one");
                  if (!answer.sample.inside) code = ExitCode::partly_failed;
-                 // At once: whoever asks line by line waits for each answer.
+                 // Flushed at once: a caller that sends line by line waits for each answer.
                  output << answerText(answers, touch.displacement, answer, options.json)
                         << std::flush;
                  if (!output) throw failure("cannot write the answer to standard output");
