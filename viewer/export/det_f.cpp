@@ -12,14 +12,14 @@ namespace {
 
 using Barycentric = Eigen::Vector4d;
 
-/// All that differ in the order of their coordinates alone.
+/// Appends all points with the same coordinates in different order.
 void addOrders(Barycentric point, std::vector<Barycentric>& points) {
   std::ranges::sort(point);
   do points.push_back(point);
   while (std::ranges::next_permutation(point).found);
 }
 
-/// Where det F of a quadratic tetrahedron is looked at.
+/// Places of a quadratic tetrahedron at which det F is computed.
 const std::vector<Barycentric>& lookedAt() {
   static const std::vector<Barycentric> places = [] {
     const double root = std::sqrt(15.0);
@@ -38,7 +38,7 @@ Eigen::Vector3d displacementOf(std::span<const float> displacement, std::int32_t
   return Eigen::Map<const Eigen::Vector3f>(displacement.data() + 3 * at(node)).cast<double>();
 }
 
-/// Gradients of the barycentric coordinates, columns, 1/m.
+/// Gradients of the barycentric coordinates, one per column, 1/m.
 Eigen::Matrix<double, 3, 4> gradientsOf(const Mesh& mesh, const Tetrahedron& t) {
   Eigen::Matrix3d edges;
   for (std::size_t n = 0; n < 3; ++n)

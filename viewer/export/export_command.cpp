@@ -21,7 +21,7 @@
 namespace palpate {
 namespace {
 
-/// Error unless the options say which configurations, and as many as the format holds.
+/// Error unless the options select configurations, and as many as the format holds.
 void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const bool has_point = !options.point.empty(), has_displacement = !options.displacement.empty();
   if (has_point == has_displacement)
@@ -43,7 +43,7 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
     throw badInput("{}: holds one configuration; for a way give -o an ending .pvd or .csv", name);
 }
 
-/// How many of the touches lie outside, as a warning and an exit code.
+/// Warns about touches outside the covered region, and returns the exit code.
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
@@ -69,11 +69,11 @@ ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
   return ForceAnswers(dataset, options.active, !options.at.empty(), method);
 }
 
-/// The only one that is asked for.
+/// Returns the configuration that the options select.
 ExportedConfiguration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
   ConfigurationSource source(dataset);
   if (!options.point.empty()) {
-    // The displacement is not looked at.
+    // Only the place is used, not the displacement.
     const auto place =
         options.at.empty() ? std::nullopt : onlyTouch(options.at, {"0", "0", "0"}, 1).at;
     const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options.point.data());
@@ -184,7 +184,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   endWhenInterrupted();
   const std::vector<TouchInput> touches =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
-  // What is wrong with a touch is told before anything is replaced.
+  // Errors in a touch must be found before any file is replaced.
   const std::vector<WayStep> way = followWay(touches, answers);
   if (target.format() == ExportFormat::csv) return exportCurve(way, target, output);
   return exportSeries(dataset, answers, way, target, output);

@@ -8,29 +8,29 @@ namespace palpate {
 
 enum class ExportFormat : std::uint8_t { vtu, pvd, csv };
 
-/// The file that is to be written: its format by its ending, and the folder beside a .pvd that its
-/// series lies in, which has its name (with ? for control characters).
+/// The file to write. Its extension selects the format. The files of a .pvd series lie in a folder
+/// beside it with the same name (with ? for control characters).
 class ExportTarget {
  public:
-  /// Error (bad input) that lists the endings for another one.
+  /// Error (bad input) for an unknown extension, listing the known ones.
   explicit ExportTarget(std::filesystem::path file);
 
   const std::filesystem::path& file() const { return file_; }
   ExportFormat format() const { return format_; }
-  /// Many configurations along a way of the tool; else one.
+  /// Whether the format holds many configurations along a path of the tool, or one.
   bool holdsWay() const { return format_ == ExportFormat::pvd || format_ == ExportFormat::csv; }
-  static std::string endings();  ///< for --help: each with what it holds
+  static std::string endings();  ///< Lists the extensions with their contents, for --help.
 
-  /// Error (bad input) when the file, or the folder of the series with anything in it, is there and
-  /// may not be replaced. Never is the dataset itself.
+  /// Error (bad input) if the file exists, or the folder of the series and is not empty, and may
+  /// not be replaced. The dataset itself may never be replaced.
   void refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const;
 
-  // Of a .pvd: press.pvd, press/press_0000.vtu, press/press_0001.vtu, ...
+  // For a .pvd: press.pvd, press/press_0000.vtu, press/press_0001.vtu, ...
   std::filesystem::path seriesFolder() const;
   std::filesystem::path seriesFile(std::size_t number) const;
-  std::string nameInSeries(std::size_t number) const;  ///< as the .pvd names it
-  /// Makes the folder. The list that is there goes first: it is of files that will be others. Error
-  /// when either cannot be.
+  std::string nameInSeries(std::size_t number) const;  ///< path relative to the .pvd
+  /// Makes the folder, and removes an existing list, because its files will be replaced. Error if
+  /// either fails.
   void beginSeries() const;
   /// Removes files of an earlier, longer series of this name from the folder.
   void endSeries(std::size_t count) const;
@@ -38,7 +38,7 @@ class ExportTarget {
  private:
   std::filesystem::path file_;
   ExportFormat format_;
-  std::string series_;  ///< its name
+  std::string series_;  ///< name of the series
 };
 
 }  // namespace palpate

@@ -12,9 +12,9 @@ namespace {
 
 constexpr const char* axes = "xyz";
 
-/// In as few digits as tell it from all other numbers; nothing when it is not finite.
+/// Formats a number with the fewest digits that identify it; empty if it is not finite.
 std::string exact(double value) {
-  // + 0.0: nobody wants to read -0.
+  // + 0.0 turns -0 into 0.
   return std::isfinite(value) ? fmt::format("{}", value + 0.0) : "";
 }
 

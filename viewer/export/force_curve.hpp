@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// A force curve as CSV: a line of titles, each with its unit (way_m, force_x_N, ...), then one for
-/// each step; numbers in as few digits as tell them from all others, nothing where a method has
-/// none, inside 1 or 0. Of a finger each line has its place and drive too.
+/// Returns a force curve as CSV: a line of titles with units (way_m, force_x_N, ...), then one line
+/// per step. Numbers have the fewest digits that identify them, and are left out if a method has
+/// none; inside is 1 or 0. For a finger each line also has its place and drive.
 std::string forceCurve(const std::vector<WayStep>& way);
 
 }  // namespace palpate

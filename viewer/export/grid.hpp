@@ -8,29 +8,29 @@
 
 namespace palpate {
 
-/// Numbers of one name, as VTK has them: tuple after tuple.
+/// A named array of numbers, as in VTK: one tuple after the other.
 struct GridArray {
   std::string name;
-  const char* unit;    ///< "m"; "1" where there is none
-  int components = 1;  ///< of a tuple
+  const char* unit;    ///< "m"; "1" if dimensionless
+  int components = 1;  ///< per tuple
   std::variant<std::vector<float>, std::vector<double>, std::vector<std::uint8_t>> values = {};
 };
 
-/// VTK's numbers of cells (vtkCellType.h). Quadratic tetrahedra have their mid-edge nodes in the
-/// order of tetrahedron_edges (common/mesh/mesh.hpp).
+/// VTK's numbers of cell types (vtkCellType.h). Quadratic tetrahedra list their mid-edge nodes in
+/// the order of tetrahedron_edges (common/mesh/mesh.hpp).
 enum class CellKind : std::uint8_t { triangle = 5, tetrahedron = 10, quadratic_tetrahedron = 24 };
 constexpr int pointsOf(CellKind kind) {
   return kind == CellKind::triangle ? 3 : kind == CellKind::tetrahedron ? 4 : 10;
 }
 
-/// An unstructured grid of one kind of cells.
+/// An unstructured grid with cells of a single kind.
 struct Grid {
   CellKind kind = CellKind::tetrahedron;
-  std::vector<double> points = {};       ///< x y z, metres, point after point
-  std::vector<std::int32_t> cells = {};  ///< numbers of points, pointsOf(kind) for each cell
+  std::vector<double> points = {};       ///< x y z of each point, metres
+  std::vector<std::int32_t> cells = {};  ///< indices of points, pointsOf(kind) for each cell
   std::vector<GridArray> point_data = {}, cell_data = {};
   std::vector<GridArray> field_data = {};  ///< of the whole grid
-  /// Words about it: names (letters and `_`) and texts, UTF-8.
+  /// Descriptions of the grid: names (letters and `_`) and UTF-8 texts.
   std::vector<std::pair<std::string, std::string>> texts = {};
 
   std::size_t pointCount() const { return points.size() / 3; }

@@ -63,7 +63,7 @@ std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
     spaces.emplace_back(palpate::at(share.space), share.weight);
     sum += share.weight;
   }
-  // Beyond the area, where no answer is inside.
+  // Outside the area, where no answer is inside.
   if (spaces.empty()) return {{nearestSite(dataset_, choice_.spaces, *place), 1.0}};
   for (auto& [space, weight] : spaces) weight /= sum;
   return spaces;

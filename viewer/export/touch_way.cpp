@@ -12,7 +12,7 @@ bool isFromInput(const std::vector<std::string>& words) {
   return words.size() == 1 && words[0] == "-";
 }
 
-/// Where the tool is; of others than fingers from where it is at rest.
+/// Position of the tool; for tools other than fingers relative to its rest position.
 Eigen::Vector3d toolAt(const WayStep& step) {
   const auto& finger = step.answer.finger;
   return step.touch.displacement + (finger ? finger->at : Eigen::Vector3d::Zero());

@@ -6,32 +6,33 @@
 
 namespace palpate {
 
-/// One touch of a way of the tool, and what is felt there.
+/// One step of the tool's path, with its answer.
 struct WayStep {
   TouchInput touch;
   ForceAnswer answer;
-  double way = 0;  ///< m, that the tool has gone since the first step
+  double way = 0;  ///< m, length of the path since the first step
 };
 
-/// More steps of a straight way are refused: a file for each.
+/// Limit of the steps of a straight path; each makes a file.
 inline constexpr int most_steps = 100000;
 
-/// The touches of a way: from rest straight to the displacement in `words` in so many steps, rest
-/// included; or, where `words` is "-", one per line of the input (forEachTouch), and no `steps`
-/// (0). Error (bad input) when there are none or too many, or none in the input; Error with the
-/// exit code of an interrupt when this process is interrupted, which ends the input too.
+/// Returns the touches of a path. They go straight from rest to the displacement in `words` in
+/// `steps` steps, rest included. If `words` is "-", they are read from the input, one per line
+/// (forEachTouch), and `steps` must be 0. Error (bad input) for no or too many steps, or an empty
+/// input. Error with the exit code of an interrupt if this process is interrupted, which also ends
+/// the input.
 std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
                                  const std::vector<std::string>& words, int steps,
                                  std::istream& input, double workspace_radius);
 
-/// The only touch: the displacement in `words`, which is not "-".
+/// Returns the only touch: the displacement in `words`, which is not "-".
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                      double workspace_radius);
 
-/// What is felt at each touch. A finger goes between the points of the surface where it is, which
-/// are the nearest to the places that were asked for. `answers` are for places where the touches
-/// have some. Error (bad input) as ForceAnswers::answer; Error with the exit code of an interrupt
-/// when this process is interrupted.
+/// Returns the answer to each touch. Between two steps the path of a finger connects the points of
+/// the surface nearest to the requested places. `answers` must be made for places if the touches
+/// have some. Error (bad input) as in ForceAnswers::answer. Error with the exit code of an
+/// interrupt if this process is interrupted.
 std::vector<WayStep> followWay(const std::vector<TouchInput>& touches, const ForceAnswers& answers);
 
 }  // namespace palpate

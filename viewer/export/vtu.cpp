@@ -17,10 +17,10 @@ const char* vtkName(const std::vector<double>&) { return "Float64"; }
 const char* vtkName(const std::vector<std::int32_t>&) { return "Int32"; }
 const char* vtkName(const std::vector<std::uint8_t>&) { return "UInt8"; }
 
-/// Elements that describe arrays, and the bytes that these have behind the text.
+/// Writes the elements that describe arrays, and collects the arrays' bytes, which follow the text.
 class Arrays {
  public:
-  /// One array. `attributes` begins with a blank.
+  /// Describes one array. attributes: begins with a blank.
   template <class Number>
   std::string element(const std::string& attributes, const std::vector<Number>& values) {
     const std::string_view bytes = bytesOf(std::span(values));
@@ -32,7 +32,8 @@ class Arrays {
                        vtkName(values), attributes, offset);
   }
 
-  /// All of a section. with_tuples: tell how many there are, which only VTK's field data needs.
+  /// Describes all arrays of a section. with_tuples: adds the number of tuples, which only VTK's
+  /// field data needs.
   std::string section(const char* name, const std::vector<GridArray>& arrays,
                       bool with_tuples = false) {
     std::string text = fmt::format("<{}>\n", name);
@@ -61,7 +62,7 @@ class Arrays {
   std::string appended_;
 };
 
-/// Whether each has a tuple for every point, or cell.
+/// Whether each array has `count` tuples, one for every point or cell.
 bool areOf(std::size_t count, const std::vector<GridArray>& arrays) {
   return std::ranges::all_of(arrays, [&](const GridArray& array) {
     const auto sizeOf = [](const auto& values) { return values.size(); };
@@ -107,7 +108,7 @@ std::string vtuBytes(const Grid& grid) {
   text += "<Points>\n";
   text += arrays.element(" Name=\"Points\" unit=\"m\" NumberOfComponents=\"3\"", grid.points);
   text += "</Points>\n" + cellsOf(grid, arrays) + "</Piece>\n</UnstructuredGrid>\n";
-  // No line ends between the mark and the bytes.
+  // No line break may separate the mark and the bytes.
   return text + "<AppendedData encoding=\"raw\">_" + arrays.appended() +
          "\n</AppendedData>\n</VTKFile>\n";
 }

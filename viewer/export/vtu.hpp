@@ -2,26 +2,27 @@
 
 #include "viewer/export/grid.hpp"
 
-// VTK's XML formats. Numbers are raw bytes behind the text ("appended"), not compressed: what VTK,
-// ParaView and meshio all read, the fastest way. A parser of XML alone cannot, because of them.
+// VTK's XML formats. Numbers are raw bytes after the text ("appended"), not compressed. This is the
+// fastest variant that VTK, ParaView and meshio all read. The bytes make the file unreadable for a
+// general XML parser.
 
 namespace palpate {
 
-/// The bytes of a .vtu file. Arrays have their unit, and the element VTKFile the texts of the grid
-/// as attributes, which readers pass over.
+/// Returns the bytes of a .vtu file. The units of arrays and the texts of the grid are attributes
+/// (of arrays and of VTKFile) that readers ignore.
 std::string vtuBytes(const Grid& grid);
 
-/// One file of a series and the time that it stands for.
+/// A file of a series and its time.
 struct SeriesFile {
   double time = 0;
   std::string file;  ///< relative to the .pvd
 };
 
-/// The text of a .pvd file: ParaView's list of the files of a series.
+/// Returns the text of a .pvd file, ParaView's list of the files of a series.
 std::string pvdText(const std::vector<SeriesFile>& series);
 
-/// Text as an attribute of XML may hold it: markup escaped, control characters, which XML has no
-/// words for, as ?.
+/// Escapes markup for an XML attribute, and replaces control characters, which XML cannot
+/// represent, by ?.
 std::string xmlText(std::string_view text);
 
 }  // namespace palpate

@@ -14,15 +14,15 @@
 namespace palpate {
 namespace {
 
-/// As many as one byte per mode and shape leaves room for in a page of 10 MB.
+/// Limit of the modes: with one byte per mode and shape, more would not fit into a page of 10 MB.
 constexpr Eigen::Index most_modes = 255;
-/// m, root of the mean square over the vertices of all shapes: where fewer modes miss less, no more
-/// are kept. It is not seen.
+/// m, root mean square over the vertices of all shapes: no more modes are kept once the remaining
+/// error is below this. Such an error is not visible.
 constexpr double missed_by_modes = 5e-5;
 
 using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The displacements of one space, a row per point; zero where nothing is solved.
+/// Displacements of one space, a row per point; zero for unsolved points.
 Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   const std::vector<float> values = dataset.surfaceFields(space).displacement;
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
@@ -32,8 +32,8 @@ Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   return shapes.array().isNaN().select(0.0f, shapes);
 }
 
-/// How many of the largest eigenvalues (ascending) leave little enough of `sum` to the others: a
-/// multiple of three.
+/// Returns how many of the largest eigenvalues (given in ascending order) are needed for a small
+/// enough remainder of `sum`. Rounded up to a multiple of three, at most most_modes.
 Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double values) {
   double missed = sum;
   Eigen::Index count = 0;
@@ -43,7 +43,8 @@ Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double 
   return std::min(most_modes, (count + 2) / 3 * 3);
 }
 
-/// Some of the shapes, spread evenly, as columns: where the search for modes begins.
+/// Returns `count` sums of neighbouring shapes as columns, to start the subspace iteration. The
+/// identity in them keeps their rank full.
 Eigen::MatrixXd someOf(const std::vector<Shapes>& all, Eigen::Index width, Eigen::Index count) {
   std::int64_t rows = 0, row = 0;
   for (const Shapes& shapes : all) rows += shapes.rows();
@@ -64,8 +65,9 @@ Eigen::MatrixXd productsWith(const std::vector<Shapes>& all, const Eigen::Matrix
   return sum;
 }
 
-/// By subspace iteration: a body may have thousands of vertices, and the products of all with all
-/// would not fit. Two turns find what matters of the modes; the last ones matter least.
+/// Reduces the shapes by subspace iteration: a body may have thousands of vertices, and their full
+/// covariance would not fit into memory. Two iterations find the important modes; the last ones,
+/// which converge least, matter least.
 CarriedShapes reducedShapes(const Dataset& dataset) {
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   std::vector<Shapes> all;
@@ -119,7 +121,7 @@ CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
   return touch;
 }
 
-/// Of the spaces that a triangle blends, the one with the largest share.
+/// Returns the space with the largest share in a triangle's blend.
 std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
   const auto shares = surface.cornerSharesOf(triangle);
   return std::ranges::max_element(shares, {},

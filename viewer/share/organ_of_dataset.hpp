@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// What of a dataset a page carries. Some seconds of work, in which shapes are reduced to modes
-/// (proper orthogonal decomposition of all solved shapes). Error when the surface has more than
+/// Returns the part of a dataset that a page carries. Takes some seconds, to reduce the shapes to
+/// modes (proper orthogonal decomposition of all solved shapes). Error if the surface has more than
 /// 65,536 vertices.
 CarriedOrgan organOf(const Dataset& dataset);
 

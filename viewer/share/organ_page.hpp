@@ -6,13 +6,13 @@
 
 namespace palpate {
 
-/// Whether this palpate was built with Emscripten, so that it has the fields for pages.
+/// Whether this palpate was built with Emscripten, so that it contains the fields for pages.
 bool hasPageField();
-/// Error where it was not, which says what to do.
+/// Error if it was not, with advice.
 void requirePageField();
 
-/// One HTML file that needs no other, no server and no network: the organ in WebGL, the fields in
-/// WebAssembly. Error as of requirePageField().
+/// Returns one HTML file that needs no other file, no server and no network: the organ in WebGL,
+/// the fields in WebAssembly. Error as in requirePageField().
 std::string organPage(const CarriedOrgan& organ);
 
 }  // namespace palpate

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// What every page is made of: the files of `page`, and the fields in WebAssembly, all of them in
-/// this program. `script` is many files, one after the other (CMakeLists.txt has their order);
-/// `field` is empty when Emscripten was not there to make it.
+/// The parts of every page, which this program contains: the files of `page`, and the fields in
+/// WebAssembly. `script` concatenates many files (CMakeLists.txt has their order); `field` is empty
+/// if the build did not find Emscripten.
 struct PageParts {
   std::string_view markup, style, trouble, script, worker, field;
 };

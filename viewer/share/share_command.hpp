@@ -11,13 +11,13 @@ struct ShareOptions {
   std::filesystem::path dataset, output;
 };
 
-/// `palpate share`: writes a dataset as one HTML file that can be touched, and tells how large it
-/// is. Error (bad input) as of Dataset, or when the page would replace the dataset; Error when the
-/// page cannot be written (then it is not there at all), or when this palpate has no field for
+/// Runs `palpate share`: writes a dataset as one HTML file that can be touched, and prints its
+/// size. Error (bad input) as in Dataset, or if the page would replace the dataset. Error if the
+/// page cannot be written, in which case no file is left, or if this palpate contains no field for
 /// pages.
 ExitCode share(const ShareOptions& options, std::ostream& output);
 
-/// The verb `share` of palpate-answers, on standard output.
+/// The command `share` of palpate-answers, on standard output.
 Verb shareVerb();
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
-// Looks at the organ, which it keeps in the middle of a part of the window: {left, top, width,
-// height}, in pixels of the page.
+// A camera that looks at the organ and keeps it in the middle of a part of the window: {left, top,
+// width, height}, in pixels of the page.
 class Camera {
   constructor(surface) {
     this.target = surface.center;
@@ -13,7 +13,7 @@ class Camera {
         this.turn = turn * Math.PI / 8;
         this.tilt = tilt * Math.PI / 10;
         const back = this.back();
-        // The broad side of the organ, and in view what can be touched.
+        // Prefers the broad side of the organ, with the touchable surface in view.
         let area = 0;
         for (let v = 0; v < surface.count; v += 3)
           area += Math.max(0, dot(back, row(surface.normal, v))) *
@@ -46,7 +46,7 @@ class Camera {
       right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
       -dot(right, eye), -dot(up, eye), -dot(back, eye), 1
     ];
-    // Pixels of the page per tangent of an angle at the eye, and where the target is seen.
+    // scale: pixels of the page per tangent of an angle at the eye; middle: pixel of the target.
     const scale = part.height / 2 / Math.tan(0.32);
     const middle = [part.left + part.width / 2, part.top + part.height / 2];
     const aside = [2 * middle[0] / whole.width - 1, 1 - 2 * middle[1] / whole.height];
@@ -60,11 +60,11 @@ class Camera {
         for (let k = 0; k < 4; ++k) matrix[4 * c + r] += project[4 * k + r] * view[4 * c + k];
     Object.assign(this, {eye, right, up, away, scale, middle, matrix});
   }
-  // The direction of what is seen at a place of the page.
+  // Direction of the view ray through a pixel of the page.
   ray(x, y) {
     const sx = (x - this.middle[0]) / this.scale, sy = (this.middle[1] - y) / this.scale;
     return unit(add(add(scaled(this.back(), -1), this.right, sx), this.up, sy));
   }
-  // How far a pixel of the page goes where the organ is.
+  // Length at the distance of the organ that corresponds to a pixel of the page.
   metresPerPixel() { return this.away / this.scale; }
 }

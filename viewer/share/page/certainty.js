@@ -1,6 +1,6 @@
 // Whether a hand could notice the error of a force, by the rule of `palpate view`
 // (viewer/picture/touch_words.cpp).
 
-// Of a bound, in the force. NaN: there is none.
+// Error bound as a share of the force. NaN if there is no bound.
 const errorShare = ({force, bound}) => bound / Math.max(length(force), facts.error.floor);
 const isUncertain = (felt) => errorShare(felt) > facts.error.noticeable;

@@ -1,6 +1,6 @@
 'use strict';
 
-// What `palpate share` said of the organ (viewer/share/organ_page.cpp).
+// Data of the organ that `palpate share` wrote into the page (viewer/share/organ_page.cpp).
 
 const byId = (id) => document.getElementById(id);
 const facts = readFacts();

@@ -1,16 +1,17 @@
-// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a
-// picture. In: {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest
-// counts; {near: {touch, triangle, u, v}}. Out: {organ} once; then answers with the id of what was
-// asked; instead of any, what a Stop says.
+// Runs the field in a thread of its own, so that preparing it does not delay the picture.
+//
+// In: {field, organ} once; then questions {touch, triangle, u, v, p, id}, of which only the newest
+// is answered, and {near: {touch, triangle, u, v}}. Out: {organ} once; then answers, with the id of
+// the question. Any of them may be replaced by the contents of a Stop.
 
-let field;         // what page_field.cpp exports
+let field;         // exports of page_field.cpp
 let asked = null;  // the newest question
-let near = null;   // where the pointer is, for what is prepared ahead
+let near = null;   // place of the pointer, to prepare ahead
 let working = false;
-let words = '';  // what the field wrote to standard error: why it ended
+let words = '';  // text that the field wrote to standard error: why it ended
 const nextPiece = new MessageChannel();
 
-// What stops the page: {tooOld}, {damaged: how} or {trouble: sentence}.
+// Reason to stop the page: {tooOld}, {damaged: how} or {trouble: sentence}.
 class Stop {
   constructor(why) { this.why = why; }
 }
@@ -25,7 +26,7 @@ async function unpacked(text, what) {
   }
 }
 
-// fd_write of WASI: `count` pairs of address and length.
+// fd_write of WASI. pairs: address of `count` pairs of address and length.
 function write(file, pairs, count, written) {
   const view = new DataView(field.memory.buffer);
   let size = 0;
@@ -107,7 +108,7 @@ function answer({touch, triangle, u, v, p, id}) {
       [shape.buffer]);
 }
 
-// One piece of work; whether there is more.
+// Does one step of work. Returns whether there may be more.
 function work() {
   if (asked) {
     if (field.prepare(asked.touch, asked.triangle, asked.u, asked.v)) {
@@ -122,7 +123,7 @@ function work() {
   return near !== null && field.prepare(near.touch, near.triangle, near.u, near.v) === 1;
 }
 
-// What may be wanted later, with long pauses: a machine may have to draw by the same processor.
+// Prepares places that may be touched later, with long pauses: the same processor may have to draw.
 function workAhead() {
   if (near && !working && !field.prepareAhead(near.touch, near.triangle, near.u, near.v)) return;
   setTimeout(workAhead, 250);

@@ -1,5 +1,5 @@
-// Mouse and fingers on the canvas: one presses the organ, or turns it from beside; two turn it, and
-// come closer.
+// Mouse and finger gestures on the canvas. One pointer presses the organ, or turns it when it
+// starts beside it; two pointers turn and zoom.
 class Gestures {
   constructor(page) {
     Object.assign(this, {page, pointers: new Map(), over: null});
@@ -35,7 +35,7 @@ class Gestures {
       this.look(event, dx, dy);
     Object.assign(pointer, {x: event.clientX, y: event.clientY});
   }
-  // On a surface the finger goes along; an active node is pulled aside.
+  // On a surface the finger moves along; an active node is pulled sideways.
   slide(event, dx, dy) {
     const {hand, camera, touches} = this.page;
     if (touches[hand.place.touch].fingerRadius > 0) {
@@ -46,7 +46,7 @@ class Gestures {
     const metres = camera.metresPerPixel();
     hand.sideways = add(add(hand.sideways, camera.right, dx * metres), camera.up, -dy * metres);
   }
-  // Of two fingers each moves the middle by half of its way.
+  // With two fingers, each moves the middle by half of its own motion.
   look(event, dx, dy) {
     const {camera} = this.page, count = this.pointers.size;
     camera.orbit(dx / count, dy / count);
@@ -65,7 +65,7 @@ class Gestures {
     page.changed = true;
     if (this.over) page.prepare(hit);
   }
-  // Nothing is pointed at any more, while a finger that presses goes on.
+  // The pointer left the canvas; a finger that presses continues.
   leave() {
     this.over = null;
     this.page.canvas.classList.remove('over');

@@ -1,7 +1,7 @@
-// Presses at a place to the wanted depth, and comes back when it is let go, at the pace of `palpate
-// view`.
+// A virtual hand that presses at a place to the wanted depth, and retreats when it lets go, at the
+// pace of `palpate view`.
 class Hand {
-  // reach: of the workspaces, m.
+  // reach: radius of the workspaces, m.
   constructor(reach) {
     const wanted = Math.min(facts.hand.usualDepth, facts.hand.usualShare * reach);
     Object.assign(this, {place: null, held: false, depth: 0, wanted, sideways: [0, 0, 0]});
@@ -21,7 +21,7 @@ class Hand {
       }
     }
   }
-  // The displacement of the tool, m, in a workspace of that radius.
+  // Returns the displacement of the tool, m, limited to a workspace of this radius.
   displacement(radius) {
     const p = add(scaled(this.place.normal, -this.depth), this.sideways), size = length(p);
     return size > radius ? scaled(p, radius / size) : p;

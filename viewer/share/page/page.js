@@ -1,4 +1,4 @@
-// The page: a hand presses, the field answers, the picture shows it.
+// The page: a hand presses, the field answers, and the picture shows the result.
 class Page {
   constructor(surface, touches, gl, worker) {
     const reach = Math.max(...touches.map((touch) => touch.radius));
@@ -8,7 +8,7 @@ class Page {
       gl,
       worker,
       reach,
-      step: reach / byId('depth').max,  // half a millimetre where the hand can press 30
+      step: reach / byId('depth').max,  // half a millimetre if the hand can press 30
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
@@ -42,21 +42,21 @@ class Page {
     byId('depth-shown').textContent = text;
   }
   hit(x, y) { return this.surface.hit(this.camera.eye, this.camera.ray(x, y)); }
-  // Something may be asked there soon.
+  // Announces that this place may be touched soon.
   prepare({touch, triangle, u, v}) { this.worker.postMessage({near: {touch, triangle, u, v}}); }
 
-  // Where the hand is, as the field is asked.
+  // Returns the question to the field for the current hand.
   question() {
     const {hand, touches} = this, {touch, triangle, u, v} = hand.place;
     return {touch, triangle, u, v, p: hand.displacement(touches[touch].radius)};
   }
-  // Whether the last answer is to that.
+  // Whether the last answer belongs to this question.
   isAnswered({triangle, u, v, p}) {
     const {answer} = this;
     return answer && answer.triangle === triangle && answer.u === u && answer.v === v &&
         answer.p.every((x, i) => x === p[i]);
   }
-  // Asks the field for where the hand is, one question at a time.
+  // Asks the field about the current hand, one question at a time.
   ask() {
     if (!this.hand.place || this.waiting) return;
     const question = this.question(), {seen, normal} = this.hand.place;
@@ -84,7 +84,7 @@ class Page {
     this.changed = true;
     palpate.touched = this.felt;
   }
-  // The graphics are there again, and have forgotten everything.
+  // The graphics context is back, and has lost all its data.
   restored() {
     this.picture = new Picture(this.gl, this.surface);
     this.changed = true;
@@ -116,7 +116,7 @@ class Page {
       }
     };
   }
-  // To a window that is new, or has another size.
+  // Adapts to the size of the window.
   fit() {
     const {canvas} = this, whole = {width: canvas.clientWidth, height: canvas.clientHeight};
     const ratio = pixelsFor(whole), width = Math.round(whole.width * ratio);
@@ -150,7 +150,7 @@ class Page {
     const force = this.felt ? length(this.felt.force) : 0;
     const bound = this.felt && Number.isFinite(this.felt.bound) ? this.felt.bound : 0;
     this.plot.add(time / 1000, force, bound);
-    if (time - this.shown > 45) {  // nobody reads numbers faster
+    if (time - this.shown > 45) {  // faster changes cannot be read
       this.shown = time;
       this.words.show(this.felt);
       this.plot.draw(time / 1000);

@@ -1,6 +1,6 @@
-// The organ and what is beside it, drawn in WebGL.
+// Draws the organ, the tool and the force in WebGL.
 
-// Of a force that is certain, and of one that is not, as in `palpate view`.
+// Colours of a certain and of an uncertain force, as in `palpate view`.
 const blue = [0.10, 0.42, 0.86], amber = [0.98, 0.67, 0.10];
 
 class Picture {
@@ -95,7 +95,7 @@ class Picture {
     this.feed(this.solid, solid, {position: 3, normal: 3});
     gl.drawElements(gl.TRIANGLES, solid.count, gl.UNSIGNED_SHORT, 0);
   }
-  // What touches with its tip, of its true size where it has one.
+  // Draws the tool with its tip at `tip`, in its true size if it has one.
   drawTool({tip, normal, axis, radius}) {
     const middle = add(tip, normal, radius || this.thinRadius);
     if (radius > 0)
@@ -103,7 +103,8 @@ class Picture {
     else
       this.drawSolid(this.thinTool, placed(middle, axis), [0.72, 0.76, 0.79], 0.8);
   }
-  // Nothing hides it, not the tool either. Blue; amber and in pieces where the force is uncertain.
+  // Draws the arrow of the force in front of everything, including the tool. Blue; amber and dashed
+  // if the force is uncertain.
   drawArrow({tip, force, scale, isUncertain}) {
     const size = length(force), {radius} = this.surface;
     if (size < 0.005) return;
@@ -121,8 +122,8 @@ class Picture {
         this.head, placed(add(tip, along, shaft), along, 2.4 * wide, headLong), colour, 0.3);
     this.gl.depthRange(0, 1);
   }
-  // mark: what of the organ is shown as touched, {point, radius, pressure}; hand: {tip, normal,
-  // axis, radius, force, isUncertain, scale}, its radius 0 where there is no finger; spots: places.
+  // mark: the touched spot of the organ, {point, radius, pressure}; hand: {tip, normal, axis,
+  // radius, force, isUncertain, scale}, with radius 0 if there is no finger; spots: positions.
   draw(camera, {mark, hand, spots}) {
     const gl = this.gl, {surface} = this;
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);

@@ -1,8 +1,8 @@
-// A mesh of triangles, refined by Loop's rules so that it looks like an organ.
+// Refines a triangle mesh by Loop's rules, so that it looks smooth like an organ.
 
-// {sums, faces}: every fine vertex is a weighted sum of coarse ones, a Map from vertex to weight;
-// every fine triangle knows where in which coarse one it lies. As many times as wanted, if there
-// are no more than `most` vertices then: each time makes about four of one.
+// Returns {sums, faces}. Every fine vertex is a weighted sum of coarse ones, a Map from vertex to
+// weight. Every fine triangle knows its position in a coarse one. Refines `times` times, as long as
+// there are fewer than `most` vertices; each time quadruples them.
 function refined(vertexCount, triangles, times, most) {
   let mesh = {sums: Array.from({length: vertexCount}, (_, v) => new Map([[v, 1]])), faces: []};
   for (let t = 0; t < triangles.length / 3; ++t)

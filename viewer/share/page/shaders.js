@@ -1,5 +1,6 @@
-// What the graphics card runs. A processor that draws by itself passes most of its time with
-// vertices: what does not change is an attribute, and the view is that of an eye far away.
+// Shaders of the graphics card. A processor that draws by itself spends most of its time on
+// vertices. To save time there, constant data are attributes, and all vertices share one view
+// direction, as for a distant eye.
 
 const tissueVertex = `
 attribute vec3 position, normal, rest, colour;

@@ -1,6 +1,6 @@
 // Solids beside the organ: the tool, the arrow of the force, marks.
 
-// A solid of revolution about z through (radius, height) pairs.
+// Returns a solid of revolution about z, with a profile of (radius, height) pairs.
 function turned(profile, around = 14) {
   const position = [], normal = [], index = [];
   profile.forEach(([r, z], n) => {
@@ -18,7 +18,7 @@ function turned(profile, around = 14) {
   });
   return {position, normal, index};
 }
-// From a pole at the height -radius to the equator at 0.
+// Profile of a half ball, from a pole at height -radius to the equator at 0.
 function halfBall(radius) {
   const profile = [];
   for (let n = 0; n <= 8; ++n) {
@@ -27,15 +27,18 @@ function halfBall(radius) {
   }
   return profile;
 }
-// Where no finger was computed, so that the tool has no size: the middle of its tip is at 0.
+// Profile of the tool if no finger was computed, so that it has no size; the centre of its tip is
+// at 0.
 const thinTool = (radius, top) =>
     [...halfBall(radius), [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
-// Of radius 1, the middle of its tip at 0, as long as that of `palpate view`.
+// Profile of a finger of radius 1, with the centre of its tip at 0. `palpate view` draws it with
+// the same length.
 function finger() {
   const end = halfBall(1), long = 2.2;
   return [...end, ...end.reverse().map(([r, z]) => [r, long - z])];
 }
-// Stands the z axis of a solid along a direction at a place, with its own scales.
+// Returns a matrix that places a solid at `at`, with its z axis along `direction`. wide, long:
+// scales.
 function placed(at, direction, wide = 1, long = 1) {
   const z = unit(direction), x = unit(cross(Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], z)),
         y = cross(z, x);

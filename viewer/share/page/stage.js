@@ -1,5 +1,6 @@
-// The part of the window where the organ is: all of it, where the numbers leave most of the middle;
-// else what is largest of the parts below the words that are beside or above the numbers.
+// Returns the part of the window in which the organ is drawn. It is the whole window if the numbers
+// leave most of the middle free. Otherwise it is the larger of the parts beside and above the
+// numbers, below the words.
 function stageIn(whole) {
   const top = byId('words').getBoundingClientRect().bottom;
   const numbers = byId('numbers').getBoundingClientRect();
@@ -13,9 +14,9 @@ function stageIn(whole) {
   return sizeOf(above) > sizeOf(beside) ? above : beside;
 }
 
-// Of the canvas, for each of the page: two at most, and no more in all than a large screen has. A
-// processor that draws by itself has time for few: then the organ is less sharp in a huge window,
-// but moves.
+// Returns the pixels of the canvas per pixel of the page: at most two, and in total no more than a
+// large screen has. A processor that draws by itself has time for fewer. The organ is then less
+// sharp in a huge window, but moves.
 function pixelsFor(whole) {
   const most = palpate.onCard ? 5120 * 2880 : 1920 * 1200;
   return Math.min(2, devicePixelRatio || 1, Math.sqrt(most / whole.width / whole.height));

@@ -1,6 +1,6 @@
-// How a page begins, and what ends it.
+// Starts a page, and handles events that stop it.
 
-// A processor that draws by itself has no time for smooth edges and many triangles.
+// Whether a processor draws; it has no time for smooth edges and many triangles.
 function drawsBySoftware() {
   const gl = document.createElement('canvas').getContext('webgl');
   const named = gl && gl.getExtension('WEBGL_debug_renderer_info');
@@ -10,7 +10,7 @@ function drawsBySoftware() {
   return /swiftshader|llvmpipe|software|basic render/i.test(renderer);
 }
 
-// The field, in a thread of its own.
+// Starts the field in a thread of its own.
 function startField(gl) {
   const code = new Blob([byId('worker').textContent], {type: 'text/javascript'});
   const worker = new Worker(URL.createObjectURL(code));
@@ -54,7 +54,7 @@ function begin() {
         'not in the preview of a mail');
   let isOnlyTrouble = false;
   canvas.addEventListener('webglcontextlost', (event) => {
-    event.preventDefault();  // so that it may come back
+    event.preventDefault();  // allows it to come back
     isOnlyTrouble = !palpate.trouble;
     palpate.stop(
         'the graphics of this device stopped, as they do when other programs need them: ' +

@@ -1,4 +1,4 @@
-// The surface that is seen: the mesh that the field knows, refined `times` times.
+// The drawn surface: the mesh of the field, refined `times` times.
 
 class Surface {
   constructor({vertices, triangles, touchOfTriangle}, times) {
@@ -45,7 +45,7 @@ class Surface {
       this.radius = Math.max(this.radius, length(sub(row(vertices, v), this.center)));
   }
 
-  // Of values per coarse vertex, three each.
+  // Interpolates values of the coarse vertices, three each, to the fine ones.
   fine(values) {
     const out = new Float32Array(3 * this.count);
     for (let v = 0; v < this.count; ++v)
@@ -58,7 +58,7 @@ class Surface {
     return out;
   }
 
-  // Of wet tissue, in blotches as it has; paler where nothing can be felt.
+  // Colours of wet tissue with its blotches; paler where nothing can be felt.
   colours() {
     const out = new Float32Array(3 * this.count), {sin} = Math;
     for (let v = 0; v < this.count; ++v) {
@@ -97,8 +97,8 @@ class Surface {
   }
   setNormals() { Surface.normalsOf(this.position, this.index, this.normal); }
 
-  // Displacements of the coarse vertices; the point `seen` under the tool moves by p, and what is
-  // about it.
+  // Deforms the surface. shape: displacements of the coarse vertices. The point `seen` under the
+  // tool moves by p, and its surroundings within `reach` follow.
   deform(shape, seen, p, reach) {
     const moved = this.fine(shape);
     if (seen) {
@@ -119,8 +119,8 @@ class Surface {
     this.setNormals();
   }
 
-  // Where a ray meets the organ first, at rest or as it is: a point of the mesh, and what is seen
-  // there.
+  // Returns the first point of the organ that a ray meets, at rest or at other positions: a point
+  // of the coarse mesh, and the drawn point there.
   hit(from, along, position = this.rest) {
     let nearest = null, least = Infinity;
     for (let t = 0; t < this.faces.length; ++t) {

@@ -1,5 +1,5 @@
-// What stops a page is said in a sentence. This runs before all else and in any browser, so it is
-// the JavaScript of 1999: a browser that cannot read what follows must still be told so.
+// Shows a sentence when something stops the page. This runs first, in any browser. It is written in
+// the JavaScript of 1999, so that it also works in browsers that cannot parse the rest.
 var palpate = {};
 
 palpate.tooOld =
@@ -7,8 +7,7 @@ palpate.tooOld =
     'or in something newer.';
 palpate.getAgain = 'get the file again, or make it again with palpate share';
 
-// What stopped the page, and what to do; nothing else is seen then. The first trouble is the one
-// that counts.
+// Stops the page and shows only this sentence: the reason and a remedy. Later troubles are ignored.
 palpate.stop = function(sentence) {
   if (palpate.trouble) return;
   palpate.trouble = sentence.charAt(0).toUpperCase() + sentence.substring(1) +
@@ -21,7 +20,7 @@ palpate.goOn = function() {
 };
 palpate.showTrouble = function() {
   var shown = document.getElementById('trouble');
-  if (!shown) return;  // not there yet: once more when all is
+  if (!shown) return;  // not loaded yet: shown once it is
   shown.innerHTML = '';
   shown.appendChild(document.createTextNode(palpate.trouble));
   document.body.className = palpate.trouble ? 'stopped' : '';
@@ -30,7 +29,7 @@ palpate.showTrouble = function() {
 
 window.onerror = function(message, source) {
   var isOurs = String(source).split('#')[0] === location.href.split('#')[0];
-  if (palpate.begun && !isOurs) return;  // what an extension of the browser does is no trouble here
+  if (palpate.begun && !isOurs) return;  // ignores errors of browser extensions
   if (palpate.begun)
     palpate.stop(
         'this page stopped (' + message + '): load it again, or open it in another browser');

@@ -1,4 +1,4 @@
-// What the page says of what can be done, and of what is felt.
+// Texts of the page: hints, and the numbers of a touch.
 class Words {
   // reach: how deep the hand can press, m.
   constructor(touches, reach) {
@@ -25,7 +25,7 @@ class Words {
         this.spot ? `Nothing was computed here: press ${this.spot}.` :
                     'The organ is held here, and nothing was computed: press another place.');
   }
-  // Null: nothing is.
+  // felt: null without a touch.
   show(felt) {
     const write = (id, text) => {
       if (byId(id).textContent !== text) byId(id).textContent = text;

@@ -1,8 +1,9 @@
 #pragma once
 
-// What the standard library of Emscripten 3.1.6 (libc++ 13) lacks of C++20 and the fields use,
-// included before their sources when they are compiled to WebAssembly. The classical algorithms do
-// the work: with keys that differ, as all of ours do, the results are those of any other library.
+// Parts of C++20 that the fields use and the standard library of Emscripten 3.1.6 (libc++ 13)
+// lacks. Included before their sources when they are compiled to WebAssembly. The classical
+// algorithms do the work. If all keys differ, as ours do, the results equal those of any other
+// library.
 #include <version>
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
 
@@ -25,7 +26,7 @@ constexpr auto operator<=>(const array<T, n>& a, const array<T, n>& b) {
 
 namespace ranges {
 
-/// Of two values, by what a projection makes of them.
+/// Compares two values by a projection of them.
 template <class Less, class Projection>
 constexpr auto byProjection(Less less, Projection projection) {
   return [=](const auto& a, const auto& b) {

@@ -1,5 +1,6 @@
-// What a page calls: the fields, compiled to WebAssembly. Numbers are doubles in SI, memory is the
-// module's, and all of it is of one thread, the page's worker (page/field_worker.js).
+// The functions that a page calls: the fields, compiled to WebAssembly. Numbers are doubles in SI,
+// memory belongs to the module, and everything runs on one thread, the page's worker
+// (page/field_worker.js).
 
 #include <array>
 #include <cstdio>
@@ -14,9 +15,9 @@
 #include "viewer/organ/touched_organ.hpp"
 
 #ifdef __wasm__
-// Nothing is caught here: what is thrown ends the module, after its words went to standard error,
-// from where the page takes them. All of it is a std::exception. The linker calls the second in
-// the place of __cxa_throw, which newer libraries of Emscripten define themselves.
+// Exceptions are not caught here. A throw writes the message to standard error, where the page
+// reads it, and ends the module. Every exception is a std::exception. The linker calls the second
+// function instead of __cxa_throw, which newer libraries of Emscripten define themselves.
 extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
 extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
   std::fputs(static_cast<const std::exception*>(thrown)->what(), stderr);
@@ -31,7 +32,7 @@ extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, v
 namespace palpate {
 
 #ifdef __wasm__
-/// A page has one thread for the field, and prepares in pieces.
+/// A page has one thread for the field, and prepares in small steps.
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   for (std::size_t n = 0; n < count; ++n) task(n);
 }
@@ -40,7 +41,8 @@ unsigned coreCount() { return 1; }
 
 namespace {
 
-/// What the page has: valid from openOrgan on. What is returned stands here until the next call.
+/// The page's organ, valid from openOrgan on. Returned pointers are into it, and valid until the
+/// next call.
 struct OpenOrgan {
   explicit OpenOrgan(CarriedOrgan organ)
       : touched(std::move(organ)), shape(3 * touched.organ().vertices.size()) {}
@@ -62,7 +64,8 @@ std::optional<OpenOrgan> in_page;
 PALPATE_PAGE(allocate)(std::size_t size)->void* { return std::malloc(size); }
 PALPATE_PAGE(release)(void* memory)->void { std::free(memory); }
 
-/// Bytes of encode(), which may go afterwards. What decode() refuses is thrown.
+/// Opens an organ from bytes of encode(), which may be released afterwards. Throws if decode()
+/// does.
 PALPATE_PAGE(openOrgan)(const char* bytes, std::size_t size)->void {
   in_page.emplace(decode({bytes, size}));
 }
@@ -78,7 +81,8 @@ PALPATE_PAGE(touchOfTriangle)()->const std::int32_t* {
 }
 PALPATE_PAGE(touchCount)()->std::size_t { return in_page->touched.organ().touches.size(); }
 
-/// Five numbers: radius of the finger (0: none), of the workspace, the rest position.
+/// Returns five numbers: radius of the finger (0: none), radius of the workspace, and the rest
+/// position.
 PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   const CarriedOrgan& organ = in_page->touched.organ();
   const CarriedTouch& carried = organ.touches[touch];
@@ -87,8 +91,8 @@ PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   return in_page->numbers.data();
 }
 
-/// A place is a triangle and the shares u, v of its second and third corner. Makes one piece of
-/// what a touch there needs, or of what is needed around; 0 when nothing is lacking.
+/// Does one step of the preparation for a touch, or around it. Returns 0 if nothing is left to do.
+/// A place is a triangle and the barycentric weights u, v of its second and third corner.
 PALPATE_PAGE(prepare)(std::size_t touch, std::int32_t triangle, double u, double v)->int {
   return in_page->touched.prepare(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
@@ -96,7 +100,7 @@ PALPATE_PAGE(prepareAhead)(std::size_t touch, std::int32_t triangle, double u, d
   return in_page->touched.prepareAhead(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
 
-/// Ten numbers: force, error bound, energy, coverage, inside, and the place in space.
+/// Returns ten numbers: force, error bound, energy, coverage, inside, and the place in space.
 PALPATE_PAGE(evaluate)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const double* {
@@ -116,7 +120,7 @@ PALPATE_PAGE(evaluate)
   return in_page->numbers.data();
 }
 
-/// Displacements of all vertices there.
+/// Returns the displacements of all vertices for this touch.
 PALPATE_PAGE(shapeAt)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const float* {
