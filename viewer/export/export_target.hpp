@@ -21,8 +21,8 @@ class ExportTarget {
   bool holdsWay() const { return format_ == ExportFormat::pvd || format_ == ExportFormat::csv; }
   static std::string endings();  ///< Lists the extensions with their contents, for --help.
 
-  /// Error (bad input) if the file exists, or the folder of the series and is not empty, and may
-  /// not be replaced. The dataset itself may never be replaced.
+  /// Error (bad input) if the file or a non-empty folder of the series exists, unless it may be
+  /// replaced. The dataset itself may never be replaced.
   void refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const;
 
   // For a .pvd: press.pvd, press/press_0000.vtu, press/press_0001.vtu, ...

@@ -33,9 +33,9 @@ constexpr double kernel_width = 1.5;
 /// Terms of an area's error bound:
 /// - share_of_p_error: of the bound for interpolation in p at each site;
 /// - share_of_lack: of the force. The error of each site, interpolated from the sites around it, is
-///   scaled to the place by the root of a ratio of powers (HermiteWeights): of the place, over that
-///   site without itself. The root is a compromise between 1, for functions that are not smooth,
-///   and the ratio, for smooth ones;
+///   scaled to the place by the root of a ratio of powers (HermiteWeights). The ratio is the power
+///   of the place over the power of the site without its own data. The root is a compromise between
+///   1, for functions that are not smooth, and the ratio, for smooth ones;
 /// - share_of_power: of the force, times the power of the place;
 /// - share_of_force: of the force, for the error of interpolating to collocation points.
 ///

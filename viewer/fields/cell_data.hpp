@@ -13,7 +13,7 @@ namespace palpate {
 ///
 /// A ghost's polynomial fits the data of the nearest solved points. It is exact for energies up to
 /// the third degree if enough of them are near, and of lower order with fewer. A lone point is
-/// continued by its force and stiffness. Forces are limited by the range of the neighbours'.
+/// continued by its force and stiffness. Forces are limited to the range of the neighbours' forces.
 ///
 /// ghosts: ghostPolynomials of the same tree and space, one per slot; none mixes points that an
 /// inconsistent edge joins. The result is the same on every machine of one kind. Any thread.

@@ -22,8 +22,7 @@ struct ForceSample {
   double coverage = 0;
   /// Whether the displacement is in the solved region (answered_region.hpp) and a corner of the
   /// cell around it is solved. Beyond that region the sample is a continuation, which only stiffens
-  /// and is not reliable; the error bound grows with it. False, with zero force, for a
-  /// NaN.
+  /// and is not reliable; the error bound grows with it. A NaN gives false and zero force.
   bool inside = false;
   double beyond = 0;  ///< m, length beyond the edge of that region, along the displacement; 0 in it
 

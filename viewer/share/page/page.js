@@ -8,7 +8,7 @@ class Page {
       gl,
       worker,
       reach,
-      step: reach / byId('depth').max,  // half a millimetre if the hand can press 30
+      step: reach / byId('depth').max,  // half a millimetre if the hand can press 30 mm
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
