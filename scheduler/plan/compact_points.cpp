@@ -18,7 +18,7 @@ void CompactPoints::add() {
   count(size_ - 1, 1);
 }
 
-/// All that a point is counted in, but for what became of attempts.
+/// Adds `by` to every count of point n, except the counts of attempts.
 void CompactPoints::count(std::int32_t n, int by) {
   const Point& point = at(n);
   PointCounts& counts = countsOf(n);

@@ -10,41 +10,42 @@
 
 namespace palpate {
 
-/// How many points there are of each kind.
+/// Numbers of points by kind.
 struct PointCounts {
   std::array<std::int32_t, tag_words.size()> of_tag = {};
-  std::int64_t attempts = 0;        ///< that failed
-  std::int32_t unknown_tried = 0;   ///< unknown, and an attempt failed
-  std::int32_t unsolved_tried = 0;  ///< unknown or failed, and an attempt failed
+  std::int64_t attempts = 0;        ///< failed attempts
+  std::int32_t unknown_tried = 0;   ///< unknown points with a failed attempt
+  std::int32_t unsolved_tried = 0;  ///< unknown or failed points with a failed attempt
 
   std::int32_t of(Tag tag) const { return of_tag[static_cast<std::size_t>(tag)]; }
   std::int32_t solved() const { return of(Tag::expandable) + of(Tag::terminating); }
 };
-/// Something by cause.
+/// Counts indexed by Cause.
 using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cause::bifurcation)>;
 
-/// The points of one configuration space in about 180 bytes each (a PointRecord has 800, nearly all
-/// of them a finger's), those of fingers in 700 more, and how many there are of each kind, which
-/// costs nothing to ask. A build may have ten million.
+/// The points of one configuration space, stored compactly, with running counts by kind.
+///
+/// A point takes about 180 bytes, and a finger's point 700 more. A PointRecord takes 800, nearly
+/// all of them for fingers. A build may have ten million points. The counts cost nothing to read.
 ///
 /// Copyable, one thread at a time.
 class CompactPoints {
  public:
-  /// `uniform` unknown points; what is added later is counted apart.
+  /// Starts with `uniform` unknown points. Points added later are counted separately (added()).
   explicit CompactPoints(std::int32_t uniform);
 
-  void add();  ///< one more, unknown
+  void add();  ///< adds an unknown point
   std::int32_t size() const { return size_; }
   Tag tag(std::int32_t n) const { return at(n).tag; }
   Cause cause(std::int32_t n) const { return at(n).cause; }
   std::int32_t parent(std::int32_t n) const { return at(n).parent; }
   std::int32_t factorizations(std::int32_t n) const { return at(n).factorizations; }
   const ContentId& fields(std::int32_t n) const { return at(n).fields; }
-  /// Without what only a finger has.
+  /// Without the slopes that only a finger has.
   const ToolEquilibrium& equilibrium(std::int32_t n) const { return at(n).equilibrium; }
-  /// All of it, but for Cost::seconds.
+  /// The complete record except Cost::seconds.
   PointRecord record(std::int32_t n) const;
-  /// Attempts that failed, in the order of trying.
+  /// Failed attempts in the order in which they were made.
   const std::vector<FailedAttempt>& attempts(std::int32_t n) const;
 
   void solve(std::int32_t n, const PointRecord& found);
@@ -63,12 +64,12 @@ class CompactPoints {
     ContentId fields;
     std::int32_t newton_iterations = 0, factorizations = 0, steps = 0;
     std::int32_t parent = -1;
-    std::int32_t slopes = -1;  ///< in slopes_; -1: all zero
+    std::int32_t slopes = -1;  ///< index in slopes_; -1: all zero
     Tag tag = Tag::unknown;
     Cause cause = Cause::none;
     bool tried = false;  ///< an attempt failed
   };
-  /// In pages, so that one more point does not move ten million.
+  /// Points per page. Pages avoid moving ten million points to add one.
   static constexpr std::int32_t page = 4096;
 
   const Point& at(std::int32_t n) const {

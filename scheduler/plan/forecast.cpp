@@ -6,20 +6,21 @@
 namespace palpate {
 namespace {
 
-/// What refinement adds, as a share of a uniform lattice, as long as little is known: spaces that
-/// are done early are those that grow most, so that this stays worth a share of all points.
+/// `usual_growth` is the expected growth by refinement while little is known, as a share of a
+/// uniform lattice. It always weighs as much as the share `worth` of all points, because the spaces
+/// that finish early grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
-/// What became of the points of all uniform lattices so far.
+/// Outcomes at the points of all uniform lattices so far.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
-  /// Where one fails it is tried from other neighbours.
+  /// Attempts per tried point: a point that fails from one neighbour is tried from others.
   double triesEach() const { return (attempts + 1) / (tried + 1); }
-  /// That a way goes on beyond a point.
+  /// Probability that solving continues beyond a point.
   double share() const { return (went_on + 1) / (went_on + ended + 1); }
 };
 
-/// Nothing may be tried from there.
+/// True if no transition may start from this point.
 bool ended(const SpacePlan& plan, std::int32_t n) {
   const Tag tag = plan.points().tag(n);
   return tag == Tag::terminating || tag == Tag::failed ||
@@ -34,7 +35,8 @@ void count(const SpacePlan& plan, Fates& fates) {
   fates.attempts += static_cast<double>(points.attempts) + points.solved();
 }
 
-/// How likely an unknown point of the lattice is tried: along the way to it from rest.
+/// Probability that an unknown point of the lattice is tried, judged by the points between rest and
+/// it.
 double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   const Lattice& positions = plan.positions();
   const LatticePoint& point = positions.point(target);
@@ -55,7 +57,7 @@ double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   return chance;
 }
 
-/// Every so manyth point of all lattices, so that no more are looked at than are worth it.
+/// Evaluates every n-th point of all lattices, so that at most about most_forecast are visited.
 class Sample {
  public:
   explicit Sample(const std::vector<SpacePlan>& plans) {
@@ -73,20 +75,21 @@ class Sample {
         expected += static_cast<double>(every_) * chanceOf(plan, n, share);
     }
     next_ -= size;
-    // Those that are ready already are counted as such.
+    // Open transitions are counted as ready already.
     return std::max(0.0, expected - plan.openCount());
   }
 
  private:
   std::int64_t every_;
-  std::int64_t next_ = 0;  ///< in the space that comes next
+  std::int64_t next_ = 0;  ///< index into the lattice of the next space
 };
 
 double grown(const SpacePlan& plan) {
   return plan.positions().size() - plan.positions().uniformSize();
 }
 
-/// Of lattices that have grown, and of what is usual.
+/// Growth by refinement, as a share of a uniform lattice: the mean of the spaces that have finished
+/// growing and of the usual growth.
 double growthOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
   double more = 0, lattice = 0, all = 1;
   for (std::size_t space = 0; space < plans.size(); ++space) {
@@ -114,7 +117,7 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
     if (plan.complete()) continue;
     forecast.ready += plan.openCount();
     if (problem.active[space].probe) {
-      // Its rest position, and one probe.
+      // The rest position and one probe.
       forecast.expected += plan.stage() < Stage::probes ? 1 : 0;
       continue;
     }

@@ -6,22 +6,25 @@
 
 namespace palpate {
 
-/// How many points and probes will still be tried: what is ready for certain, the rest by what is
-/// known of points nearer to rest and of spaces that are further.
+/// Estimated number of points and probes still to be tried.
 struct Forecast {
-  double ready = 0;     ///< transitions that wait or are being solved
-  double expected = 0;  ///< points that will become ready, or be asked for by refinement
+  double ready = 0;  ///< open transitions: waiting or being solved; exact
+  /// points that will become ready or that refinement will ask for; an estimate
+  double expected = 0;
 };
 
 inline constexpr std::int64_t most_forecast = 50000;
 
-/// An unknown point of a lattice counts as much as what lies on the straight way to it from rest
-/// lets it: not at all behind a point where the way ended, less and less the farther it is from the
-/// last one that is known. A space is expected to grow as those that have grown did (by a fifth, as
-/// long as there are few), and once its refinement has begun by what its cells want.
+/// Estimates the remaining work of a build.
 ///
-/// Costs about 0.2 us an unknown point, of most_forecast at most: of more, evenly many are looked
-/// at, and each counts for those between.
+/// An unknown lattice point counts with the probability that it is tried, which follows from the
+/// straight path to it from rest. The probability is zero behind a point where solving ended, and
+/// falls with the distance from the last known point. A space is expected to grow by refinement as
+/// the finished ones did (by a fifth while few are finished). Once its own refinement has begun,
+/// the forecast of its cells is used.
+///
+/// Costs about 0.2 us per unknown point. With more than most_forecast lattice points an evenly
+/// spaced sample is evaluated, and each sampled point stands for those in between.
 Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans);
 
 }  // namespace palpate

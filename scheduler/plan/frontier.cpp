@@ -9,7 +9,7 @@ namespace palpate {
 
 Frontier::Frontier(const Known& known, int max_attempts)
     : max_attempts_(max_attempts), points_(known.lattice.size()), unsettled_(known.lattice.size()) {
-  // Points near the origin wait for the origin, farther ones for those; so nothing but the origin
+  // Points near the origin wait for the origin, and farther points wait for those. Only the origin
   // is ready.
   for (std::int32_t n = 1; n < known.lattice.size(); ++n) advance(n, known);
   makeReady(0, 0);
@@ -52,13 +52,13 @@ void Frontier::makeReady(std::int32_t target, std::int32_t parent) {
 void Frontier::settle(std::int32_t point) {
   PALPATE_ASSERT(unsettled_ > 0, "a point is settled once in a round");
   --unsettled_;
-  // Later rounds look only at what was expandable when they began, so that nobody waits in them.
+  // Later rounds use only points that were expandable when the round began, so no point waits.
   if (round_ == 0) newly_settled_.push_back(point);
 }
 
 void Frontier::advance(std::int32_t point, const Known& known) {
   Point& p = points_[point];
-  // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
+  // Round 0 has parents on one side only, which tend to fail together. Save half for other sides.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   const std::int64_t norm = squaredNorm(known.lattice.point(point));
   const std::vector<FailedAttempt>& failed = known.points.attempts(point);
@@ -67,7 +67,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
   for (const std::int32_t candidate : candidates) {
     const Point& c = points_[candidate];
     if (round_ == 0) {
-      // Strictly nearer to the origin: two points never wait for each other.
+      // Only parents strictly nearer to the origin, so that two points never wait for each other.
       if (squaredNorm(known.lattice.point(candidate)) >= norm) continue;
       if (c.phase == Phase::waiting || c.phase == Phase::open) {
         p.phase = Phase::waiting;
@@ -75,7 +75,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
         return;
       }
     } else if (c.round_reached == round_) {
-      continue;  // does not count yet: which comes first would depend on timing
+      continue;  // not a parent in this round: which point came first would depend on timing
     }
     const bool tried = std::ranges::find(failed, candidate, &FailedAttempt::parent) != failed.end();
     if (known.points.tag(candidate) != Tag::expandable || tried) continue;
@@ -86,7 +86,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
   settle(point);
 }
 
-/// With a stack and not by recursion: a chain of waiting points may cross the whole lattice.
+/// Uses a stack instead of recursion: a chain of waiting points may cross the whole lattice.
 void Frontier::releaseWaiting(const Known& known) {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
@@ -101,13 +101,13 @@ void Frontier::releaseWaiting(const Known& known) {
 void Frontier::beginRound(const Known& known) {
   ++round_;
   for (std::int32_t n = 0; n < std::ssize(points_); ++n) {
-    // Those that were given up get another chance, from what was reached meanwhile.
+    // Try unreached points again, from the points that were reached in the meantime.
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
     advance(n, known);
   }
   complete_ = open_count_ == 0;
-  if (complete_) points_ = {};  // of ten million points a good deal of memory
+  if (complete_) points_ = {};  // large when a lattice has ten million points
 }
 
 }  // namespace palpate

@@ -38,7 +38,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   Handout handout{++last_job_, {}};
   for (const LatticePoint& target : targets) {
     const ResultKey key{start.space, target, start.parent};
-    // A suspect is handed out alone, so that the next death names it.
+    // A suspect is handed out alone, so that the next death identifies it.
     const bool alone = entries_.at(key).losses.suspected >= losses_before_alone;
     if (alone && !handout.targets.empty()) break;
     lease(key, worker, handout.job);
@@ -84,7 +84,7 @@ void Leases::finish(const ResultKey& key) {
   const auto found = entries_.find(key);
   PALPATE_ASSERT(found != entries_.end(), "what has an outcome was handed out, or still waits");
   const Entry& entry = found->second;
-  // A late answer of a lost worker ends the lease of whoever has it now.
+  // A late result of a lost worker ends the lease of the worker that has the transition now.
   if (!entry.worker.empty()) {
     Held& held = by_worker_.at(entry.worker);
     auto& open = held.jobs.at(entry.job);
@@ -125,8 +125,8 @@ Leases::Suspects Leases::suspectsOf(const std::string& worker,
                                     std::optional<ResultKey> solving) const {
   Suspects suspects{.named = solving, .next = {}};
   if (const Jobs& jobs = jobsOf(worker); !jobs.empty()) {
-    // The last heartbeat may be older than the solve that killed it: the next in order is as
-    // suspect as the one it named.
+    // The worker may have died in a solve that began after its last heartbeat: the next transition
+    // in order is as suspect as the named one.
     suspects.next = jobs.begin()->second.front();
     suspects.alone = entries_.at(*suspects.next).losses.suspected >= losses_before_alone;
   }
@@ -135,7 +135,8 @@ Leases::Suspects Leases::suspectsOf(const std::string& worker,
 
 std::vector<std::pair<ResultKey, Losses>> Leases::blame(const Suspects& suspects) {
   std::vector<std::pair<ResultKey, Losses>> known;
-  // One end is one death: of what it said it was solving, unless that has its outcome by now.
+  // One end is one death. It counts for the transition that the worker named, unless that has its
+  // outcome by now.
   const bool is_named = suspects.named && entries_.contains(*suspects.named);
   for (const auto& key : std::set{suspects.named, suspects.next}) {
     const auto found = key ? entries_.find(*key) : entries_.end();
@@ -196,7 +197,7 @@ void Leases::putBack(const ResultKey& key, Entry& entry) {
 void Leases::takeFromWaiting(const ResultKey& key) {
   if (waiting_checks_.erase(key) == 1) return;
   const auto group = waiting_.find(startOf(key.space, key.parent));
-  // What is set aside does not wait.
+  // Set-aside transitions do not wait.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
   if (group->second.empty()) waiting_.erase(group);
   --waiting_count_;
@@ -210,7 +211,7 @@ void Leases::noteEnd(Held& held, const Entry& entry) {
 }
 
 Leases::Jobs Leases::endLeases(const std::string& worker) {
-  // A worker that never had a job is asked for too.
+  // Also called for workers that never had a job.
   Held held = std::exchange(by_worker_[worker], {});
   by_worker_.erase(worker);
   for (const auto& [job, keys] : held.jobs)

@@ -14,30 +14,31 @@
 namespace palpate {
 namespace {
 
-/// Positions per axis at which a leaf's error is looked at.
+/// Positions per axis at which a leaf's error is sampled.
 constexpr int samples = 5;
 
-/// What is likely of the bound of field_error.hpp, which holds at 99 % of positions and is then 6
-/// to 10 times the error in the median. With 0.2, 83 configurations keep 3 % or 10 mN at 99.5 % of
-/// 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm); 0.25 takes 108 for 100 %, 0.15 stops
-/// at 98.8 %.
+/// Likely error as a share of the bound of field_error.hpp. The bound holds at 99 % of positions;
+/// in the median it is then 6 to 10 times the error. With 0.2, 83 configurations keep 3 % or 10 mN
+/// at 99.5 % of 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm). A value of 0.25 needs 108
+/// for 100 %, and 0.15 stops at 98.8 %.
 constexpr double likely_share = 0.2;
 
-/// Share of the ball in which the likely error must keep the accuracy: the rest are spots, next to
-/// jumps between branches, that swallow points without end.
+/// Share of the ball in which the likely error must meet the accuracy. The rest are spots beside
+/// jumps between branches, which would take any number of points.
 constexpr double enough = 0.998;
-/// Of a finger, whose neighbours share its error.
+/// The same share for a finger. Neighbouring sites share its error.
 constexpr double enough_of_finger = 0.99;
 
-/// Corners are solved outside of the ball up to so many edges of their leaf; farther ones stay
-/// ghosts, since pressing deeper than asked leads over folds that the ball does not have, and
-/// splitting does as well.
+/// Corners are solved up to this many edge lengths of their leaf outside the ball. Farther corners
+/// stay ghosts: pressing deeper than asked leads across folds that the ball does not have, and
+/// splitting the leaf serves as well.
 constexpr double reach_outside = 0.25;
 
-/// What a halved cell adds: seven in the midst of others, less at the rim of the ball.
+/// Average number of points that a halved cell adds: seven amid other cells, fewer at the rim of
+/// the ball.
 constexpr double points_of_cell = 5;
 
-/// One look at a configuration space.
+/// Compares the likely error of one configuration space with the allowed error, leaf by leaf.
 class CellInspection {
  public:
   CellInspection(const SpaceTable& space, const Scene& scene)
@@ -68,7 +69,7 @@ class CellInspection {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
-      // With its corners known, every second one is good.
+      // Assume that solving the missing corners is enough for every second leaf.
       const double halved = halvedIn(leaf, ratio);
       halved_later += untried.empty() ? std::max(0.0, halved - 1) : halved / 2;
       points.insert(untried.begin(), untried.end());
@@ -107,14 +108,16 @@ class CellInspection {
     if (worst > 1 || endsBesideRest(leaf)) poor_.emplace_back(leaf, worst);
   }
 
-  /// Of a finger nothing is promised where it is not pushed to, or the force is too large.
+  /// True where the accuracy is promised. For a finger that excludes displacements it is not pushed
+  /// to and forces above max_force.
   bool isPromised(const Eigen::Vector3d& displacement, double force) const {
     const auto& finger = space_.patch.finger;
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
-  /// How many cells are halved until a leaf is good, itself among them. Where a finger's answers
-  /// end in it, it is halved once (isAtEnd), or as often as levels allow (endsBesideRest).
+  /// Estimates how many cells are halved until a leaf meets the accuracy, the leaf included. A
+  /// finger's leaf with a failed corner is halved once (isAtEnd), or as often as levels allow
+  /// (endsBesideRest).
   double halvedIn(std::int32_t leaf, double ratio) const {
     const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
     if (!hasFailedCorner(leaf)) return cellsHalved(ratio, left);
@@ -135,10 +138,10 @@ class CellInspection {
     return any;
   }
 
-  /// Halving a cell that a jump between branches crosses leaves the jump where it is. An edge that
-  /// is merely suspect gets one chance: over half its length the two are told apart. Of a finger so
-  /// does what looks like a jump: over a coarse edge tissue stiffens and softens again, and neither
-  /// end knows.
+  /// True if halving the leaf is useless because a jump between branches crosses it: the jump stays
+  /// where it is. A suspect edge is halved once, since half the length tells a jump from a smooth
+  /// branch. For a finger, edges that look like jumps get that chance too: along a coarse edge
+  /// tissue can stiffen and soften again, which neither end shows.
   bool isAtJump(std::int32_t leaf) const {
     const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
     if (level < first) return false;
@@ -153,18 +156,18 @@ class CellInspection {
     return false;
   }
 
-  /// Whether a part without answers begins here, behind a fold or beyond the forces that matter:
-  /// smaller cells would trace its border, at many failing transitions a cell, and be as empty
-  /// beyond it. One halving shows where it is. Only of a finger: at sharp rims
-  /// up to half of its ball lies there.
+  /// True if a finger has no answers beyond this leaf, because of a fold or of too large forces,
+  /// and the leaf has been halved once. Smaller cells would trace the border of that region, at
+  /// many failing transitions each, and stay empty beyond it. One halving locates the border. Only
+  /// for fingers: at sharp rims up to half of the ball lies in such a region.
   bool isAtEnd(std::int32_t leaf) const {
     return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
            !endsBesideRest(leaf);
   }
 
-  /// Whether a finger's answers end on the first edge from rest, as where the tissue is stiff
-  /// against the spacing: nearly all that a hand feels there lies within this leaf, and of its
-  /// corners rest alone may be known. So it is halved as often as levels allow.
+  /// True if a finger's answers end on the first edge from rest, because the tissue is stiff
+  /// relative to the spacing. Nearly everything a hand feels there lies within this leaf, and rest
+  /// may be its only solved corner. Such a leaf is halved as often as levels allow.
   bool endsBesideRest(std::int32_t leaf) const {
     if (!space_.patch.finger) return false;
     const LeafCorners& corners = tree_.corners(leaf);
@@ -195,8 +198,7 @@ class CellInspection {
     return untried;
   }
 
-  /// The corners of the leaves there will be that are in the ball, do not hang and were never
-  /// tried.
+  /// Adds the corners of the future leaves that lie in the ball, do not hang and were never tried.
   void addNewCorners(const std::vector<LatticeCell>& splits, std::set<LatticePoint>& points) const {
     if (splits.empty()) return;
     SpaceTable after = space_;
@@ -217,7 +219,8 @@ class CellInspection {
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
-  /// Leaves that do not keep the accuracy, or end beside rest, and their worst error over it.
+  /// Leaves that miss the accuracy or end beside rest, each with its worst ratio of likely to
+  /// allowed error.
   std::vector<std::pair<std::int32_t, double>> poor_;
   double kept_ = 0, samples_ = 0;
 };

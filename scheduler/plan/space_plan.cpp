@@ -13,23 +13,24 @@
 namespace palpate {
 namespace {
 
-/// In spacings. Farther points are no parents: the transition would not be one of neighbours.
+/// In spacings. Farther points are no parents: the transition would not join neighbours.
 constexpr double farthest_parent = 2;
 
-/// Relative: below it two equilibria are the same one, solved to the tolerance of Newton's method.
+/// Two equilibria whose relative energy difference is smaller are the same one, within the
+/// tolerance of Newton's method.
 constexpr double same_energy = 1e-7;
 
 std::int64_t squaredDistance(const LatticePoint& a, const LatticePoint& b) {
   return squaredNorm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
-/// Calls visit(number) for the uniform points of the cube around `position` that holds all within
-/// farthest_parent.
+/// Calls visit(number) for the uniform points of a cube that contains every point within
+/// farthest_parent of `position`.
 template <class Visit>
 void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, const Visit& visit) {
   const std::int32_t spacing = lattice.divisions();
   constexpr auto reach = static_cast<std::int32_t>(farthest_parent);
-  LatticePoint first;  // of whole spacings; division truncates
+  LatticePoint first;  // in whole spacings; division truncates
   for (std::size_t axis = 0; axis < 3; ++axis)
     first[axis] = (position[axis] / spacing - reach - 1) * spacing;
   constexpr std::int32_t side = 2 * reach + 3;
@@ -42,7 +43,7 @@ void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, co
       }
 }
 
-/// The last one before it, seen from rest: so it never leaves the ball.
+/// Rounds towards rest, so the result never leaves the ball.
 LatticePoint positionOf(const Eigen::Vector3d& displacement, double unit) {
   LatticePoint position{};
   for (int axis = 0; axis < 3; ++axis)
@@ -133,7 +134,7 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
     throw failure(
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
-  // Also of points that are solved already: that a retry failed says something about the branch.
+  // Failed retries of solved points are recorded too: they say something about the branch.
   if (!outcome.converged())
     points_.addAttempt({transition.target, transition.parent, outcome.failure()});
   PointRecord found;
@@ -153,7 +154,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
   Pursuit& pursuit = place->second;
   PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(), "a pursuit ends with its last parent");
   ++pursuit.tried;
-  // All alternatives are compared when the round ends, so that none depends on which came first.
+  // Alternatives are compared when the round ends, so the order of arrival has no influence.
   if (converged && pursuit.every_parent) {
     alternatives_[transition.target].push_back(std::move(found));
     passed_over_.insert(transition);
@@ -173,8 +174,8 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
   pursuits_[target] = {std::move(parents), 0, every_parent};
 }
 
-/// Where a point becomes failed. Its cause is that of the attempt that got furthest, the first of
-/// equals: that one says most about what is in the way.
+/// Marks a point as failed. Its cause is taken from the attempt that got furthest (the first, if
+/// several did), which says most about the obstacle.
 void SpacePlan::giveUp(std::int32_t target) {
   PALPATE_ASSERT(!isSolved(points_.tag(target)), "a point that was reached keeps its equilibrium");
   const std::vector<FailedAttempt>& tries = attempts(target);
@@ -192,7 +193,8 @@ std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   return positions_.size() - 1;
 }
 
-/// The expandable points around, nearest first, then nearest to the origin, then by number.
+/// Returns the nearest expandable points, maxAttempts() at most; among equally near ones those
+/// nearest to the origin first, then by number.
 std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) const {
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();
@@ -204,7 +206,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
   };
   forEachUniformNear(positions_, position, consider);
-  // Probes are no parents: the space must not depend on what it is measured with.
+  // Probes are no parents: the space must not depend on its measurement.
   for (std::int32_t n = positions_.uniformSize(); n < endOfPoints(); ++n) consider(n);
   const auto wanted =
       std::min<std::ptrdiff_t>(std::ssize(candidates), maxAttempts(problem_->active[space_]));
@@ -214,7 +216,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   return parents;
 }
 
-/// From a stage with nothing open to the next one, which may have nothing to do.
+/// Moves on from a stage with nothing open. The next stage may have nothing to do either.
 void SpacePlan::advanceStage() {
   ++stages_begun_;
   switch (stage_) {
@@ -245,7 +247,7 @@ void SpacePlan::beginBranches() {
     if (points_.tag(parent) == Tag::expandable && !isRecorded({target, parent}))
       retries[target].push_back(parent);
   };
-  // Either end may be on the branch of higher energy: only solving both ways tells.
+  // Either end may lie on the branch of higher energy; only solving in both directions tells which.
   const auto equilibriumOf = [this](std::int32_t n) {
     return isSolved(points_.tag(n)) ? &points_.equilibrium(n) : nullptr;
   };
@@ -256,13 +258,13 @@ void SpacePlan::beginBranches() {
   for (auto& [target, parents] : retries) pursue(target, std::move(parents), true);
 }
 
-/// Whether some point has another configuration now.
+/// Gives each point its equilibrium of least energy. Returns true if a point changed.
 bool SpacePlan::keepLeastEnergy() {
   bool changed = false;
   for (auto& [target, found] : std::exchange(alternatives_, {}))
     for (PointRecord& alternative : found) {
       const double energy = points_.equilibrium(target).energy;
-      // Ties stay: the point would change back and forth between two roundings of one equilibrium.
+      // Keep ties: the point would alternate between two roundings of one equilibrium.
       if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
       passed_over_.insert({target, points_.parent(target)});
       points_.solve(target, alternative);
@@ -272,7 +274,7 @@ bool SpacePlan::keepLeastEnergy() {
 }
 
 void SpacePlan::beginCells() {
-  // Without a solved origin there is nothing to refine around.
+  // Refinement needs a solved origin.
   may_grow_ = may_grow_ && isSolved(points_.tag(0));
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
@@ -280,7 +282,8 @@ void SpacePlan::beginCells() {
   std::ranges::sort(splits_, coarserFirst);
   may_grow_ = !refinement.empty();
   later_points_ = refinement.later;
-  // All parents are chosen before the first new point is there, so that their order is no matter.
+  // Choose all parents before adding the first new point, so that the order of points has no
+  // influence.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
   for (const LatticePoint& position : refinement.points) {
     std::vector<std::int32_t> parents = parentsNear(position);
@@ -291,7 +294,7 @@ void SpacePlan::beginCells() {
 
 void SpacePlan::beginProbes() {
   const ActivePatch& patch = problem_->active[space_];
-  first_probe_ = size();  // from here on parentsNear() stops before them
+  first_probe_ = size();  // parentsNear() stops here from now on
   if (patch.probe) {
     const std::int32_t target = addPosition(positionOf(*patch.probe, positions_.unit()));
     const bool from_rest = points_.tag(0) == Tag::expandable;
@@ -337,8 +340,8 @@ std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const Resu
 
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part) {
-  // Fractions of the powers of 1/g, g^4 = g + 1: the sequence that fills a cube most evenly
-  // (Roberts 2018).
+  // Fractional parts of multiples of 1/g, 1/g^2, 1/g^3 with g^4 = g + 1: the sequence that fills a
+  // cube most evenly (Roberts 2018).
   constexpr double g = 1.2207440846057596;
   constexpr std::array<double, 3> strides = {1 / g, 1 / (g * g), 1 / (g * g * g)};
   const double reach = lattice.radius() / lattice.unit();
@@ -348,7 +351,7 @@ std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t co
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double turns = 0.5 + static_cast<double>(n) * strides[axis];
       const double coordinate = reach * (2 * (turns - std::floor(turns)) - 1);
-      // Odd: corners of cells, which are larger than one coordinate, are even.
+      // Odd coordinates avoid the corners of cells larger than one unit, which are even.
       position[axis] = 2 * static_cast<std::int32_t>(std::floor(coordinate / 2)) + 1;
     }
     if (static_cast<double>(squaredNorm(position)) <= reach * reach &&

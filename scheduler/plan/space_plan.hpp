@@ -10,102 +10,107 @@
 
 namespace palpate {
 
-/// What a plan is working on. A stage begins when the one before it has nothing open.
+/// The part of its work that a plan is in. A stage begins when the one before has nothing open.
 enum class Stage : std::uint8_t {
-  lattice,   ///< the uniform lattice, by the frontier
-  branches,  ///< ends of inconsistent edges, from the other end
+  lattice,   ///< the uniform lattice, by Frontier
+  branches,  ///< both ends of inconsistent edges, each solved from the other
   cells,     ///< points that refinement asked for
   probes,    ///< held-out positions
   complete,
 };
 
-/// "lattice", "branches", "cells", "probes" or "complete".
+/// Returns "lattice", "branches", "cells", "probes" or "complete".
 std::string_view name(Stage stage);
 
-/// A continuation in equal steps follows a branch where one long step may jump to another.
+/// Steps of a transition in the stage branches. Equal small steps follow a branch where one long
+/// step may jump to another.
 inline constexpr std::int32_t steps_of_retry = 4;
-/// Points are solved anew at most so often because an edge was inconsistent.
+/// Limit on the consecutive rounds of the stage branches.
 inline constexpr int max_branch_rounds = 8;
 
-/// The row of a point that was solved from `parent`; `fields` names its nodal fields. `max_force`
-/// of the scene's workspace, N.
+/// Returns the row of a point that was solved from `parent`. `fields` identifies its nodal fields;
+/// `max_force` is the workspace's, N.
 PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
                         double max_force);
 
-/// Where one active node's build has to go, from the scene and the recorded outcomes alone: no
-/// clock, no workers, no order of arrival. So the whole configuration space is a function of what
-/// the transitions give, and a restart that records the known outcomes again is exactly where the
-/// last run was.
+/// Decides which transitions one active node's build solves next, from the scene and the recorded
+/// outcomes alone. It uses no clock, no workers and no order of arrival. The configuration space is
+/// therefore a function of the outcomes of the transitions. A restart that records the known
+/// outcomes again continues exactly where the last run stopped.
 ///
 /// - lattice: the uniform lattice (Frontier).
 /// - branches: each end of an inconsistent edge (inconsistentEdges) is solved again from the other
-///   end, in steps_of_retry steps. Of all equilibria found for a point the one of least energy is
-///   kept: the state that a hand coming from rest ends in. Repeated while that changes something.
-/// - cells: an adaptive scene asks nextRefinement for points; each is tried from the nearest
-///   expandable points, one after the other, maxAttempts() at most; then branches again,
-///   and so on until the accuracy is reached or nothing can improve it.
-/// - probes: probesIn() held-out positions of the ball (probePositions), tried like those.
+///   end, in steps_of_retry steps. The equilibrium of least energy found for a point is kept: a
+///   hand that comes from rest ends in that state. This is repeated while a point changes, at most
+///   max_branch_rounds times.
+/// - cells: an adaptive scene asks nextRefinement for points. Each is tried from the nearest
+///   expandable points, one after the other, in at most maxAttempts() attempts. Then branches and
+///   cells follow again, until the accuracy is reached or nothing can improve it.
+/// - probes: probesIn() held-out positions of the ball (probePositions), tried like the points of
+///   cells.
 ///
-/// Where a finger's area is measured (ActivePatch::probe) the lattice is the origin, and there is
-/// one probe, which is reached from there in steps of about half a spacing.
+/// If a finger's area is measured (ActivePatch::probe), the lattice is the origin alone. The only
+/// probe is reached from the origin in steps of about half a spacing.
 ///
 /// Points are numbered as in the lattice; probes follow. Copyable, one thread at a time.
 class SpacePlan {
  public:
   SpacePlan(const Problem& problem, std::uint32_t space);
 
-  /// A transition of this plan by its points; nothing when one of them is no point of it (yet).
+  /// Returns a transition of this plan; none if one of its points does not exist (yet).
   std::optional<Transition> find(const ResultKey& key) const;
   ResultKey keyOf(const Transition& transition) const;
 
-  /// The transitions that became ready since the last call. Each stays open until it is recorded.
+  /// Returns the transitions that became ready since the last call. Each stays open until it is
+  /// recorded.
   std::vector<Transition> takeReady();
   bool isOpen(const Transition& transition) const;
-  /// It was open once, and record() took its outcome.
+  /// Returns true if record() took the outcome of this transition.
   bool isRecorded(const Transition& transition) const;
-  /// Steps that a worker divides this open transition into, 1 as a rule.
+  /// Returns the number of steps that a worker divides this open transition into; usually 1.
   std::int32_t stepsOf(const Transition& transition) const;
-  /// Records the outcome of an open transition; `fields` names its nodal fields when it converged.
-  /// Error when it is not open.
+  /// Records the outcome of an open transition. `fields` identifies its nodal fields if it
+  /// converged. Throws if the transition is not open.
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
-  /// Stages that have begun since the lattice, the same one again counted again: all that was open
-  /// before was recorded before.
+  /// Number of stages begun since the lattice; a stage that begins again counts again. Everything
+  /// that was open before a stage began has been recorded.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
-  /// Transitions that are ready and not recorded.
+  /// Number of transitions that are ready and not recorded.
   std::int32_t openCount() const;
-  /// More points may still be asked for.
+  /// False when refinement will add no more points.
   bool mayGrow() const { return may_grow_; }
-  /// How many points refinement is likely to ask for after those that it has asked for
-  /// (Refinement::later); nothing before it has asked the first time.
+  /// Likely number of points that refinement will ask for after the points of its last request
+  /// (Refinement::later); none before its first request.
   const std::optional<double>& laterPoints() const { return later_points_; }
 
-  /// All positions: points of the lattice, then probes.
+  /// All positions: the points of the lattice, then the probes.
   const Lattice& positions() const { return positions_; }
   std::int32_t size() const { return positions_.size(); }
-  /// Where the probes begin.
+  /// One past the last point: number of the first probe.
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
-  /// What is known of a point or probe; failed as soon as nothing more will be tried.
+  /// Recorded results of points and probes. A point is failed as soon as nothing more will be
+  /// tried.
   const CompactPoints& points() const { return points_; }
   PointRecord point(std::int32_t number) const { return points_.record(number); }
-  /// Attempts that failed, in the order of trying.
+  /// Failed attempts in the order in which they were made.
   const std::vector<FailedAttempt>& attempts(std::int32_t number) const {
     return points_.attempts(number);
   }
 
   const ActivePatch& patch() const { return problem_->active[space_]; }
   const std::vector<LatticeCell>& splits() const { return splits_; }
-  /// The rows of the dataset, as far as they are known (PlanRows), copied.
+  /// Returns a copy of the rows of the dataset as far as they are known (PlanRows).
   SpaceTable table() const;
 
  private:
-  /// A target and the points to try it from.
+  /// The points from which a target is tried.
   struct Pursuit {
     std::vector<std::int32_t> parents;
     std::size_t tried = 0;
-    bool every_parent = false;  ///< else until one succeeds
+    bool every_parent = false;  ///< tries all parents; otherwise stops at the first success
   };
 
   void recordInPursuit(const Transition& transition, bool converged, PointRecord found);
@@ -123,15 +128,15 @@ class SpacePlan {
   const Problem* problem_;
   std::uint32_t space_;
   Lattice positions_;
-  std::int32_t first_probe_ = -1;  ///< -1 before there are probes
+  std::int32_t first_probe_ = -1;  ///< -1 before the stage probes
   std::vector<LatticeCell> splits_;
   CompactPoints points_;
-  Frontier frontier_;  ///< of the lattice stage
-  /// Other equilibria of points, found in this round of branches.
+  Frontier frontier_;  ///< for the stage lattice
+  /// Other equilibria of points that this round of branches found.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
-  /// Recorded, and neither a failed attempt nor what a point has its equilibrium from.
+  /// Recorded transitions that neither failed nor gave a point its current equilibrium.
   std::set<Transition> passed_over_;
-  std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; what is open after the lattice
+  std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; open work after the stage lattice
   std::vector<Transition> ready_;
   Stage stage_ = Stage::lattice;
   int stages_begun_ = 0;
@@ -140,7 +145,8 @@ class SpacePlan {
   std::optional<double> later_points_;
 };
 
-/// What a plan knows, as the rows of a dataset. `plan` must outlive it, and not change meanwhile.
+/// Presents a plan as the rows of a dataset. `plan` must outlive this object and stay unchanged
+/// meanwhile.
 class PlanRows : public SpaceRows {
  public:
   explicit PlanRows(const SpacePlan& plan) : plan_(plan) {}
@@ -162,15 +168,16 @@ class PlanRows : public SpaceRows {
   const SpacePlan& plan_;
 };
 
-/// Those of several.
+/// Returns the rows of several plans, which must outlive them.
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 
-/// A transition of the plan of its space; nothing when there is none, or SpacePlan::find() says so.
+/// Returns a transition of the plan of its space; none if there is no such space or
+/// SpacePlan::find() returns none.
 std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
-/// `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts' R3),
-/// never on a point that a lattice could have. Coordinates as in `lattice`, which needs divisions.
-/// Of a part of the ball only where one is given.
+/// Returns `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts'
+/// R3) that never meets a point a lattice could have. The coordinates count in the divisions of
+/// `lattice`, which must have some. With `part`, only positions in that part of the ball.
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part = {});
 
