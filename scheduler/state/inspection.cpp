@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// The problem in a database that may be damaged elsewhere.
+/// Returns the problem in a database that may be damaged elsewhere.
 std::optional<Problem> problemIn(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
@@ -20,7 +20,7 @@ std::optional<Problem> problemIn(const std::filesystem::path& file) {
   }
 }
 
-/// Looks at one state directory, step by step; what it finds is in `found`.
+/// Inspects one state directory step by step; the results are in `found_`.
 class Inspector {
  public:
   Inspector(std::filesystem::path directory, std::optional<std::string> scheduler)
@@ -29,8 +29,8 @@ class Inspector {
   }
 
   Inspection look() {
-    // The tables first: a scheduler writes them after the journal, so that as much as they count
-    // must be in the journal then.
+    // Tables before the journal: a scheduler writes them after it, so the journal must then hold at
+    // least as many results as they count.
     readTables();
     readJournal();
     if (found_.segments == 0 && found_.tables != Inspection::TableState::whole)
@@ -54,7 +54,7 @@ class Inspector {
       return;
     }
     try {
-      // Beside a scheduler its index of the log is there anyway.
+      // A running scheduler has created the index of the log already.
       StoredTables tables(directory_, found_.scheduler ? Database::Access::read_only
                                                        : Database::Access::read_untouched);
       tables.verify();
@@ -98,7 +98,7 @@ class Inspector {
           result.ParseFromString(journal_.readHeader(gap.where)))
         damage.key = keyOf(result);
     } catch (const DamagedRecord&) {
-      // Not one record whose payload alone is damaged.
+      // The gap is not a record of which only the payload is damaged.
     }
     found_.damage.push_back(std::move(damage));
   }
@@ -131,7 +131,8 @@ class Inspector {
     if (recorded_.emplace(key, where).second) in_order_.push_back(key);
   }
 
-  /// Whether these are the fields that later transitions start from.
+  /// Returns the objection to the fields that later transitions would start from; empty if there is
+  /// none.
   std::string objectionToFields(const wire::Result& result, const std::string& payload) const {
     if (payload.size() != result.payload_bytes())
       return "its payload has another length than its header says";
@@ -148,7 +149,7 @@ class Inspector {
     }
   }
 
-  /// From tables that are damaged elsewhere, or were put aside.
+  /// Takes the problem from tables that are damaged elsewhere or were put aside.
   void salvageProblem() {
     for (const char* part : {"", ".damaged"}) {
       std::optional<Problem> problem =
@@ -189,9 +190,9 @@ class Inspector {
 
   std::filesystem::path directory_;
   JournalReader journal_;
-  std::size_t told_ = 0;  ///< results, by the tables
+  std::size_t told_ = 0;  ///< results according to the tables
   ResultIndex recorded_;
-  std::vector<ResultKey> in_order_;  ///< of recording
+  std::vector<ResultKey> in_order_;  ///< in the order of recording
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
   Inspection found_;
 };
@@ -217,7 +218,7 @@ Inspection inspect(const std::filesystem::path& directory) {
     throw badInput("{}: is not a state directory of Palpate: no directory", directory.string());
   const auto scheduler = StateDirectory::holder(directory);
   Inspection found = Inspector(directory, scheduler).look();
-  // One that began meanwhile wrote what was being read.
+  // A scheduler that started in the meantime changed the files that were being read.
   if (const auto begun = StateDirectory::holder(directory); !scheduler && begun)
     found = Inspector(directory, begun).look();
   return found;

@@ -12,7 +12,7 @@ namespace palpate {
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
                    std::uint64_t segment_bytes)
     : directory_(&directory),
-      // The tables first: they know best what the directory of another build is about.
+      // The tables first: they describe the directory of another build best.
       tables_(directory, problem),
       kept_out_(tables_.keptOut()),
       found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_,

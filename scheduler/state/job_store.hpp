@@ -5,60 +5,61 @@
 
 namespace palpate {
 
-/// All that a state directory holds of a build, for its one scheduler: results, in the journal, and
-/// tables beside them.
+/// The state of a build in its directory, for the one scheduler that works there: the journal with
+/// the results, and the tables.
 ///
-/// append() and commit() are the only way in, and commit() is what an acknowledgement promises: the
-/// journal is synced when it returns. Nothing that a dataset is made of is read from the tables.
-/// Errors of journal or tables are fatal for the scheduler, but for DamagedRecord. One thread.
+/// append() and commit() are the only way to record a result. An acknowledgement promises that
+/// commit() returned: the journal is synced then. Nothing that goes into a dataset is read from the
+/// tables. Errors of the journal or the tables are fatal for the scheduler, except DamagedRecord.
+/// One thread.
 class JobStore {
  public:
-  /// Opens the state in `directory`, which must outlive this object, or makes it. Error (bad input)
-  /// when it belongs to another build, naming its scene, or to another version. What is damaged is
-  /// told (log), and computed again.
+  /// Opens the state in `directory`, which must outlive this object, or creates it. Throws (bad
+  /// input) if it belongs to another version or another build; the message names the scene of that
+  /// build. Damaged records are logged and computed again.
   JobStore(const StateDirectory& directory, const Problem& problem,
            std::uint64_t segment_bytes = Journal::default_segment_bytes);
 
   const ContentId& build() const { return tables_.build().build; }
   Tables& tables() { return tables_; }
-  /// Of the first result; empty before it.
+  /// Kernel family that computed the results; empty before the first result.
   const std::string& kernelFamily() const { return kernel_family_; }
-  /// The results that earlier runs left, in plans. May be taken once.
+  /// Returns the results of earlier runs, recorded in plans. Call once.
   Replay takeReplay() { return std::move(found_.replay); }
-  std::size_t found() const { return found_.results; }  ///< so many
-  /// The machines of those who gave them: key and host.
+  std::size_t found() const { return found_.results; }  ///< number of results of earlier runs
+  /// Machines that gave the results of earlier runs: key and host.
   const auto& machines() const { return found_.machines; }
-  double longestSolve() const { return found_.longest_solve; }  ///< of them, s
-  /// Some of what earlier runs left was lost or dropped.
+  double longestSolve() const { return found_.longest_solve; }  ///< in earlier runs, s
+  /// True if part of the results of earlier runs was lost or dropped.
   bool damaged() const { return !found_.recorded.damage.empty(); }
 
-  /// Whose results are neither taken nor kept.
+  /// Workers, machines and keys whose results are neither accepted nor kept.
   const std::vector<KeptOut>& keptOut() const { return kept_out_; }
-  /// Keeps these out too. Their results are dropped when the directory is opened next: this object
-  /// must not be used afterwards.
+  /// Excludes more workers. Their results are dropped when the directory is opened next, so this
+  /// object must not be used afterwards.
   void keepOut(std::span<const KeptOut> liars) { tables_.keepOut(liars); }
 
-  /// Appends a result that is not recorded yet. It is recorded once commit() has returned.
+  /// Appends a result that is not recorded yet. It is recorded once commit() returns.
   void append(const wire::Result& header, std::string_view payload);
-  /// Makes all that was appended durable.
+  /// Makes everything that was appended durable.
   void commit();
 
-  std::size_t recorded() const { return found_.recorded.where.size(); }  ///< so many results
+  std::size_t recorded() const { return found_.recorded.where.size(); }  ///< number of results
   bool knows(const ResultKey& key) const { return found_.recorded.where.contains(key); }
-  /// A recorded result; nothing when there is none with this key. DamagedRecord when it cannot be
-  /// read any more.
+  /// Returns a recorded result; none if there is none with this key. Throws DamagedRecord if it
+  /// cannot be read any more.
   std::optional<JournalRecord> find(const ResultKey& key) const;
-  /// One that is recorded, without its payload; nothing when it cannot be read any more, which is
-  /// told (log).
+  /// Returns a recorded result without its payload; none, with a log line, if it cannot be read any
+  /// more.
   std::optional<wire::Result> read(const ResultKey& key) const;
-  /// The next scheduler computes this record again.
+  /// Marks a record that cannot be read. The next scheduler computes it again.
   void drop(const JournalPosition& damaged);
-  /// Recorded results that are to be computed again: they are not recorded any more.
+  /// Removes recorded results, which must then be computed again.
   void drop(const std::vector<ResultKey>& keys);
 
   const std::filesystem::path& directory() const { return directory_->path(); }
   std::uint64_t journalBytes() const { return journal_.bytes(); }
-  /// Error when the directory, its lock or a segment was removed or replaced meanwhile.
+  /// Throws if the directory, its lock or a segment was removed or replaced since it was opened.
   void checkPresence() const;
 
  private:

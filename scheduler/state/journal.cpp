@@ -16,13 +16,13 @@
 namespace palpate {
 namespace {
 
-/// Of six digits; of default_segment_bytes they hold 256 TB.
+/// Limit of six digits; at default_segment_bytes, 256 TB.
 constexpr std::uint32_t most_segments = 999999;
 
-/// What a record begins with; its header and its payload follow.
+/// Start of a record; its header and payload follow.
 struct Head {
   static constexpr std::string_view whole = "PJR3", dropped = "PJRX";
-  static constexpr std::string_view older = "PJR2";  ///< not read any more
+  static constexpr std::string_view older = "PJR2";  ///< no longer readable
 
   std::array<char, 4> magic = {'P', 'J', 'R', '3'};
   std::uint32_t header_bytes = 0, payload_bytes = 0;
@@ -47,13 +47,14 @@ std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
   return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
 }
 
-/// `place`: placeCrcOf(); 0 in the older format, which leaves it out.
+/// `place` is placeCrcOf(), or 0 for the older format, which leaves it out.
 std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
   return crcOf(header, crcOf(lengths, place));
 }
 
-/// Because of it a copy of a record, in the payload of another one for instance, is no record.
+/// Covering the place makes a copy of a record invalid, for instance one in the payload of another
+/// record.
 std::uint32_t placeCrcOf(std::uint32_t segment, std::uint64_t offset) {
   const std::array<std::uint32_t, 3> place = {segment, static_cast<std::uint32_t>(offset),
                                               static_cast<std::uint32_t>(offset >> 32)};
@@ -75,14 +76,15 @@ class SegmentFile {
   }
 
   bool exists() const { return static_cast<bool>(file_); }
-  /// What is read from now on is as it is on the disk now, within the size() that it had.
+  /// Discards the read buffer, so that later reads see the bytes now on disk. size() stays that of
+  /// the opening.
   void lookAgain() const { window_.clear(); }
   std::uint64_t size() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
   std::uint32_t number() const { return number_; }
 
-  /// Up to `length` bytes at `offset`; fewer at the end of the file. A sector that the disk cannot
-  /// read any more is damage like any other: it reads as nothing.
+  /// Returns up to `length` bytes at `offset`; fewer at the end of the file, or before a sector
+  /// that the disk cannot read, which counts as damage.
   std::string read(std::uint64_t offset, std::uint64_t length) const {
     length = offset < bytes_ ? std::min(length, bytes_ - offset) : 0;
     std::string bytes(length, '\0');
@@ -99,12 +101,12 @@ class SegmentFile {
     return bytes;
   }
 
-  /// Head and header of the record that begins at `offset`, when both are whole and the rest fits
-  /// into the file.
+  /// Returns head and header of the record at `offset` if both are whole and the record fits into
+  /// the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
     return headAt(offset, Head::whole, placeCrcOf(number_, offset));
   }
-  /// It begins with a record of the format before this one.
+  /// True if the segment begins with a record of the previous format.
   bool isOlder() const { return headAt(0, Head::older, 0).has_value(); }
   bool payloadIsWhole(std::uint64_t offset, const Head& head) const {
     const std::string_view payload =
@@ -112,17 +114,18 @@ class SegmentFile {
     return payload.size() == head.payload_bytes && crcOf(payload) == head.payload_crc;
   }
 
-  /// Where the next record begins, at `offset` or behind it; the end of the file when none does.
+  /// Returns the offset of the next record at or behind `offset`; the end of the file if there is
+  /// none.
   std::uint64_t findRecord(std::uint64_t offset) const {
     constexpr std::uint64_t window = 1u << 20;
     constexpr std::string_view common_part = Head::whole.substr(0, 3);
     while (offset < bytes_) {
-      // Windows overlap by a magic word less one byte.
+      // Windows overlap by one byte less than the searched text.
       const std::string bytes = read(offset, window);
       for (std::size_t at = bytes.find(common_part); at != std::string::npos;
            at = bytes.find(common_part, at + 1))
         if (headAt(offset + at)) return offset + at;
-      // What cannot be read is passed in the pages that disks lose.
+      // Skip unreadable data in pages, the unit that disks lose.
       constexpr std::uint64_t page = 4096;
       const bool whole = bytes.size() == std::min(window, bytes_ - offset);
       offset = whole ? offset + window - (common_part.size() - 1)
@@ -146,8 +149,8 @@ class SegmentFile {
     return std::pair(head, std::string(header));
   }
 
-  /// As read(), until the next call. Who goes on where the last call ended is read ahead for: small
-  /// records cost no call of the system each, and of large ones little more than the heads is read.
+  /// Like read(), valid until the next call. Sequential reads are buffered, so small records need
+  /// no system call each, and for large ones little more than the heads is read.
   std::string_view peek(std::uint64_t offset, std::uint64_t length) const {
     constexpr std::uint64_t page = 4096, most_ahead = 64 * page;
     const std::uint64_t end = window_at_ + window_.size();
@@ -156,7 +159,7 @@ class SegmentFile {
       ahead_ = goes_on ? std::clamp(2 * ahead_, page, most_ahead) : page;
       window_at_ = offset;
       window_ = read(offset, std::max(length, ahead_));
-      // Not for what nobody asked for.
+      // An unreadable sector in the read-ahead must not cost requested bytes.
       if (window_.size() < std::min(length, bytes_ - std::min(offset, bytes_)))
         window_ = read(offset, length);
     }
@@ -167,7 +170,7 @@ class SegmentFile {
   std::uint32_t number_;
   FileDescriptor file_;
   std::uint64_t bytes_ = 0;
-  mutable std::string window_;  ///< what was read last
+  mutable std::string window_;  ///< bytes of the last read
   mutable std::uint64_t window_at_ = 0, ahead_ = 0;
 };
 
@@ -175,9 +178,9 @@ namespace {
 
 std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
 
-/// The numbers of the segments in a directory, in order. Only names that we write count: another
-/// spelling of a number would be a second file of it, and a number of more digits as many missing
-/// segments.
+/// Returns the numbers of the segments in a directory, sorted. Only names in our own spelling
+/// count. Another spelling would be a second file with the same number, and a number with more
+/// digits would imply as many missing segments.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   constexpr std::string_view prefix = "segment-", suffix = ".dat";
   std::vector<std::uint32_t> numbers;
@@ -198,7 +201,7 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
 
 constexpr const char* no_record = "no record can be read there";
 
-/// A stretch that is too short for the head of a dropped record, but begins like one (markFor).
+/// True if the gap is shorter than a head but begins with the mark of a dropped record (markFor).
 bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
   return to - from < sizeof(Head) &&
          file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
@@ -248,17 +251,18 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
     at = next;
   }
   if (!last && behind_last < file.size()) stretch(behind_last, file.size());
-  // Only what stands in the place of a missing segment is empty and not the last.
+  // An empty segment before the last one stands in for a missing segment.
   if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "a segment that was missing");
   found.end = {number, behind_last};
-  // What follows the last record is cut off.
+  // The bytes behind the last record are cut off.
   std::erase_if(found.torn,
                 [&](const JournalPosition& torn) { return torn.offset >= behind_last; });
 }
 
-/// What is written over the head of a record that is dropped: the word alone where the lengths can
-/// be read, so that the rest of the head stays; else a head whose record is the whole stretch, or
-/// as much of the word as fits into it: what follows is whole.
+/// Returns the bytes that mark a dropped record, to be written over its head. If the lengths can be
+/// read, that is the magic word alone, so the rest of the head stays. Otherwise it is a head whose
+/// record spans the whole gap. In a gap shorter than a head it is the part of the magic word that
+/// fits, because a whole record follows.
 std::string markFor(const SegmentFile& file, const JournalPosition& position) {
   const auto there = file.headAt(position.offset);
   const bool lengths_known = there && there->first.recordBytes() == position.length;
@@ -312,8 +316,9 @@ JournalScan JournalReader::scan(const Visit& visit) const {
   return found;
 }
 
-/// Most records lie in the segment of the one before: they are read in the order of points, which
-/// were recorded from rest outward.
+/// Returns the segment of a record; the segment used last stays open. Most records lie in the
+/// segment of the one before, because they are read in the order of points and were recorded from
+/// rest outward.
 const SegmentFile& JournalReader::fileWith(const JournalPosition& position) const {
   const std::uint64_t end = position.offset + position.length;
   if (!latest_ || latest_->number() != position.segment || latest_->size() < end)
@@ -367,7 +372,7 @@ Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t 
 JournalPosition Journal::append(std::string_view header, std::string_view payload) {
   if (end_.offset >= segment_bytes_) {
     sync();
-    // The full one is synced: later syncs reach only the segment that is open.
+    // The full segment is synced now, because later syncs reach only the open one.
     if (end_.segment == most_segments)
       throw failure("{}: there is no number for another segment: use another --state directory",
                     segmentPath(end_.segment).string());
@@ -401,8 +406,8 @@ void Journal::sync() {
     return;
   }
   const std::string reason = errnoText();
-  // Never tried again: the kernel may take the lost pages for written from now on. It would show
-  // them to the next run too, which would count on them.
+  // No retry: the kernel may treat the lost pages as written from now on. It would show them to the
+  // next run too, which would rely on them.
   const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
   throw failure(
       "{}: fdatasync: {}: the disk does not keep what is written; nothing since the last "
@@ -431,7 +436,7 @@ void Journal::dropIn(std::uint32_t segment, std::span<const JournalPosition> pos
     throw failure("{}: cannot open: {}", path.string(), errnoText());
   const SegmentFile reader(path, segment);
   for (const JournalPosition& position : positions) {
-    // Of a file that was cut off, nothing is left to be marked.
+    // The file was cut off before this record, so nothing is left to mark.
     if (std::cmp_less(info.st_size, position.offset + position.length)) continue;
     if (!writeAt(file.get(), position.offset, markFor(reader, position)))
       throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
@@ -475,8 +480,7 @@ void Journal::openSegment() {
   if (std::ranges::find(present_, end_.segment) == present_.end()) present_.push_back(end_.segment);
 }
 
-/// What a run that was killed marked there it may not have synced: with the next power cut it would
-/// be back.
+/// Syncs the marks that a killed run may have left unsynced: the next power cut could undo them.
 void Journal::syncOthers() const {
   for (const std::uint32_t segment : present_) {
     if (segment == end_.segment) continue;

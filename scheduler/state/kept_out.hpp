@@ -9,18 +9,18 @@
 
 namespace palpate {
 
-/// Whose results are not taken any more, and not kept, because one of them was wrong: other workers
-/// agreed on another.
+/// Workers whose results are no longer accepted or kept, because one of their results was wrong:
+/// other workers agreed on a different one.
 struct KeptOut {
-  /// What its results have in common with those of others that are wrong as well.
+  /// The workers that are excluded.
   enum class Kind : std::uint8_t {
-    process,  ///< one worker, by its id
-    machine,  ///< every worker that names this host under this key, or without one
-    key,      ///< every worker under this key
+    process,  ///< one worker, identified by its id
+    machine,  ///< all workers that name this host under this key, or without a key
+    key,      ///< all workers with this key
   };
   Kind kind = Kind::process;
-  wire::Provenance who;  ///< of whom it was found
-  std::string reason;    ///< for people
+  wire::Provenance who;  ///< giver of the wrong result
+  std::string reason;    ///< human-readable
 
   bool covers(const wire::Provenance& giver) const {
     const bool same_key = giver.key() == who.key();
@@ -36,7 +36,7 @@ struct KeptOut {
   }
 };
 
-/// "process", "machine", "key": as tables and status have it.
+/// Returns "process", "machine" or "key", as in tables and status.
 constexpr std::string_view name(KeptOut::Kind kind) {
   constexpr std::array<std::string_view, 3> names = {"process", "machine", "key"};
   return names.at(static_cast<std::size_t>(kind));

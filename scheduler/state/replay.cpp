@@ -11,7 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Gaps of a journal for people. All that a liar gave may have been dropped.
+/// Returns the messages of a journal's gaps. Dropped records are listed up to a limit: all results
+/// of an excluded worker may be among them.
 std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   constexpr std::size_t most_told = 8;
   std::vector<std::string> damage;
@@ -24,7 +25,8 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   return damage;
 }
 
-/// A count in the tables is only believed as far as the journal has room for so many.
+/// A count from the tables is believed only up to the number of records that the journal has room
+/// for.
 std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
   constexpr std::uint64_t smallest_record = 100;
   const std::uint64_t bytes =
@@ -32,7 +34,7 @@ std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expecte
   return std::min<std::size_t>(expected, bytes / smallest_record);
 }
 
-/// Into the plan, unless it was solved from something else than the plan has as its start.
+/// Records the result and returns true, unless it was solved from another start than the plan has.
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
   PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition),
@@ -56,15 +58,16 @@ ContentId fieldsOf(const wire::Result& result) {
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
                             const TakeResult& take, std::size_t expected) {
   RecordedResults recorded;
-  // Growing would hash and link all of them again, several times.
+  // Growing would hash and link all entries again, several times.
   recorded.where.reserve(atMostIn(directory, expected));
   std::vector<std::string> senseless;
-  wire::Result result;  // one for all: its strings have room
+  wire::Result result;  // reused, so its strings keep their memory
   const auto readRecord = [&](const JournalPosition& where, std::string_view header) {
     const bool readable = result.ParseFromArray(header.data(), static_cast<int>(header.size()));
     const std::optional<Outcome> outcome = readable ? fromWire(result) : std::nullopt;
     if (!outcome) {
-      // Its checksum is right: another version of the program wrote it, or this one did wrongly.
+      // The checksum is right, so another version of the program wrote it, or this one made an
+      // error.
       senseless.push_back(fmt::format("segment {}, byte {}: a result that makes no sense",
                                       where.segment, where.offset));
       return;
@@ -111,7 +114,7 @@ Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
-      // Recorded meanwhile.
+      // Recorded since takeReady().
       if (!plan.isOpen(transition)) continue;
       const ResultKey key = plan.keyOf(transition);
       const bool known = unclaimed.erase(key) > 0;

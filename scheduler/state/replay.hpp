@@ -11,97 +11,99 @@
 
 namespace palpate {
 
-/// The id of a result's nodal fields; all zero of a failure.
+/// Returns the id of a result's nodal fields; all zero for a failure.
 ContentId fieldsOf(const wire::Result& result);
 
-/// Where each recorded result lies in the journal, in about 90 bytes each: there may be ten
+/// Position of each recorded result in the journal. About 90 bytes per result; there may be ten
 /// million.
 using ResultIndex = std::unordered_map<ResultKey, JournalPosition, HashOfResultKey>;
 
-/// What the journal of a build holds, but for the results themselves.
+/// The index of a build's journal, without the results themselves.
 struct RecordedResults {
-  ResultIndex where;  ///< the first of each key
+  ResultIndex where;  ///< the first record of each key
   JournalEnd end;
   std::vector<JournalPosition> torn;  ///< JournalScan::torn
-  /// What was recorded once and cannot be read any more, for people: it will be computed again.
+  /// Messages about records that cannot be read any more. Their results are computed again.
   std::vector<std::string> damage;
 };
 
-/// A result as the worker sent it, less the lease, and with who gave it; and what it says, without
-/// fields.
+/// Receives a recorded result: the worker's message, without its lease and with its giver, and the
+/// outcome in it, without fields.
 using TakeResult = std::function<void(const ResultKey&, const wire::Result&, const Outcome&)>;
-/// Reads it, and calls `take` with the first result of each key, in the order of recording: all of
-/// them may not fit into memory. There is room at once for `expected`; it grows by itself. Error
-/// (bad input) when it is the journal of another build.
+/// Reads the journal in `directory`. Calls `take` with the first result of each key, in the order
+/// of recording, since they may not all fit into memory. `expected` results get room at once; the
+/// index grows by itself. Throws (bad input) if the journal belongs to another build.
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
                             const TakeResult& take, std::size_t expected = 0);
 
-/// One that is in the index; nothing when it cannot be read any more, which is told (log).
+/// Returns a result of the index; none, with a log line, if it cannot be read any more.
 std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key);
 
-/// What a transition of a plan starts from, as jobs and results name it: the id of its parent's
-/// fields; empty when that is the rest state.
+/// Returns the start of a plan's transition as jobs and results name it: the id of its parent's
+/// fields, or empty for the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
-/// What becomes of results when they are put into a plan.
+/// Outcome of recording known results in a plan.
 struct Settled {
-  std::vector<ResultKey> missing;  ///< ready, and not known: to be solved
-  /// Known, but from another start than the plan has: what their parent was, is no more. Or they
-  /// cannot be read any more. They are among the missing.
+  std::vector<ResultKey> missing;  ///< ready and without a usable result: to be solved
+  /// Recorded results that are unreadable, or were solved from another start than the plan has
+  /// because their parent's result was replaced. They are also in `missing`.
   std::vector<ResultKey> outdated;
 };
-/// Recorded results that no plan has asked for yet. They will, where what led there was lost.
+/// Recorded results that no plan has asked for yet. Plans ask for them once the lost results before
+/// them are computed again.
 using UnclaimedResults = std::set<ResultKey>;
-/// One of them; nothing when it cannot be read any more.
+/// Reads an unclaimed result; none if it cannot be read any more.
 using ReadUnclaimed = std::function<std::optional<wire::Result>(const ResultKey&)>;
-/// Records in the plan those of the unclaimed ones whose transitions are ready, and those that this
-/// makes ready, and so on; takes them out.
+/// Records in the plan every unclaimed result whose transition is ready, then those that become
+/// ready through it, and so on. Recorded results are removed from `unclaimed`.
 Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read);
 
-/// Puts recorded results into fresh plans, one after the other, in the order in which they were
-/// recorded: then each is asked for when it comes, unless something was lost before it.
+/// Records results in fresh plans, one after the other, in the order of recording. In this order
+/// the plan asks for each result when it comes, unless an earlier one was lost.
 class Replay {
  public:
   /// `problem` must outlive the plans.
   explicit Replay(const Problem& problem);
 
-  /// A result that is recorded. Each key once.
+  /// Takes a recorded result; each key once.
   void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
-  /// After the last of them.
+  /// Call after the last result.
   void finish(const ReadUnclaimed& read);
 
   std::vector<SpacePlan> plans;  ///< one per active node of the problem
-  Settled settled;               ///< of all of them, once it is finished
+  Settled settled;               ///< for all plans; complete after finish()
   UnclaimedResults unclaimed;
 };
 
-/// A journal whose results are in plans, but for those of liars.
+/// A journal whose results are in plans, except the results of excluded workers.
 struct ReplayedJournal {
   explicit ReplayedJournal(const Problem& problem) : replay(problem) {}
   RecordedResults recorded;
   Replay replay;
-  std::vector<ResultKey> of_liars;  ///< left out
-  // Of all that was not left out.
+  std::vector<ResultKey> of_liars;  ///< results of excluded workers, left out
+  // About the results that were not left out:
   std::size_t results = 0;
-  std::string kernel_family;                               ///< empty without any
-  double longest_solve = 0;                                ///< s
-  std::set<std::pair<std::string, std::string>> machines;  ///< that gave them: key and host
+  std::string kernel_family;  ///< empty if there are none
+  double longest_solve = 0;   ///< s
+  /// machines that gave them: key and host
+  std::set<std::pair<std::string, std::string>> machines;
 };
-/// Reads the journal in `directory`, which holds some `expected` results. Errors are those of
+/// Reads the journal in `directory`, which holds about `expected` results. Throws like
 /// readResults().
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
                               const ContentId& build, const std::vector<KeptOut>& liars,
                               std::size_t expected = 0);
 
-/// The results of all attempts that failed with this cause.
+/// Returns the keys of all attempts that failed with this cause.
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);
 
-/// Error when a replay of a journal that is whole left results that nobody asked for: another
-/// version of the program, which asked for others, began it.
+/// Throws if the replay of an undamaged journal left unclaimed results: another version of the
+/// program, with other transitions, recorded them.
 void refuseUnclaimed(const UnclaimedResults& unclaimed);
 
-/// The rows of a dataset.
+/// Returns the rows of a dataset.
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans);
 
 }  // namespace palpate

@@ -7,41 +7,41 @@
 
 namespace palpate {
 
-/// Results that came in and wait to become durable together: one sync for all (group commit),
-/// because it costs as long as many small solves.
+/// Results that wait to become durable together. One sync serves all of them (group commit),
+/// because a sync costs as much as many small solves.
 ///
-/// Nothing in it counts before commit() returned. One thread. `store` must outlive it.
+/// No result counts before commit() has returned. One thread. `store` must outlive this object.
 class ResultGroup {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   struct Member {
-    wire::Result result;  ///< as it is to be recorded
-    Outcome outcome;      ///< what it says, without fields
+    wire::Result result;  ///< as it will be recorded
+    Outcome outcome;      ///< contents of `result`, without fields
     std::string payload;
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
     bool is_checked = false;        ///< others solve it again
-    bool is_disputed = false;       ///< another found something else
+    bool is_disputed = false;       ///< another worker found a different result
   };
   using Members = std::map<ResultKey, Member>;
 
   explicit ResultGroup(JobStore& store) : store_(&store) {}
 
-  /// A transition that is not in the group yet.
+  /// Adds a result. Its transition must not be in the group yet.
   void add(const ResultKey& key, Member member, Time now);
-  /// Null when the transition is not in the group.
+  /// Returns null if the transition is not in the group.
   Member* find(const ResultKey& key);
   bool has(const ResultKey& key) const { return members_.contains(key); }
   const Members& members() const { return members_; }
   std::size_t size() const { return members_.size(); }
-  /// Of payloads.
+  /// Total size of the payloads.
   std::size_t bytes() const { return bytes_; }
-  /// When the first of them came; nothing when there is none.
+  /// Arrival time of the first result; none if the group is empty.
   std::optional<Time> since() const { return since_; }
 
-  /// Makes all of them durable, which is what an acknowledgement promises (docs/state.md). Returns
-  /// them; the group is empty then. Errors are those of JobStore: nothing of the group may be
-  /// acknowledged after one.
+  /// Makes all results durable, as an acknowledgement promises (docs/state.md). Returns them and
+  /// empties the group. Throws like JobStore; no result of the group may be acknowledged after an
+  /// error.
   Members commit();
 
  private:

@@ -12,15 +12,15 @@ namespace palpate {
 
 namespace {
 
-/// What SQLite opens to change nothing. To read a database that was left in WAL mode it makes an
-/// index of the log beside it, or writes into the one that is there.
+/// Returns the URI with which SQLite changes no file. To read a database that was left in WAL mode,
+/// SQLite otherwise creates an index of the log beside it or writes into the existing one.
 std::string untouched(const std::filesystem::path& file) {
   std::string uri = "file://";
   for (const char c : std::filesystem::absolute(file).string())
     uri += std::string_view("%?#").find(c) == std::string_view::npos
                ? std::string(1, c)
                : fmt::format("%{:02x}", static_cast<int>(c));
-  // Whoever closed it last removed the log, and left all of it in the file.
+  // Without a log the file is complete: the last connection moved the log into it and removed it.
   std::error_code none;
   const auto log_size = std::filesystem::file_size(file.string() + "-wal", none);
   if (none || log_size == 0) return uri + "?immutable=1";
@@ -48,12 +48,13 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
   }
-  // Readers beside us hold the lock for moments only, while they open or fold back the log.
+  // Other readers hold the lock only for moments, while they open the database or checkpoint the
+  // log.
   if (sqlite3_busy_timeout(handle_, 5000) != SQLITE_OK) fail("busy timeout");
 }
 
 Database::~Database() {
-  // Null of one that was moved from, which is no error.
+  // The handle of a moved-from object is null, which SQLite accepts.
   if (sqlite3_close(handle_) != SQLITE_OK)
     spdlog::warn("{}: statements were still open when it was closed", file_.string());
 }
@@ -66,7 +67,7 @@ void Database::execute(const std::string& sql) {
 bool Database::isReadOnly() const { return sqlite3_db_readonly(handle_, "main") == 1; }
 
 void Database::fail(const std::string& doing) const {
-  // SQLite's own index of the write-ahead log finds no room: that is an input/output error there.
+  // Without room for its index of the write-ahead log, SQLite reports an input/output error.
   if (sqlite3_errcode(handle_) == SQLITE_FULL || sqlite3_system_errno(handle_) == ENOSPC)
     throw failure(
         "{}: the disk is full: make room and start again; everything acknowledged is kept",
@@ -99,7 +100,7 @@ void Statement::put(int index, double value) {
 }
 
 void Statement::put(int index, std::string_view text) {
-  // Copied: the caller's string may go before step().
+  // Copied: the caller's string may be destroyed before step().
   check(sqlite3_bind_text(handle_, index, text.data(), static_cast<int>(text.size()),
                           SQLITE_TRANSIENT),
         "bind");
@@ -150,7 +151,7 @@ void inTransaction(Database& database, const std::function<void()>& work) {
     work();
     database.execute("COMMIT");
   } catch (...) {
-    // After some errors, a full disk among them, SQLite has rolled back by itself.
+    // After some errors, such as a full disk, SQLite has already rolled back.
     if (sqlite3_get_autocommit(database.handle()) == 0 &&
         sqlite3_exec(database.handle(), "ROLLBACK", nullptr, nullptr, nullptr) != SQLITE_OK)
       spdlog::warn("{}: rollback: {}", database.file().string(), sqlite3_errmsg(database.handle()));

@@ -22,12 +22,12 @@ class DamagedDatabase : public Error {
       : Error(ExitCode::failed, fmt::format("{}: damaged: {}", file.string(), what)) {}
 };
 
-/// An SQLite connection. Every return code is checked; failures are Errors that name the file.
-/// Never carried across fork().
+/// An SQLite connection. Every return code is checked; errors name the file. Must not be used
+/// across fork().
 class Database {
  public:
-  /// read_only: also where nobody may write. read_untouched: no file is made or changed; only of a
-  /// database that nobody writes.
+  /// read_only also works in a folder without write permission. read_untouched creates and changes
+  /// no file; only for a database that nobody writes.
   enum class Access { read_write_create, read_only, read_untouched };
   Database(const std::filesystem::path& file, Access access);
   ~Database();
@@ -37,7 +37,7 @@ class Database {
 
   /// Runs one or more statements without results.
   void execute(const std::string& sql);
-  /// Whatever it was opened for.
+  /// True if SQLite regards the database as read-only, whatever access was asked for.
   bool isReadOnly() const;
   sqlite3* handle() const { return handle_; }
   const std::filesystem::path& file() const { return file_; }
@@ -48,13 +48,14 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
-/// Bytes of a BLOB, where a string would be TEXT.
+/// Bytes to bind as a BLOB; strings are bound as TEXT.
 struct Blob {
   std::string_view bytes;
 };
 
-/// One prepared statement: bind or run it as often as wanted, reset() between. Values belong to the
-/// ? of the SQL in order and are copied; columns are counted from 0. Must go before the Database.
+/// One prepared statement. It can be bound and run any number of times, with reset() in between.
+/// Values belong to the ? of the SQL in order and are copied; columns count from 0. Must be
+/// destroyed before the Database.
 class Statement {
  public:
   Statement(Database& database, const std::string& sql);
@@ -62,7 +63,7 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  /// Integers, doubles (NaN becomes NULL), strings and Blobs, as many as there are ?.
+  /// Binds integers, doubles (NaN becomes NULL), strings and Blobs, one per ?.
   template <class... Values>
   Statement& bind(const Values&... values) {
     expectValues(sizeof...(values));
@@ -70,9 +71,9 @@ class Statement {
     (put(++index, values), ...);
     return *this;
   }
-  /// True when a row is there.
+  /// Runs to the next row. Returns false if there is none.
   bool step();
-  /// bind, step and reset of a statement without rows.
+  /// Binds, runs and resets a statement that returns no rows.
   template <class... Values>
   void run(const Values&... values) {
     bind(values...).finish();
@@ -84,7 +85,7 @@ class Statement {
     return static_cast<Integer>(integerIn(column));
   }
   double real(int column) const;
-  std::string text(int column) const;  ///< or the bytes of a BLOB
+  std::string text(int column) const;  ///< TEXT, or the bytes of a BLOB
 
  private:
   template <std::integral Integer>
@@ -104,8 +105,7 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-/// BEGIN IMMEDIATE, `work`, COMMIT: when it returns, all of it is recorded. Rolls back when one of
-/// them throws.
+/// Runs `work` between BEGIN IMMEDIATE and COMMIT. Rolls back if one of them throws.
 void inTransaction(Database& database, const std::function<void()>& work);
 
 }  // namespace palpate

@@ -33,11 +33,11 @@ std::string holderOf(const std::filesystem::path& directory) {
   return std::getline(file, pid) && !pid.empty() ? pid : "unknown";
 }
 
-/// On the folder, so that nothing that is removed in it sets the lock free.
+/// Locks the folder itself, so that removing files in it cannot free the lock.
 FileDescriptor takeLock(const std::filesystem::path& directory) {
   FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!lock) throw failure("{}: cannot open: {}", directory.string(), errnoText());
-  // holder() holds the lock for a moment to look at it.
+  // holder() takes the lock for a moment to test it.
   for (int tries = 0; flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++tries) {
     if (errno == EWOULDBLOCK && tries < 10) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -52,7 +52,7 @@ FileDescriptor takeLock(const std::filesystem::path& directory) {
   return lock;
 }
 
-/// Whole or not at all, and readable by its owner alone.
+/// Writes the file completely or not at all. Only its owner can read it.
 void writeSmallFile(const std::filesystem::path& file, const std::string& text) {
   const std::filesystem::path aside = file.string() + ".tmp";
   const FileDescriptor out(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
@@ -80,7 +80,7 @@ const char* networkFileSystem(long type) {
       {0x6969, "NFS"},        {0x517B, "SMB"},      {0xFF534D42, "SMB"}, {0xFE534D42, "SMB"},
       {0x0BD00BD0, "Lustre"}, {0x47504653, "GPFS"}, {0x5346414F, "AFS"}, {0x00C36400, "Ceph"},
       {0x19830326, "BeeGFS"}, {0x65735546, "FUSE"}, {0x01021997, "9p"}};
-  // The number is an unsigned one of 32 bits, which some systems extend with its sign.
+  // The number has 32 bits; some systems sign-extend it.
   const auto found = names.find(static_cast<unsigned long>(type) & 0xffffffff);
   return found == names.end() ? nullptr : found->second;
 }
@@ -99,11 +99,12 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path);
-  // Otherwise a power cut could take it away with all that is synced in it. Later is too late: what
-  // is in a folder that has tables was promised to somebody.
+  // A power cut could otherwise remove the folder with everything that is synced in it. Only
+  // folders without tables need this: results in a folder with tables may be acknowledged already,
+  // so a sync would come too late.
   if (!std::filesystem::exists(database())) syncFolder(above);
   writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
-  // Nobody listens there any more.
+  // No scheduler listens there any more.
   std::filesystem::remove(path / endpoint_file, error);
   if (error)
     throw failure("{}: cannot remove: {}", (path / endpoint_file).string(), error.message());

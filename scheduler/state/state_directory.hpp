@@ -8,36 +8,35 @@
 
 namespace palpate {
 
-/// The folder that holds one build: segment-NNNNNN.dat, state.db, lock, endpoint and keys. Holding
-/// this object means being its only scheduler: the lock is on the folder itself, and the file
-/// `lock` only says who holds it.
+/// The folder of one build: segment-NNNNNN.dat, state.db, lock, endpoint and keys. The process that
+/// holds this object is its only scheduler. The lock is on the folder itself; the file `lock` only
+/// names the holder.
 class StateDirectory {
  public:
-  /// Makes the folder when it is not there (but not those above it, which would hide a mistyped
-  /// name), refuses network file systems (SQLite's WAL and flock do not work on them), and takes
-  /// the lock. What it makes is for the owner alone. Error "in use by process N" when another
-  /// scheduler holds it.
+  /// Creates the folder if needed, and takes the lock. Folders above it are not created, since that
+  /// would hide a mistyped name. The folder and its files are readable by the owner alone. Throws
+  /// on a network file system, where SQLite's WAL and flock do not work. Throws "in use by process
+  /// N" if another scheduler holds the lock.
   explicit StateDirectory(const std::filesystem::path& path);
 
-  /// Where a scheduler listens, and the folder of the keys it lives by; without one it asks for
-  /// none.
+  /// Endpoint of a scheduler, and the folder of its keys; none if it requires no keys.
   struct Address {
     std::string endpoint;
     std::optional<std::filesystem::path> keys;
   };
-  /// Writes it into the folder, all at once, so that `status` and `stop` find it there. What an
-  /// earlier run wrote is gone since construction.
+  /// Writes the address into the folder atomically, so that `status` and `stop` find it. The
+  /// constructor removed the address of an earlier run.
   void announce(const Address& address) const;
-  /// What the scheduler now holding `directory` announced; nothing when none holds it, or it has
-  /// announced nothing yet.
+  /// Returns the address of the scheduler that holds `directory`; none if there is no such
+  /// scheduler, or if it has not announced its address yet.
   static std::optional<Address> liveAddress(const std::filesystem::path& directory);
-  /// Where a build keeps the keys that it and its workers alone use.
+  /// Folder of the keys that only a build and its own workers use.
   std::filesystem::path keys() const { return path_ / "keys"; }
-  /// The process number of whoever holds the lock of `directory`, "unknown" when it cannot be read;
-  /// nothing when nobody does.
+  /// Returns the process number of the scheduler that holds the lock of `directory`, or "unknown"
+  /// if it cannot be read; none if the lock is free.
   static std::optional<std::string> holder(const std::filesystem::path& directory);
 
-  /// Error when the folder was removed or replaced by another.
+  /// Throws if the folder was removed or replaced by another.
   void checkPresence() const;
 
   const std::filesystem::path& path() const { return path_; }
@@ -48,10 +47,10 @@ class StateDirectory {
 
  private:
   std::filesystem::path path_;
-  FileDescriptor lock_;  ///< the folder
+  FileDescriptor lock_;  ///< descriptor of the folder
 };
 
-/// The name of a network file system by its statfs number, nullptr for a local one.
+/// Returns the name of a network file system by its statfs number; nullptr for a local one.
 const char* networkFileSystem(long type);
 
 }  // namespace palpate

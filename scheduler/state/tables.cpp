@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
-/// "PLPT", so that file(1) and we know the database for ours.
+/// "PLPT": identifies the database as Palpate's, also to file(1).
 constexpr std::int64_t application_id = 0x504c5054;
 
-/// Nothing of a build rests on these tables: they are there for people, for `status` of a directory
-/// where nobody works, and (losses, checks, kept_out, the secret) for the next run.
+/// No result of a build depends on these tables. They serve people, `status` of a directory without
+/// a scheduler, and the next run (losses, checks, kept_out, the secret).
 constexpr const char* schema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value ANY) STRICT;
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;
@@ -39,10 +39,11 @@ CREATE TABLE checks (
 
 constexpr std::size_t secret_bytes = 32;
 
-/// They are not synced with every group.
+/// Other changes are not synced with every group.
 constexpr const char* synchronous_as_a_rule = "PRAGMA synchronous = NORMAL";
 
-/// A number that is counted on from: of damaged tables as near to what is there as counting allows.
+/// Reads a number that is counted on from. It is clamped so that numbers in damaged tables cannot
+/// overflow.
 template <class Number>
 Number wholeNumber(const Statement& query, int column) {
   constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max() / 2;
@@ -54,7 +55,7 @@ std::int64_t pragma(Database& database, const std::string& name) {
   return query.step() ? query.integer(0) : 0;
 }
 
-/// Nothing was made in it yet, whatever its header says.
+/// True if nothing was created in the database yet, whatever its header says.
 bool isEmpty(Database& database) {
   Statement objects(database, "SELECT COUNT(*) FROM sqlite_master");
   return objects.step() && objects.integer(0) == 0;
@@ -65,7 +66,7 @@ std::string meta(Database& database, const std::string& key) {
   return query.bind(key).step() ? query.text(0) : "";
 }
 
-/// The program that made the tables, as they say in another place; empty when they are not ours.
+/// Returns the program that created the tables, according to meta; empty if they are not Palpate's.
 std::string makerOf(Database& database) {
   Statement meta_there(database,
                        "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'meta'");
@@ -79,12 +80,13 @@ void putMeta(Database& database, const std::string& key, const Value& value) {
 
 constexpr std::string_view priority_of = "priority of ";
 
-/// With the state version, which may differ between programs of one version.
+/// Includes the state version, which may differ between programs of one version.
 std::string thisProgram() {
   return fmt::format("palpate {}, state {}", version(), StoredTables::schema_version);
 }
 
-/// DamagedDatabase where two places contradict each other: a bit of one of them flipped.
+/// Throws (bad input) unless the tables are Palpate's and of this version. Throws DamagedDatabase
+/// if header and meta contradict each other, since a bit of one has flipped.
 void checkVersion(Database& database) {
   const std::string file = database.file().string();
   const std::string maker = makerOf(database);
@@ -115,18 +117,20 @@ std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
   return file;
 }
 
-/// DamagedDatabase unless SQLite finds it whole by this pragma.
+/// Throws DamagedDatabase unless this pragma finds the database whole.
 void requireWhole(Database& database, const char* pragma) {
   Statement check(database, pragma);
   if (!check.step()) throw DamagedDatabase(database.file(), "it cannot be checked");
   if (check.text(0) != "ok") throw DamagedDatabase(database.file(), check.text(0));
 }
 
-/// DamagedDatabase when they contradict each other, or say nothing of a build although they are
-/// ours, or name another build than `wanted` which they do not hold.
+/// Throws DamagedDatabase if
+/// - the pages contradict each other,
+/// - the tables are Palpate's but name no build, or
+/// - they name another build than `wanted` and do not hold its problem.
 void checkPages(Database& database, const ContentId& wanted) {
   requireWhole(database, "PRAGMA quick_check(1)");
-  // The file is ours to write; what SQLite goes by is a byte in it.
+  // SQLite takes "read-only" from a header byte, which may be damaged. The file itself is writable.
   if (database.isReadOnly())
     throw DamagedDatabase(database.file(), "it says that nobody may write");
   if (isEmpty(database)) return;
@@ -137,11 +141,11 @@ void checkPages(Database& database, const ContentId& wanted) {
     throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
 }
 
-/// The tables in the directory for writing. What SQLite finds damaged is put aside first: all that
-/// a build needs is in the journal.
+/// Opens the tables in the directory for writing. Damaged tables are put aside first, since the
+/// journal has everything that a build needs; without a journal the error is thrown.
 Database openForWriting(const StateDirectory& directory, const ContentId& wanted) {
   const std::filesystem::path file = directory.database();
-  // SQLite would make it for everybody to read; the files beside it follow.
+  // SQLite would create the file readable by everybody. The files beside it get its mode.
   const FileDescriptor mine(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!mine) throw failure("{}: cannot open: {}", file.string(), errnoText());
   try {
@@ -180,7 +184,7 @@ void putTablesAside(const StateDirectory& directory) {
 
 StoredTables::StoredTables(const std::filesystem::path& directory, Database::Access access)
     : database_(existingDatabase(directory), access) {
-  // Left open: everything is read as of now, whatever the scheduler writes meanwhile.
+  // Not committed: everything is read as of now, whatever the scheduler writes meanwhile.
   database_.execute("BEGIN");
   readBuild();
 }
@@ -319,7 +323,8 @@ void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
     for (const wire::WorkerStatus& row : servers)
       insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
                  row.heard_seconds_ago(), row.results());
-    // Who comes and goes without a result could fill the disk. A replaced row is a new one.
+    // Workers that come and go without a result could fill the disk. A replaced row is a new one,
+    // with the highest rowid.
     Statement(
         database_,
         "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
@@ -384,7 +389,7 @@ void Tables::writeCheck(const ResultKey& key, bool disputed) {
     Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
         .run(space, to[0], to[1], to[2], from[0], from[1], from[2], disputed ? 1 : 0);
   };
-  // Whoever contradicted is acknowledged after this, and a dispute is in no journal.
+  // The worker that disagreed is acknowledged after this, and no journal records a dispute.
   disputed ? durably(write) : write();
 }
 
@@ -399,7 +404,7 @@ void Tables::forgetCheck(const ResultKey& key) {
 std::string Tables::secret() {
   std::string secret = meta(database_, "secret");
   if (secret.size() == secret_bytes) return secret;
-  // Of damaged tables. What was signed with the old one is solved again.
+  // Damaged tables lost the secret. Results leased under it are solved again.
   secret = randomBytes(secret_bytes);
   putMeta(database_, "secret", Blob{secret});
   return secret;
