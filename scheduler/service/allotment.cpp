@@ -8,11 +8,11 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// Targets of a worker that has delivered nothing: one, and another when it is done.
+/// Targets of a worker that has delivered nothing: one in work and one to follow.
 constexpr std::size_t newcomers_hold = 2;
-/// And of any: two jobs.
+/// Largest number of targets of any worker: two jobs.
 constexpr std::size_t workers_hold = 2 * max_targets_per_job;
-/// Of the latest in a mean: of all workers, of one.
+/// Weights of the latest value in the running means: of all workers, and of one.
 constexpr double weight_of_all = 1.0 / 64, weight_of_one = 1.0 / 16;
 
 void follow(double& mean, double latest, double weight) {
@@ -24,7 +24,8 @@ void follow(double& mean, double latest, double weight) {
 std::size_t Allotment::limitOf(const Worker& worker, Time now) const {
   if (worker.overdue_until && now < *worker.overdue_until) return 0;
   std::size_t most = workers_hold;
-  // One that is slow, or delivers now and then, would be the last to end with as much as others.
+  // A worker that is slow, or delivers only now and then, would finish last with as many targets as
+  // others.
   if (between_results_ > 0 && worker.between_results > between_results_)
     most = static_cast<std::size_t>(static_cast<double>(most) * between_results_ /
                                     worker.between_results);
@@ -44,7 +45,8 @@ void Allotment::noteDelivery(Worker& worker, Time now) {
 bool Allotment::isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const {
   const auto held = now - worker.moved;
   if (between_results_ <= 0) return held >= settings_.overdue_without_any;
-  // Who was slow with it may not be to blame.
+  // A target that others were slow with may be the cause: allow twice the time for each earlier
+  // hand-out.
   constexpr std::uint32_t most_doubled = 3;
   const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
   return held >= times * std::max<Seconds>(settings_.overdue_at_least,

@@ -5,39 +5,41 @@
 namespace palpate {
 
 struct AllotmentSettings {
-  /// A worker from which nothing came for so many times as long as it usually takes between two
-  /// results of one, and for overdue_at_least (overdue_without_any when nothing is recorded yet),
-  /// holds up others that have nothing to do: they are given some of it.
+  /// A worker is overdue if it delivered nothing for overdue_factor times the usual time between
+  /// two results of a worker, and for overdue_at_least. Before the first result the limit is
+  /// overdue_without_any. Workers without work are then given some of its targets.
   double overdue_factor = 8;
   std::chrono::seconds overdue_at_least{2}, overdue_without_any{30};
-  /// And it is given none for so long, if it delivers nothing.
+  /// Time without new work for an overdue worker that delivers nothing.
   std::chrono::seconds overdue_pause{30};
 };
 
-/// How many targets each worker may hold, and when it held them for too long: whoever takes work
-/// and does none of it, or little, keeps little from those who would. What they hold is for Leases
-/// to know. One thread.
+/// Limits the targets that each worker may hold, and decides when it has held them for too long. A
+/// worker that does little or none of its work thus keeps little from others. The leases themselves
+/// are in Leases. One thread.
 class Allotment {
  public:
   using Time = Worker::Time;
   explicit Allotment(const AllotmentSettings& settings = {}) : settings_(settings) {}
 
-  /// So many it may hold in all: as many as it delivered, within what it does in the time in which
-  /// the usual worker does two jobs; two at first.
+  /// Returns the number of targets that a worker may hold in all: the number that it delivered, two
+  /// at first. The upper limit is its work in the time in which the usual worker does two jobs.
+  /// Returns 0 while an overdue worker gets no work.
   std::size_t limitOf(const Worker& worker, Time now) const;
-  /// It held nothing, and is given something.
+  /// Notes that a worker without targets is given some.
   void noteFirst(Worker& worker, Time now) const { worker.moved = now; }
-  /// It delivered what it was asked for.
+  /// Notes the delivery of a result that the worker was asked for.
   void noteDelivery(Worker& worker, Time now);
-  /// It delivered nothing for so long that others may be given what it holds, of which this was
-  /// handed out so often.
+  /// Returns true if the worker delivered nothing for so long that its last target may go to
+  /// another worker. `attempts` is the number of hand-outs of that target.
   bool isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const;
-  /// They are. It is a newcomer again, once it may have anything.
+  /// Notes that its last target went to another worker. It gets no work for a while, and then
+  /// starts like a new worker.
   void noteOverdue(Worker& worker, Time now) const;
 
  private:
   AllotmentSettings settings_;
-  double between_results_ = 0;  ///< s, of a worker, as it was lately; 0 before the first
+  double between_results_ = 0;  ///< s, recent mean over all workers; 0 before the first
 };
 
 }  // namespace palpate

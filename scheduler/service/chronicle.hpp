@@ -10,18 +10,18 @@
 
 namespace palpate {
 
-/// What happens in a coordinator, for people: lines of its log, and events (docs/commands.md), of
-/// which it knows what fields each has. What workers cause by coming and going stays within a
-/// budget. One thread.
+/// Reports the events of a coordinator to people: log lines and events (docs/commands.md), with the
+/// fields that each event has. Reports that workers cause by coming and going stay within a budget.
+/// One thread.
 class Chronicle {
  public:
   using Time = LineBudget::Time;
 
-  /// Without `log`, which may be null, there are no events; all must outlive this object.
+  /// `log` may be null: no events are then written. All arguments must outlive this object.
   Chronicle(const Problem& problem, EventLog* log, const Time& clock)
       : problem_(&problem), log_(log), clock_(clock), budget_(clock) {}
 
-  // Lines that peers cause and that are no event.
+  // Log lines that peers cause and that are not events.
   template <class... Args>
   void info(spdlog::format_string_t<Args...> text, Args&&... args) {
     if (mayTell()) spdlog::info(text, std::forward<Args>(args)...);
@@ -31,22 +31,22 @@ class Chronicle {
     if (mayTell()) spdlog::warn(text, std::forward<Args>(args)...);
   }
 
-  // Of workers.
+  // Workers.
   void joined(const Worker& worker);
   void left(const Worker& worker, const std::string& reason);
-  /// `how`: "silent" or "unreachable"; so many targets were in its hands.
+  /// `how` is "silent" or "unreachable". The worker held this number of targets.
   void lost(const Worker& worker, const char* how, std::size_t targets);
   void ended(const Worker& worker, std::size_t targets);
   void refused(const std::string& host, std::uint32_t pid, const std::string& reason);
 
-  // Of the work.
-  /// The stages that plans are in from now on without anything having happened.
+  // Work.
+  /// Notes the current stages of the plans without reporting them.
   void begin(const std::vector<SpacePlan>& plans);
-  /// The plan of a space went on: an event when that is a stage further.
+  /// Reports an event if the plan has entered another stage.
   void wentOn(std::uint32_t space, const SpacePlan& plan);
   void failed(const ResultKey& key, const Failure& failure, const wire::Provenance& giver);
   void setAside(const ResultKey& key, int deaths);
-  /// `cause` of what failed; empty: what was set aside.
+  /// `cause` of the failures that are tried again; empty for set-aside transitions.
   void retried(std::int64_t transitions, const std::string& cause = "");
   void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);
@@ -54,12 +54,13 @@ class Chronicle {
   void keptOut(const KeptOut& liar);
   void completed(std::int64_t recorded, double seconds);
 
-  /// What happened so far is written, if it can be.
+  /// Writes the events so far, if possible.
   void flush();
 
  private:
   void add(const Event& event);
-  /// Whether there is room for what workers cause at will. What was left out before is told first.
+  /// Returns true if the budget allows another report that workers cause at will. Reports first how
+  /// many were left out.
   bool mayTell();
   Event of(EventWord word, const ResultKey& key) const;
 
@@ -68,7 +69,7 @@ class Chronicle {
   const Time& clock_;
   LineBudget budget_;
   std::vector<Stage> stages_;
-  double divisions_ = 1;  ///< coordinates of a point in a spacing
+  double divisions_ = 1;  ///< coordinates per spacing
 };
 
 }  // namespace palpate

@@ -25,12 +25,12 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
 void Coordinator::receive(Incoming incoming, Time now) {
   if (next() == Next::anew) return;
   noteOwnGap(now);
-  // Workers say it again to the next one.
+  // Workers repeat their messages to the next coordinator.
   if (state_.turns_since_retry) return void(answer(incoming));
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   if (message.has_hello()) {
-    // There is a second machine now that may solve what the first one solved.
+    // There is a second machine now, which may solve the results of the first one again.
     if (workers_.hello(incoming)) seconds_.openDue();
     return;
   }
@@ -39,8 +39,8 @@ void Coordinator::receive(Incoming incoming, Time now) {
   if (worker == nullptr) {
     if (message.body_case() == wire::Message::BODY_NOT_SET)
       return workers_.badMessage(peer, "it cannot be read");
-    // An empty epoch is never the one a worker knows, so it says hello, and then resends what
-    // was not acknowledged.
+    // An empty epoch never matches the worker's, so it says hello and then sends its unacknowledged
+    // results again.
     state_.send(peer).mutable_heartbeat_reply();
     return;
   }
@@ -61,7 +61,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
   }
 }
 
-/// What people ask; false: it is none of that.
+/// Answers a request of people. Returns false if the message is no such request.
 bool Coordinator::answer(const Incoming& incoming) {
   if (!incoming.message.has_stop_request()) return people_.answer(incoming);
   state_.send(incoming.peer).mutable_stop_reply()->set_stopping(true);
@@ -69,7 +69,7 @@ bool Coordinator::answer(const Incoming& incoming) {
   return true;
 }
 
-/// It has not read the large answers that it got before: it asks again.
+/// Returns true if the peer has not read earlier large answers. It will ask again.
 bool Coordinator::readsTooSlowly(const Incoming& incoming) {
   constexpr int large_in_a_turn = 2;
   const wire::Message& message = incoming.message;
@@ -98,7 +98,8 @@ void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
   for (const std::string& why : closed.why) state_.chronicle.warn("{}", why);
 }
 
-/// A scheduler that did nothing for a while blames nobody for the silence.
+/// Detects that this scheduler itself did nothing for a while; workers are not blamed for silence
+/// in that time.
 void Coordinator::noteOwnGap(Time now) {
   state_.now = now;
   const auto gap = now - std::exchange(last_turn_, now);
@@ -137,18 +138,18 @@ Coordinator::Time Coordinator::nextDeadline() const {
   return std::min({people_.serversDue(), intake_.deadline(), workers_.nextSweep()});
 }
 
-/// Makes what waits durable, and goes on from it.
+/// Makes the waiting results durable and continues from them.
 void Coordinator::commit() {
-  // Plans that hold what was dropped must not come to an end.
+  // Plans that hold dropped results must not complete.
   if (state_.group.size() == 0 || state_.turns_since_retry) return;
   intake_.commit();
   goOn();
-  // These may be the last of this run.
+  // These may be the last results of this run.
   if (state_.stopping) people_.writeProgress();
 }
 
-/// After results, and second solves: begins what may be solved again now, and ends the build when
-/// that was all.
+/// Opens checks that are now possible, after results or second solves. Ends the build if nothing is
+/// left.
 void Coordinator::goOn() {
   seconds_.openDue();
   if (state_.complete || !std::ranges::all_of(state_.plans, &SpacePlan::complete)) return;
@@ -165,7 +166,7 @@ void Coordinator::goOn() {
 void Coordinator::stop(Time now) {
   if (state_.stopping) return;
   state_.now = now;
-  // Before the workers hear of it: their acknowledgements go out first.
+  // Commit first, so that workers get their acknowledgements before they are told to leave.
   commit();
   state_.stopping = true;
   workers_.drainAll();

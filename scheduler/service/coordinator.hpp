@@ -5,30 +5,31 @@
 
 namespace palpate {
 
-/// How it goes on after a turn of a coordinator.
+/// How the scheduler continues after a turn of a coordinator.
 enum class Next : std::uint8_t {
   go_on,
-  stop,      ///< somebody asked for it
+  stop,      ///< an operator asked for it
   complete,  ///< every space is complete and recorded
   stuck,     ///< Coordinator::stuck()
-  /// Recorded results are to be computed again: somebody wants failures tried again, or they are
-  /// those of Coordinator::liars(). Another Build goes on in the directory (Build::keepOut).
+  /// Recorded results must be computed again: an operator wants failures tried again, or
+  /// Coordinator::liars() gave them. Another Build continues in the directory (Build::keepOut).
   anew,
 };
 
-/// What every message means: takes messages and the time, passes them on to its parts (Workers,
-/// Handouts, Intake, SecondSolves, People), says in which order these act, and leaves messages to
-/// be sent. No sockets, no clock of its own, one thread.
+/// Handles every message of the service. Takes messages and the time, passes them to its parts
+/// (Workers, Handouts, Intake, SecondSolves, People), decides the order in which these act, and
+/// leaves messages to be sent. Has no sockets and no clock of its own. One thread.
 ///
 /// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
-/// on. Construction replays what is recorded, so a restart goes on where the last run was.
+/// on. The constructor replays the recorded results, so a restart continues where the last run
+/// stopped.
 ///
-/// Some results are solved again by other machines (SpotChecks), as soon as there are two. Plans do
-/// not wait for that, only the end of the build does.
+/// Some results are solved again by other machines (SpotChecks) as soon as there are two machines.
+/// Plans do not wait for these checks; the end of the build does.
 ///
-/// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
-/// cannot be read any more. After one, and after Next::anew, the object must not be used, and
-/// nothing was acknowledged that is not on disk.
+/// Errors of the journal or the tables leave as exceptions. So does DamagedRecord, if a result that
+/// is needed cannot be read any more. After an exception, and after Next::anew, the object must not
+/// be used; nothing was acknowledged that is not on disk.
 class Coordinator {
  public:
   using Time = ServiceState::Time;
@@ -37,77 +38,78 @@ class Coordinator {
   Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Time now,
               const CoordinatorSettings& settings = {});
 
-  /// By value: what it brings may be kept.
+  /// Handles a message. Taken by value, because its contents may be kept.
   void receive(Incoming incoming, Time now);
-  /// A message whose sender may not say it: is told why, and if it was a worker, it is none any
-  /// more.
+  /// Handles a message that its sender's role does not allow. The sender is told why. If it was a
+  /// worker, it is removed.
   void refuse(const Incoming& incoming, Time now);
-  /// Whatever time brings: commits a group that is due, takes back what silent workers hold, hands
-  /// out jobs. Call after every batch of messages and at nextDeadline. `all_read`: no message waits
-  /// that would show that a silent worker is not silent. Returns next().
+  /// Does the work that is due: commits a group, takes back the leases of silent workers, hands out
+  /// jobs. Call after every batch of messages and at nextDeadline(). `all_read`: no unread message
+  /// could show that a silent worker is alive. Returns next().
   Next advance(Time now, bool all_read = true);
-  /// What the messages so far, and the last turn, lead to.
+  /// Returns how to continue after the messages so far and the last turn.
   Next next() const;
-  /// Everything to be sent, in order.
+  /// Returns the messages to be sent, in order.
   std::vector<Outgoing> takeOutbox() {
     large_answers_.clear();
     return std::exchange(state_.outbox, {});
   }
-  /// advance() has something to do then.
+  /// Time when advance() next has work.
   Time nextDeadline() const;
 
-  /// A message could not be delivered: the peer is gone, or reads nothing.
+  /// Call when a message could not be delivered: the peer is gone or does not read.
   void peerUnreachable(const std::string& peer, Time now) {
     state_.now = now;
     workers_.unreachable(peer);
   }
-  /// Connections were closed because they cost too much.
+  /// Call with the connections that were closed because they cost too much.
   void noteClosed(const Connections::Closed& closed, Time now);
-  /// The local process `pid` ended by itself: what it was solving may have killed it.
+  /// Call when the local process `pid` ended by itself: the target it was solving may have killed
+  /// it.
   void workerProcessEnded(std::uint32_t pid, Time now) {
     state_.now = now;
     workers_.processEnded(pid);
   }
 
-  /// No more hand-outs; workers are told to leave. Commits what is there.
+  /// Stops handing out jobs, commits the waiting results and tells workers to leave.
   void stop(Time now);
   bool stopping() const { return state_.stopping; }
-  /// Whether nothing is handed out, before it is told to go on: in this run and the next ones.
-  /// Workers finish what they hold, and stay.
+  /// Stops or resumes handing out jobs, in this run and the next ones. Workers finish their leases
+  /// and stay.
   void pause(bool paused) { people_.pause(paused); }
   bool paused() const { return state_.paused; }
-  /// Every space is complete and recorded.
+  /// True if every space is complete and recorded.
   bool complete() const { return state_.complete; }
-  /// All is recorded but transitions that are set aside, because workers died on them, and disputed
-  /// ones for which there is no other worker to ask.
+  /// True if only transitions are left that cannot proceed: those set aside because workers died on
+  /// them, and disputed ones without another worker to ask.
   bool stuck() const {
     return !state_.complete && state_.group.size() == 0 && workers_.leases.stuck() &&
            seconds_.stuck();
   }
-  /// Whoever was found to give wrong results: Build::keepOut() comes before another Build.
+  /// Workers that gave wrong results. Call Build::keepOut() before making another Build.
   const std::vector<KeptOut>& liars() const { return state_.liars; }
   std::size_t asideCount() const { return workers_.leases.aside().size(); }
-  /// Whether another worker is asked for what is recorded, or is to be.
+  /// True if the recorded result is being solved again by another worker, or will be.
   bool isChecked(const ResultKey& key) const { return seconds_.isChecked(key); }
-  /// Results that two workers found differently.
+  /// Number of results that two workers found differently.
   std::size_t disputedCount() const { return seconds_.checks().disputedCount(); }
-  /// The dataset can do without workers: they are told to leave.
+  /// Tells all workers to leave: the dataset no longer needs them.
   void dismiss() {
     state_.dismissed = true;
     workers_.drainAll();
   }
-  /// Workers that said hello and neither left nor were lost.
+  /// Number of workers that said hello and neither left nor were lost.
   std::size_t workers() const { return workers_.registry.all().size(); }
-  /// No worker said anything for three heartbeats: after Drain they have all left.
+  /// True if no worker sent anything for three heartbeats. After a Drain all have then left.
   bool deserted(Time now) const { return workers_.deserted(now); }
-  /// Results that earlier runs left.
+  /// Number of results from earlier runs.
   std::size_t found() const { return intake_.found(); }
-  /// Results recorded since construction.
+  /// Number of results recorded since construction.
   std::int64_t recorded() const { return intake_.recorded(); }
 
-  /// What people are told (docs/commands.md).
+  /// Returns the status that people see (docs/commands.md).
   wire::Status status(Time now) const { return people_.status(now); }
-  /// One per active node.
+  /// One plan per active node.
   const std::vector<SpacePlan>& plans() const { return state_.plans; }
 
  private:
@@ -123,7 +125,8 @@ class Coordinator {
   Handouts handouts_;
   Intake intake_;
   People people_;
-  std::map<std::string, int> large_answers_;  ///< in the outbox, by peer
+  /// requests for large answers since takeOutbox(), by peer
+  std::map<std::string, int> large_answers_;
   Time last_turn_;
 };
 

@@ -9,11 +9,11 @@
 namespace palpate {
 namespace {
 
-/// Who comes before whom when jobs are handed out: the smaller one.
+/// Order of workers when jobs are handed out, smallest first.
 struct Load {
   bool busy, newcomer;
   std::size_t held;     ///< targets
-  Worker::Time waited;  ///< of newcomers, since then they were given nothing
+  Worker::Time waited;  ///< for newcomers: Worker::moved, so the longest wait comes first
   std::string_view id;
   Worker* worker;
   auto operator<=>(const Load&) const = default;
@@ -34,7 +34,7 @@ void Handouts::handOut() {
   const bool checks_wait = !workers_.leases.waitingChecks().empty();
   if (!state_.handsOut() || (workers_.leases.waiting() == 0 && !checks_wait)) return;
   const std::map<ResultKey, Apart> wanted = seconds_.wanted();
-  // Those that are to be given something first on top: there are many, and work for few.
+  // The next worker to be given work is on top: there are many workers, and little work.
   std::vector<Load> heap;
   std::size_t free_hands = 0;
   const auto add = [&](Worker& worker) {
@@ -48,7 +48,7 @@ void Handouts::handOut() {
   };
   workers_.registry.eachAsking([&](Worker& worker) {
     add(worker);
-    // None of the others would come before these; but a check is not for everybody.
+    // The others would not come before these workers. A check, however, is not for every worker.
     return checks_wait || free_hands < workers_.leases.waiting();
   });
   std::ranges::make_heap(heap, std::greater());
@@ -59,7 +59,7 @@ void Handouts::handOut() {
     const std::string& id = worker.id;
     const std::size_t room = workers_.roomOf(worker);
     if (workers_.leases.leasedTo(id) == 0) workers_.allotment.noteFirst(worker, state_.now);
-    // There are few of them, and they are to show what is wrong before much rests on it.
+    // Checks first: they are few, and should find errors before much depends on them.
     auto handout = workers_.leases.handOutCheck(
         id, [&](const ResultKey& key) { return seconds_.mayTake(worker, key, wanted.at(key)); });
     if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
@@ -78,7 +78,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   const SpacePlan& plan = state_.plans[first.space];
   const SpotChecks& checks = seconds_.checks();
   wire::Job& job = *state_.send(worker.peer).mutable_job();
-  job.set_id(handout.job);  // which heartbeats name
+  job.set_id(handout.job);  // named in heartbeats
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(first.space);
   *job.mutable_start() = toWire(first.parent);
@@ -99,7 +99,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
 std::chrono::seconds Handouts::hungAfter() const {
   if (state_.settings.hung_after) return *state_.settings.hung_after;
   if (longest_solve_ <= 0) return state_.settings.hung_without_any;
-  // A week is no limit any more; a worker may claim any cost.
+  // A worker may claim any cost. Beyond a week there is no limit to speak of.
   constexpr double most = 7 * 24 * 3600;
   const double seconds = std::min(state_.settings.hung_factor * longest_solve_, most);
   return std::max(state_.settings.hung_at_least, std::chrono::seconds(std::llround(seconds)));
@@ -131,13 +131,13 @@ void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& reque
   if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
 }
 
-/// The recorded result with these fields.
+/// Returns the recorded result with these fields.
 std::optional<ResultKey> Handouts::solverOf(const wire::FieldsRequest& request) const {
   const LatticePoint at = fromWire(request.point());
   if (const auto point = findIn(state_.plans, {request.space(), at, at})) {
     const SpacePlan& plan = state_.plans[request.space()];
     const CompactPoints& points = plan.points();
-    // The point may have another equilibrium by now than the one the job started from.
+    // The point may have another equilibrium now than the one from which the job started.
     if (isSolved(points.tag(point->target)) && points.fields(point->target).bytes() == request.id())
       return plan.keyOf({point->target, points.parent(point->target)});
   }

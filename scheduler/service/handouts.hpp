@@ -6,24 +6,25 @@
 
 namespace palpate {
 
-/// What workers are given: jobs, the problem, and the configurations that jobs start from. One
-/// thread; the references must outlive it.
+/// Sends workers their jobs, the problem, and the configurations that jobs start from. One thread;
+/// the references must outlive it.
 class Handouts {
  public:
   /// `problem_bytes` is encodeProblem(problem).
   Handouts(ServiceState& state, Workers& workers, const SecondSolves& seconds,
            std::string problem_bytes);
 
-  /// Jobs for whoever asks and may have one, as long as something waits: to those that hold
-  /// nothing, and then to those that hold least, first to those that are known to do what they are
-  /// given. The second job of a worker would be the first of another.
+  /// Hands out waiting transitions and checks to the workers that ask and have room. Idle workers
+  /// come first, then proven workers before new ones, then the least loaded: the second job of one
+  /// worker could be the first of another.
   void handOut();
   void sendProblem(const Worker& worker);
-  /// The fields of a start; nothing when too much of that lies unread: the worker asks again.
+  /// Sends the fields of a start. Sends nothing if too many of them lie unread; the worker asks
+  /// again.
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
-  /// Whether this worker was asked for that result.
+  /// Returns true if this worker was asked for this result.
   bool asked(const Worker& worker, const wire::Result& result) const;
-  /// A solve took so long, s: those that take far longer are hung.
+  /// Notes the duration of a solve, s. Solves that take far longer than the longest are hung.
   void noteSolve(double seconds) { longest_solve_ = std::max(longest_solve_, seconds); }
 
  private:

@@ -13,7 +13,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
   Replay replayed = state_.store.takeReplay();
   state_.plans = std::move(replayed.plans);
   unclaimed_ = std::move(replayed.unclaimed);
-  // Where something was lost, what it led to is asked for again in time.
+  // After a loss, the plans ask for the unclaimed results later.
   if (!state_.store.damaged() && replayed.settled.outdated.empty()) refuseUnclaimed(unclaimed_);
   PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
                  "every active node has its plan");
@@ -23,7 +23,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
 
 bool Intake::take(Worker& worker, Incoming& incoming) {
   const wire::Result& message = incoming.message.result();
-  // Who delivers is at work, whatever its last heartbeat said.
+  // A worker that delivers is at work, whatever its last heartbeat said.
   worker.idle_since.reset();
   const auto drop = [&](const std::string& why) {
     workers_.badMessage(worker.peer, why);
@@ -35,7 +35,7 @@ bool Intake::take(Worker& worker, Incoming& incoming) {
   const std::optional<Transition> transition = findIn(state_.plans, key);
   if (!transition) return drop("a result for a point that does not exist");
   if (!handouts_.asked(worker, message)) {
-    // Who keeps results over the loss of our secret has them solved again.
+    // If our secret was lost with the tables, results leased under it are solved again.
     refuseUnwanted(worker, message);
     return drop("a result that it was not asked for");
   }
@@ -48,7 +48,7 @@ bool Intake::take(Worker& worker, Incoming& incoming) {
   return false;
 }
 
-/// Another result of what waits to become durable.
+/// Handles another result of a transition whose first result waits to become durable.
 void Intake::takeAgain(const Worker& worker, ResultGroup::Member& waiting,
                        const wire::Result& message) {
   const wire::Result& first = waiting.result;
@@ -74,14 +74,14 @@ bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   return false;
 }
 
-/// Of a transition that what was lost led to, or of another's imagination. As long as it is not
-/// answered, an honest worker keeps it and does not leave.
+/// Tells a worker that its result is not wanted: its transition depended on a lost result, or was
+/// invented. Without an answer an honest worker would keep the result and never leave.
 void Intake::refuseUnwanted(const Worker& worker, const wire::Result& result) {
   ++state_.counters["unwanted_results"];
   state_.acknowledge(worker.peer, result).set_unwanted(true);
 }
 
-/// The first result of a transition.
+/// Handles the first result of a transition.
 void Intake::takeFirst(Worker& worker, const Transition& transition, Incoming& incoming,
                        Outcome outcome) {
   wire::Result& result = *incoming.message.mutable_result();
@@ -119,7 +119,7 @@ bool Intake::isDue(bool all_read) {
   const auto age = state_.now - *state_.group.since();
   if (age >= state_.settings.group_age || (all_read && age >= state_.settings.group_age_all_read))
     return true;
-  // Somebody waits for what these results may make ready.
+  // A worker waits for work that these results may make ready.
   return workers_.leases.waiting() == 0 && workers_.registry.someoneAsks();
 }
 
@@ -129,10 +129,11 @@ ServiceState::Time Intake::deadline() const {
 }
 
 void Intake::commit() {
-  // Before they are durable, or one that is killed in between would never be checked.
+  // Note the checks first: a scheduler that is killed in between would otherwise never check these
+  // results.
   for (const auto& [key, member] : state_.group.members())
     if (member.is_checked) seconds_.note(key, member.is_disputed);
-  // Plans move on only after this: what they ask for next may rest on what is in the group.
+  // Plans move on only after this: their next transitions may start from results of the group.
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;
@@ -143,7 +144,8 @@ void Intake::commit() {
     ++recorded_;
     handouts_.noteSolve(outcome.cost.seconds);
     converged_ += outcome.converged();
-    if (!outcome.converged()) state_.chronicle.failed(key, outcome.failure(), member.result.given_by());
+    if (!outcome.converged())
+      state_.chronicle.failed(key, outcome.failure(), member.result.given_by());
     goOn(settle(plan, unclaimed_,
                 [this](const ResultKey& unclaimed) { return state_.store.read(unclaimed); }));
     state_.chronicle.wentOn(key.space, plan);

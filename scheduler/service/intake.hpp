@@ -5,29 +5,30 @@
 
 namespace palpate {
 
-/// From results, recorded ones of earlier runs first, to the plans. A result waits in the group of
-/// ServiceState until commit() makes all of it durable, and is acknowledged then (docs/state.md).
-/// One thread; the references must outlive it.
+/// Takes results to the plans, recorded results of earlier runs first. A new result waits in the
+/// group of ServiceState until commit() makes the group durable, and is then acknowledged
+/// (docs/state.md). One thread; the references must outlive it.
 class Intake {
  public:
-  /// Puts what is recorded into the plans, and asks for what is missing.
+  /// Records the known results in the plans and queues the missing ones.
   Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts);
 
-  /// A result that came in; what is to be recorded is moved out of it. Returns whether a check
-  /// ended with it (SecondSolves::compare).
+  /// Handles a result that came in; the contents to be recorded are moved out of it. Returns true
+  /// if a check ended with it (SecondSolves::compare).
   bool take(Worker& worker, Incoming& incoming);
-  /// The group is as large as it may be.
+  /// True if the group has reached its size limit.
   bool isFull() const;
-  /// The group has waited long enough. `all_read`: nothing more has come.
+  /// True if the group has waited long enough. `all_read`: no unread message is left.
   bool isDue(bool all_read);
-  /// When it is due at the latest, once all is read.
+  /// Latest time at which the group is due once all messages are read.
   ServiceState::Time deadline() const;
-  /// Makes the group durable, acknowledges it, and moves the plans on: what they ask for next may
-  /// rest on it. Errors are those of JobStore, and nothing of the group is acknowledged then.
+  /// Makes the group durable, acknowledges its results and moves the plans on, since their next
+  /// transitions may start from them. Throws like JobStore; nothing of the group is then
+  /// acknowledged.
   void commit();
 
   std::size_t found() const { return state_.store.found(); }  ///< results of earlier runs
-  // Of this run: results, and equilibria among them.
+  // In this run: all results, and the equilibria among them.
   std::int64_t recorded() const { return recorded_; }
   std::int64_t converged() const { return converged_; }
 
@@ -43,7 +44,7 @@ class Intake {
   SecondSolves& seconds_;
   Handouts& handouts_;
   ResultCheck check_;
-  UnclaimedResults unclaimed_;  ///< recorded, and not asked for yet (Replay)
+  UnclaimedResults unclaimed_;  ///< recorded, but no plan has asked for them yet (Replay)
   std::int64_t recorded_ = 0, converged_ = 0;
 };
 

@@ -6,24 +6,24 @@
 
 namespace palpate {
 
-/// How many lines peers may cause. They come and go as often as they like, and the disk must not
-/// fill with it. One thread.
+/// Limits the log lines and events that peers cause. Peers can come and go at will, and must not
+/// fill the disk. One thread.
 class LineBudget {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A fleet of a thousand workers that starts, and a line a second after that.
+  /// Enough for a thousand workers that start at once, then for a line per second.
   static constexpr std::int64_t burst = 1000;
   static constexpr std::chrono::seconds interval{1};
 
   explicit LineBudget(Time now) : filled_(now) {}
 
-  /// How many lines were left out since the last one, for which there is room now; nothing: this
-  /// one is left out too.
+  /// Returns the number of lines that were left out since the last accepted line; none if this line
+  /// must be left out too.
   std::optional<std::int64_t> spend(Time now);
 
  private:
-  Time filled_;  ///< up to when lines were given
+  Time filled_;  ///< lines were credited up to this time
   std::int64_t lines_ = burst;
   std::int64_t left_out_ = 0;
 };

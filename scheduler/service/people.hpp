@@ -6,24 +6,24 @@
 
 namespace palpate {
 
-/// What people are told, by messages and by the tables, and what they decide, but for the stop.
-/// One thread; the references must outlive it.
+/// Answers the requests of operators and observers, writes progress to the tables, and carries out
+/// all operator decisions except stop. One thread; the references must outlive it.
 class People {
  public:
   using Time = ServiceState::Time;
   People(ServiceState& state, Workers& workers, const SecondSolves& seconds, const Intake& intake);
 
-  /// Does what people ask for; false: it is none of that.
+  /// Handles a request. Returns false if the message is none.
   bool answer(const Incoming& incoming);
   void pause(bool paused);
   wire::Status status(Time now) const;
 
-  /// Measures how fast it goes, and looks ahead now and then.
+  /// Measures the rate, and updates the forecast now and then.
   void measure();
-  /// When the table of servers is to be written.
+  /// Time when the table of servers is written next.
   Time serversDue() const;
   void writeServers();
-  /// What is told of the directory when nobody works there.
+  /// Writes the progress, which is shown when no scheduler works in the directory.
   void writeProgress();
 
  private:
@@ -40,8 +40,8 @@ class People {
   std::string recent_status_;  ///< JSON
   Time recent_status_made_;
   Time servers_written_, progress_written_;
-  Pace pace_;       ///< of equilibria
-  Pace work_pace_;  ///< of results, whatever they say
+  Pace pace_;       ///< equilibria
+  Pace work_pace_;  ///< all results
   Forecast forecast_;
   Time forecast_made_;
   std::int64_t recorded_then_ = 0;

@@ -12,13 +12,13 @@
 namespace palpate {
 namespace {
 
-/// The solver stops at 1e-9 of the force on the tool, and 1e-10 of what it takes to shear an
-/// element (NewtonOptions); whoever is a thousand times less accurate is no solver of ours.
+/// The solver stops at 1e-9 of the force on the tool, and 1e-10 of the force that shears an element
+/// (NewtonOptions). A result with a thousand times the error does not come from this solver.
 constexpr double largest_residual = 1e-6;
-/// Fields are float32, and a weighted tool is where its nodes are on average.
+/// Fields are float32, and a weighted tool is at its position only on average over its nodes.
 constexpr double place_tolerance = 1e-4;
 constexpr double odd_force = 0.05, odd_energy = 0.003;
-/// Far more than any transition is worth.
+/// Far more than any transition needs.
 constexpr std::int32_t most_steps = 1'000'000;
 
 bool isPlausible(const Cost& cost) {
@@ -42,7 +42,7 @@ Eigen::Vector3d displacementOf(const NodalFields& fields, std::int32_t node) {
   return {u[0], u[1], u[2]};
 }
 
-/// The tool as a whole, as it is prescribed.
+/// Returns the prescribed displacement of the tool: the weighted mean over its nodes.
 Eigen::Vector3d displacementOf(const NodalFields& fields, const ActivePatch& patch) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t n = 0; n < patch.nodes.size(); ++n)
@@ -88,7 +88,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (!isPlausible(outcome.cost)) return "a result with impossible costs";
   if (!outcome.converged()) {
     if (!payload.empty() || !result.fields_id().empty()) return "a failure with fields";
-    // Its step is shown to people and ranks its cause.
+    // Its step is shown to people and decides which cause a point gets.
     return objectionToFailure(outcome.failure(), problem_->mesh);
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
@@ -130,15 +130,15 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
                                                })
                          : isThere(displacementOf(fields, patch));
   if (!there) return "a tool that is elsewhere";
-  // Where the origin was reached from a neighbour it is at rest but for rounding.
+  // An origin that was reached from a neighbour is at rest only up to rounding.
   if (fromWire(result.target()) != fromWire(result.parent())) return "";
   if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a rest that is none";
   return holdsBack(e.stiffness) ? "" : "a rest that is not stable";
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {
-  // Who was asked for it and how long it took depends on timing, everything else on the scene.
-  // Fields that are not known are those of older records, which only told the former.
+  // Lease and time depend on timing; everything else follows from the scene. Unknown fields come
+  // from older records, which had only fields of the former kind.
   result.GetReflection()->MutableUnknownFields(&result)->Clear();
   result.clear_lease();
   result.clear_given_by();
@@ -162,7 +162,7 @@ double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found
       std::abs(found.energy - parent.energy - work) / (odd_energy * force * way.norm() / 2);
   const double by_force = (found.force - parent.force - rise).norm() / (odd_force * force);
   const double oddness = std::max(by_energy, by_force);
-  // Without any force nothing follows from anything.
+  // Without any force the ratios say nothing.
   return std::isnan(oddness) ? std::numeric_limits<double>::infinity() : oddness;
 }
 

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Of a result that has a start.
+/// Returns the recorded result whose fields a result started from. The result must have a start.
 ResultKey solverOfStart(const wire::Result& header) {
   return {header.space(), fromWire(header.parent()), fromWire(header.start_parent())};
 }
@@ -23,7 +23,7 @@ SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
 
 bool SecondSolves::pick(const ResultKey& key, const Outcome& outcome) {
   SpotChecks::Look look = {.failed = !outcome.converged()};
-  // The rest state was judged by itself (ResultCheck).
+  // ResultCheck has judged the rest state by itself.
   if (outcome.converged() && key.target != key.parent) {
     const SpacePlan& plan = state_.plans[key.space];
     const Lattice& positions = plan.positions();
@@ -42,12 +42,13 @@ void SecondSolves::note(const ResultKey& key, bool disputed) {
 void SecondSolves::openDue() {
   std::erase_if(due_, [&](const auto& due) {
     const auto& [key, disputed] = due;
-    // Disputes are few, the end waits for them, and one machine may settle them.
+    // Disputed checks need no room and no second machine: they are few, the end waits for them, and
+    // one machine may settle them.
     return (disputed || (!workers_.isOneMachine() && checks_.hasRoom())) && open(key, disputed);
   });
 }
 
-/// Whether it could be opened: not before its plan has it.
+/// Opens a check and returns true, unless the result is not recorded in its plan yet.
 bool SecondSolves::open(const ResultKey& key, bool disputed) {
   if (checks_.isOpen(key)) return true;
   if (!isRecordedInPlan(key)) return false;
@@ -55,7 +56,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   try {
     record = state_.store.find(key);
   } catch (const DamagedRecord&) {
-    // Found out, and computed again, before the end.
+    // The damage is found, and the result computed again, before the end.
   }
   wire::Result first;
   if (!record || !first.ParseFromString(record->header)) return false;
@@ -69,7 +70,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
 
 bool SecondSolves::isRecordedInPlan(const ResultKey& key) const {
   const std::optional<Transition> known = findIn(state_.plans, key);
-  // In work once more, since what was recorded is lost: then it is checked when it comes.
+  // A result in the group is being recorded again after a loss. It is checked afterwards.
   return known && state_.plans[key.space].isRecorded(*known) && !state_.group.has(key);
 }
 
@@ -89,7 +90,7 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
   const bool was_open = checks_.isOpen(key);
   if (!was_open || checks_.apart(key, worker.provenance) == Apart::same_process) {
     if (isSame(worker, first, second)) {
-      // Others were given it meanwhile.
+      // Other workers were given the target meanwhile.
       if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
       return false;
     }
@@ -115,8 +116,8 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
     state_.tables.forgetCheck(key);
     return true;
   }
-  // The check stays in the tables: what is computed again is checked again, and should the liars
-  // not be kept out, because this is killed, somebody finds them once more.
+  // The check stays in the tables. It covers the result that is computed again. If this process is
+  // killed before the workers are excluded, it also lets them be found once more.
   findLiars(*verdict, fmt::format("its result of {} differs from what {} others found", textOf(key),
                                   verdict->right.size()));
   return false;
@@ -138,7 +139,7 @@ void SecondSolves::differs(const Worker& worker, const wire::Result& first,
 
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
   const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
-  // Other workers of its machine, and of its key, may have nothing to do with it.
+  // Other workers of its machine, or with its key, may not be involved.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
   findLiars({.right = {neighbour}, .wrong = {worker.provenance}}, reason);
@@ -152,7 +153,7 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
   for (const KeptOut& liar : state_.liars) state_.chronicle.keptOut(liar);
 }
 
-/// Machines that were here are reckoned with until nothing but checks was left for checks_wait.
+/// Machines that were here are expected to come back until only checks were left for checks_wait.
 bool SecondSolves::othersMayCome() const {
   return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
 }

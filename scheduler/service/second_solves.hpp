@@ -4,49 +4,50 @@
 
 namespace palpate {
 
-/// Recorded results that other workers solve again: which, when that begins, who may be asked, and
-/// what follows from what they find. Plans do not wait for it, only the end of the build does. One
-/// thread; `state` and `workers` must outlive it.
+/// Results that other workers solve again. Decides which results, when, by which workers, and
+/// handles the outcome. Plans do not wait for these checks; the end of the build does. One thread;
+/// `state` and `workers` must outlive it.
 class SecondSolves {
  public:
   using Time = ServiceState::Time;
   SecondSolves(ServiceState& state, Workers& workers);
 
-  /// Whether the first result of a transition is to be solved again. To be asked once of each.
+  /// Decides whether the first result of a transition is solved again. Call once per transition.
   bool pick(const ResultKey& key, const Outcome& outcome);
-  /// Whatever happens from now on, it is solved again once it is recorded.
+  /// Remembers, also across runs, that a result is solved again once it is recorded.
   void note(const ResultKey& key, bool disputed);
-  /// Begins those that are recorded and for which there is room.
+  /// Opens the checks of recorded results for which there is room.
   void openDue();
-  /// When all is solved: drops those of results that no plan asked for in the end, and all of them
-  /// where no second machine ever came. Damaged results are found before the seal, and checked when
-  /// they are computed again.
+  /// Call when everything is solved. Drops checks of results that no plan asked for in the end, and
+  /// all undisputed ones if no second machine ever came. Damaged results keep their check: they are
+  /// found before the seal and checked when they are computed again.
   void forgetUnneeded();
-  /// So many are open, or to be opened.
+  /// Number of checks that are open or still to be opened.
   std::size_t left() const { return checks_.openCount() + due_.size(); }
 
-  /// A second result of what is recorded: because it was asked for as a check, or its
-  /// acknowledgement was lost, or a worker taken for dead finished after all. Whether a check came
-  /// to its end, and nobody lied.
+  /// Handles a second result of a recorded transition. It was asked for as a check, its
+  /// acknowledgement was lost, or a worker taken for dead finished after all. Returns true if a
+  /// check ended with nobody found wrong.
   bool compare(Worker& worker, const wire::Result& first, const wire::Result& second);
-  /// Counts a result of a transition that has one, and tells when it is another. Whether it is the
+  /// Counts a second result of a transition and reports it if it differs. Returns true if it is the
   /// same.
   bool isSame(const Worker& worker, const wire::Result& first, const wire::Result& second);
-  /// Who gives two results of one transition needs no others to be found wrong.
+  /// Excludes a worker that gave two different results of one transition; no other opinion is
+  /// needed.
   void contradict(const Worker& worker, const wire::Result& result);
 
-  /// How independent the next worker has to be for each that waits.
+  /// Returns, for each waiting check, how independent the next worker must be.
   std::map<ResultKey, Apart> wanted() const;
   bool mayTake(const Worker& worker, const ResultKey& key, Apart wanted) const;
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
-  /// Notes since when the build is done but for these. Another machine may be missing, or workers
-  /// do not ask for work, or do not do what they were given, which others get then.
+  /// Notes since when only checks are left. Another machine may then be missing, or workers may not
+  /// ask for work or not do their checks, which then go to others.
   void watch();
-  /// Gives up those that nobody can do. Returns whether there were any.
+  /// Gives up the checks that no worker can do. Returns true if there were any.
   bool giveUp();
-  /// None waits, or nobody can be expected who could do those that wait.
+  /// True if no check waits, or if no worker can be expected that could do the waiting ones.
   bool stuck() const { return workers_.leases.waitingChecks().empty() || hopeless_; }
   void forgiveGap(std::chrono::nanoseconds gap) {
     if (only_these_left_) *only_these_left_ += gap;
@@ -63,10 +64,11 @@ class SecondSolves {
   ServiceState& state_;
   Workers& workers_;
   SpotChecks checks_;
-  /// To be opened, as soon as they are recorded and there is room; whether they are disputed.
+  /// Checks to be opened once their result is recorded and there is room. The value is true if the
+  /// result is disputed.
   std::map<ResultKey, bool> due_;
-  std::optional<Time> only_these_left_;  ///< since then
-  bool hopeless_ = false;                ///< nobody came who could do them
+  std::optional<Time> only_these_left_;  ///< time since when only checks are left
+  bool hopeless_ = false;                ///< no worker came that could do them
 };
 
 }  // namespace palpate

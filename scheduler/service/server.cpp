@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// What one must be to say this; nothing of what servers alone say.
+/// Returns the role needed to send this message; none for messages that only servers send.
 std::optional<Roles> roleFor(const wire::Message& message) {
   using wire::Message;
   switch (message.body_case()) {
@@ -27,12 +27,11 @@ std::optional<Roles> roleFor(const wire::Message& message) {
   }
 }
 
-/// Of a message without its payload, generously.
+/// Generous limit of a message without its payload.
 constexpr std::size_t header_bytes = 8192;
-/// What nobody honest sends more than the longest message of his.
+/// Margin above the longest message of an honest peer.
 constexpr std::size_t beyond_messages = 1 << 20;
-/// Large answers that a peer may be sent before it has read one: workers ask for the starts of two
-/// jobs at once.
+/// Limit of large answers that a peer has not read; workers ask for the starts of two jobs at once.
 constexpr long most_unread = 2;
 constexpr std::size_t many_peers = 20000;
 

@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-/// Results whose oddness is remembered, how many it takes to judge by them, and how often their
-/// share is found anew.
+/// Number of remembered oddnesses, number needed to judge by them, and results between two updates
+/// of the threshold.
 constexpr std::size_t remembered_looks = 2048, looks_to_judge_by = 32, looks_between = 16;
-/// Before there are enough: three times the worst that was measured (oddnessBeside).
+/// Threshold before there are enough: three times the worst measured (oddnessBeside).
 constexpr double odd_at_first = 3;
 
 Apart apartFrom(const wire::Provenance& a, const wire::Provenance& b) {
@@ -30,7 +30,7 @@ bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenan
   return std::ranges::any_of(others, [&](const auto& other) { return other.key() == who.key(); });
 }
 
-/// Between 0 and 1, from the secret and the transition alone.
+/// Returns a number in [0, 1) that depends only on the secret and the transition.
 double lotOf(const ResultKey& key, const std::string& secret) {
   std::uint64_t number = 0;
   std::memcpy(&number, keyedHash(bytesOf(key), secret).data(), sizeof number);
@@ -45,7 +45,8 @@ Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver) {
 }
 
 SpotChecks::SpotChecks(const SpotCheckSettings& settings, std::string secret)
-    // The same secret serves others: what they make of it tells nothing of the lots.
+    // The secret also serves other purposes. The prefix keeps their outputs from revealing the
+    // lots.
     : settings_(settings), secret_("spot checks" + std::move(secret)), odd_from_(odd_at_first) {}
 
 bool SpotChecks::pick(const ResultKey& key, const Look& look) {
@@ -54,13 +55,13 @@ bool SpotChecks::pick(const ResultKey& key, const Look& look) {
   if (isSuspect(look)) return true;
   const auto results = static_cast<double>(results_);
   const auto suspects = static_cast<double>(failed_picked_ + odd_picked_);
-  // What suspects leave of the share goes to the others, and half of it whatever they leave.
+  // The lots get the part of the share that suspects leave, and half of the share in any case.
   const double left = (settings_.share * results - suspects) / (results - suspects);
   return lotOf(key, secret_) < std::max(settings_.share / 2, left);
 }
 
-/// And there is room for one more of its kind: a body where much fails, or looks odd, is not solved
-/// twice, and what fails takes nothing from what looks odd.
+/// Returns true for a failure or odd result while its kind has room. So a body with many failures
+/// or odd results is not solved twice, and failures leave room for odd results.
 bool SpotChecks::isSuspect(const Look& look) {
   if (!look.failed && !isOdd(look.oddness)) return false;
   std::int64_t& picked = look.failed ? failed_picked_ : odd_picked_;
@@ -71,8 +72,9 @@ bool SpotChecks::isSuspect(const Look& look) {
   return true;
 }
 
-/// Beside the latest of this build: what is odd for one organ is not for another. Half as many as
-/// may be picked, so that there is room when somebody lies.
+/// Compares with the latest results of this build, since organs differ in what is odd. The
+/// threshold is exceeded by half as many results as may be picked, which leaves room if somebody
+/// lies.
 bool SpotChecks::isOdd(double oddness) {
   const bool odd = oddness > odd_from_;
   if (oddness_.size() < remembered_looks)
@@ -115,7 +117,7 @@ Apart SpotChecks::apart(const ResultKey& key, const wire::Provenance& worker) co
   return least;
 }
 
-/// Those of the crowd who gave an opinion.
+/// Returns the givers of opinions that are part of the crowd.
 Crowd SpotChecks::giversAmong(const ResultKey& key, const Crowd& crowd) const {
   Crowd givers;
   for (const Opinion& opinion : open_.at(key).opinions) {

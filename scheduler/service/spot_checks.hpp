@@ -12,31 +12,31 @@
 namespace palpate {
 
 struct SpotCheckSettings {
-  /// Share of all results that are solved again, by whomever they were given: a quarter of it may
-  /// go to failures, a quarter to results that look odd, and what these leave goes by lot. 0: none.
+  /// Share of all results that are solved again, whoever gave them. Up to a quarter of it goes to
+  /// failures and up to a quarter to odd results; the rest is drawn by lot. 0: no checks.
   double share = 0.01;
-  /// Failures, and odd results, that are solved again even if that is more than their quarter: a
+  /// Number of failures, and of odd results, that may be solved again even beyond their quarter: a
   /// small build has few results, and one of them may be wrong.
   std::int64_t suspects_at_least = 8;
-  /// More at once are not begun: work goes first.
+  /// Limit on open checks: new work goes first.
   std::size_t most_open = 64;
-  /// Key under which nobody lies on purpose: the scheduler's own.
+  /// Key that is trusted not to lie on purpose: the scheduler's own.
   std::optional<PublicKey> trusted_key = std::nullopt;
 };
 
-/// What one worker found for a transition: two that found the same bits have the same digest.
+/// The finding of one worker for a transition. Equal bits have equal digests.
 struct Opinion {
   wire::Provenance giver;
   std::string digest;
 };
-/// The one that a result is; `giver` is told by those who took it.
+/// Returns the opinion that a result expresses. `giver` is the worker that delivered it.
 Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver);
 
-/// How independent a worker is of those who found a result, the most independent last. A machine is
-/// a key and a host: a host is a worker's word, a key is proved.
+/// Independence of a worker from those that found a result, the most independent last. A machine is
+/// a key and a host. A worker only claims its host, but proves its key.
 enum class Apart : std::uint8_t { same_process, same_machine, other_machine, other_key };
 
-/// The keys and the machines of some workers.
+/// The keys and machines of some workers.
 struct Crowd {
   std::set<std::string> keys;
   std::set<std::pair<std::string, std::string>> machines;  ///< key and host
@@ -47,63 +47,69 @@ struct Crowd {
   }
 };
 
-/// Which results are solved again by other workers, and what these found. Two that agree are right
-/// and whoever differs from them is wrong, where they have two keys, or one that is trusted, or
-/// where nobody with another key differs: whoever has a key can be as many workers as he likes. As
-/// long as that decides nothing, others are asked.
+/// Decides which results other workers solve again, and judges their findings.
+///
+/// Two or more workers that agree are right, and all that differ are wrong, if
+/// - the workers that agree have two keys, or one of them has the trusted key; or
+/// - no worker with another key differs.
+///
+/// Numbers of workers decide nothing, because the owner of a key can run any number of them. Until
+/// one of the conditions holds, more workers are asked.
 ///
 /// Knows nothing of messages, plans or time. One thread.
 class SpotChecks {
  public:
-  /// `secret`: who does not know it cannot tell which results are checked.
+  /// Without `secret` nobody can predict which results are checked.
   SpotChecks(const SpotCheckSettings& settings, std::string secret);
 
-  /// How a result looks.
+  /// Features of a result that make a check likely.
   struct Look {
     bool failed = false;
-    double oddness = 0;  ///< of an equilibrium: oddnessBeside what it was reached from
+    double oddness = 0;  ///< of an equilibrium: oddnessBeside() its parent's
   };
-  /// Whether a result is solved again. To be asked once of every result.
+  /// Decides whether a result is solved again. Call once per result.
   bool pick(const ResultKey& key, const Look& look);
-  /// There is room for one more.
+  /// True if another check may be opened.
   bool hasRoom() const { return open_.size() < settings_.most_open; }
 
-  /// How a recorded result was solved, which its point may not tell any more.
+  /// How a recorded result was solved. Its point may have another result by now.
   struct Start {
-    std::string id;                      ///< wire::Job.start_id
-    std::optional<ResultKey> solved_by;  ///< whose recorded fields have it; nothing: the rest state
-    std::uint32_t steps = 0;             ///< wire::Target.steps
+    std::string id;  ///< wire::Job.start_id
+    /// recorded result with the start's fields; none for the rest state
+    std::optional<ResultKey> solved_by;
+    std::uint32_t steps = 0;  ///< wire::Target.steps
   };
-  /// Begins: `first` is what is recorded. It must not be open. `disputed`: somebody, who is not
-  /// known any more, found something else.
+  /// Opens a check with the recorded result as its first opinion. The check must not be open.
+  /// `disputed`: a worker that is no longer known found a different result.
   void open(const ResultKey& key, Opinion first, Start start, bool disputed = false);
   const Start& startOf(const ResultKey& key) const { return open_.at(key).start; }
-  /// Of an open check; nothing when none starts there.
+  /// Returns the recorded result with the fields of this start, if an open check has it; else none.
   std::optional<ResultKey> solverOfStart(std::string_view id) const;
   bool isOpen(const ResultKey& key) const { return open_.contains(key); }
-  /// Two opinions differ.
+  /// True if two opinions differ.
   bool isDisputed(const ResultKey& key) const { return open_.at(key).disputed; }
   std::size_t openCount() const { return open_.size(); }
   std::size_t disputedCount() const;
 
-  /// From all who gave an opinion; same_process: it gave one itself.
+  /// Returns how independent a worker is of all that gave an opinion; same_process if it gave one
+  /// itself.
   Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
-  /// Whether a machine of the crowd gave no opinion yet.
+  /// True if a machine of the crowd gave no opinion yet.
   bool hasOtherMachine(const ResultKey& key, const Crowd& crowd) const;
-  /// How independent the next worker has to be: of another key if one is at work, else of another
-  /// machine. If no other machine may come either, another process settles a dispute.
+  /// Returns how independent the next worker must be: with another key if one is at work, else on
+  /// another machine. If no other machine may come either, another process settles a dispute.
   Apart wanted(const ResultKey& key, const Crowd& at_work, const Crowd& may_come) const;
-  /// It says now what it did not say before.
+  /// True if the worker of this opinion gave a different one before.
   bool contradicts(const ResultKey& key, const Opinion& opinion) const;
 
-  /// Who is right and who is wrong. `wrong` is empty when all agreed.
+  /// The workers that are right or wrong. `wrong` is empty if all agreed.
   struct Verdict {
     std::vector<wire::Provenance> right, wrong;
   };
-  /// One more opinion of an open check, of a worker that is new to it; what is decided then, and
-  /// the check is closed. Nothing: it is disputed.
+  /// Adds an opinion to an open check, by a worker that gave none yet. Returns the verdict and
+  /// closes the check; none if the check is disputed.
   std::optional<Verdict> hear(const ResultKey& key, const Opinion& opinion);
-  /// Without a verdict.
+  /// Closes a check without a verdict.
   void close(const ResultKey& key) { open_.erase(key); }
 
  private:
@@ -121,16 +127,20 @@ class SpotChecks {
   std::string secret_;
   std::map<ResultKey, Check> open_;
   std::int64_t results_ = 0, odd_picked_ = 0, failed_picked_ = 0;
-  std::vector<double> oddness_;  ///< of the latest results, in a ring
-  std::size_t next_ = 0;         ///< to be overwritten
-  double odd_from_;              ///< an eighth of the share of them is odder
+  std::vector<double> oddness_;  ///< of the latest results, as a ring buffer
+  std::size_t next_ = 0;         ///< next entry to overwrite
+  double odd_from_;              ///< an eighth of the share of results is odder
 };
 
-/// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
-/// right, unless two of it are kept out already, else the machine. The key goes, unless it is the
-/// trusted one, where two other machines of it are kept out already and nobody with that key was
-/// right; and the fifth time, whoever was right: its owner may be any number of machines. `reason`
-/// is for people.
+/// Returns the exclusions that a verdict adds to those of `before`.
+///
+/// - The process alone, if another one on its machine was right. The machine, if none was right or
+///   if two processes of it are excluded already.
+/// - The key, if two other machines with it are excluded already and no worker with it was right.
+/// - The key in any case, the fifth time: its owner may pretend to be any number of machines.
+/// - Never the trusted key.
+///
+/// `reason` is human-readable.
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason,
                                const std::optional<PublicKey>& trusted_key = std::nullopt);

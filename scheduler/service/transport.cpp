@@ -9,7 +9,7 @@ namespace {
 
 constexpr int messages_per_turn = 256;
 
-/// What each peer is told leaves in few messages, in its order.
+/// Bundles the messages to each peer, in their order.
 std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
   std::vector<Outgoing> leaving;
   std::unordered_map<std::string, Bundler> bundlers;
@@ -23,7 +23,7 @@ std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
       bundler.add(std::move(outgoing.message));
       continue;
     }
-    // A payload may be shared by many, and is not copied.
+    // Not bundled: a payload may be shared by many messages and is not copied.
     close(outgoing.peer, bundler);
     leaving.push_back(std::move(outgoing));
   }
@@ -46,7 +46,7 @@ Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
   coordinator.noteClosed(transport.takeClosed(), now);
   // After all messages that are there, so that their results share a group.
   if (coordinator.advance(now, all_read) == Next::anew) return Next::anew;
-  // A peer that is gone, or does not read, gives its leases back, which may make new messages.
+  // A peer that is gone or does not read loses its leases, which may cause new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())
     for (const Outgoing& outgoing : bundled(std::move(outbox)))
       if (transport.send(outgoing) != Sent::yes) coordinator.peerUnreachable(outgoing.peer, now);

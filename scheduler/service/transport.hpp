@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Messages of peers, whatever carries them. Neither call waits.
+/// Exchanges messages with peers, over a socket or in a test. Neither call blocks.
 class Transport {
  public:
   Transport() = default;
@@ -13,16 +13,17 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  /// The next one that came in; nothing when there is none.
+  /// Returns the next message that came in; none if there is none.
   virtual std::optional<Incoming> receive() = 0;
   virtual Sent send(const Outgoing& message) = 0;
-  /// Connections that cost too much, and were closed since the last call.
+  /// Returns the connections that cost too much and were closed since the last call.
   virtual Connections::Closed takeClosed() { return {}; }
 };
 
-/// One turn of a scheduler: feeds what came in to the coordinator (of a flood a part, so that
-/// deadlines and answers do not wait for it), lets it act, and sends what it says. Returns what
-/// follows; Next::anew as soon as that is known, and nothing is sent then.
+/// Runs one turn of a scheduler: passes the received messages to the coordinator, lets it act, and
+/// sends its messages. In a flood only some messages are read, so that deadlines and answers do not
+/// wait. Returns how to continue. Returns Next::anew as soon as that is known, without sending
+/// anything.
 Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now);
 
 }  // namespace palpate

@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// How much of what was sent lies with peers that have not read it: payloads of their own, each
-/// counted until the library lets go of it, in whatever thread. What many share (the problem) costs
-/// nothing more and is not counted.
+/// Counts the bytes of sent payloads that peers have not read. A payload counts until the library
+/// releases it, in whatever thread. Shared payloads (the problem) take no extra memory and do not
+/// count.
 class UnreadPayloads {
  public:
-  /// The payload, counted as long as anybody holds it.
+  /// Returns the payload, which counts until its last holder releases it.
   std::shared_ptr<const std::string> add(std::string payload) const {
     auto* const owned = new std::string(std::move(payload));
     *bytes_ += owned->size();
@@ -24,7 +24,7 @@ class UnreadPayloads {
   std::size_t bytes() const { return *bytes_; }
 
  private:
-  /// Payloads may outlive this object.
+  /// Shared, because payloads may outlive this object.
   std::shared_ptr<std::atomic<std::size_t>> bytes_ = std::make_shared<std::atomic<std::size_t>>(0);
 };
 

@@ -9,14 +9,14 @@
 namespace palpate {
 namespace {
 
-/// Of a flood of bad messages the first ones tell what there is to tell.
+/// Bad messages that are logged; in a flood the first ones show the problem.
 constexpr std::int64_t bad_messages_logged = 20;
-/// Of so many workers that went it is remembered what they had.
+/// Limit of departed_.
 constexpr std::size_t most_departed = 4096;
-/// Workers that ended, of one Hello: a supervisor tells of one.
+/// Ended workers that are read from one Hello; a supervisor reports one.
 constexpr int most_ended = 64;
-/// A look at all costs a third of a microsecond for each: a twentieth of a processor.
-constexpr std::chrono::microseconds looked_at_every{6};  // times workers
+/// Scanning all workers costs 0.33 us each; at this interval that is 5 % of a core.
+constexpr std::chrono::microseconds looked_at_every{6};  // times the number of workers
 
 }  // namespace
 
@@ -24,13 +24,13 @@ Workers::Workers(ServiceState& state)
     : registry(state.store.kernelFamily().empty() ? state.settings.kernel_family
                                                   : state.store.kernelFamily(),
                state.store.keptOut()),
-      // The upper half of a job number is the run, so that two runs never use the same.
+      // The upper half of a job number is the run, so no two runs use the same numbers.
       leases(static_cast<std::uint64_t>(++state.counters["runs"]) << 32),
       allotment(state.settings.allotment),
       state_(state),
       epoch_(randomBytes(16)),
       losses_(state.tables.losses()) {
-  // They may come back any moment.
+  // Their workers may come back at any moment.
   for (const auto& [key, host] : state.store.machines()) heard.add(key, host);
 }
 
@@ -55,9 +55,9 @@ bool Workers::hello(const Incoming& incoming) {
   if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker()) {
     remove(*before, "left");
   }
-  // A worker that introduces itself again has forgotten what it was given.
+  // A worker that says hello again has forgotten its leases.
   leases.giveBack(hello.worker());
-  // It lives: what it had when it was lost did not end it.
+  // It is alive, so its leases when it was lost did not kill it.
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
   const Worker& worker = registry.admit(peer, hello, key, state_.now);
   silence_due_ = std::min(silence_due_, state_.now + state_.settings.worker_lost);
@@ -75,7 +75,7 @@ bool Workers::hello(const Incoming& incoming) {
 }
 
 void Workers::request(Worker& worker, const wire::Request& request) {
-  // It may have missed the first word to leave.
+  // It may have missed the first Drain.
   if (state_.everybodyIsToLeave()) return state_.drain(worker.peer);
   if (request.afresh()) worker.credit = 0;
   registry.addCredit(worker, request.credit());
@@ -112,7 +112,7 @@ void Workers::settleKernels(const std::string& family) {
 }
 
 bool Workers::deserted(Time now) const {
-  // Workers that are drained leave without a word when the build is complete.
+  // Drained workers leave without a message when the build is complete.
   return std::ranges::all_of(registry.all(), [&](const auto& entry) {
     return now - entry.second.heard > 3 * state_.settings.heartbeat;
   });
@@ -137,8 +137,8 @@ bool Workers::asksForWork(const Worker& worker) const {
   return held + roomOf(worker) > 0 && (worker.credit > 0 || held > 0);
 }
 
-/// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
-/// to is put back, the last first. Whoever finds it first is right, as always.
+/// If nothing waits and a proven worker is idle, gives it the last targets of overdue workers. As
+/// always, the first result counts.
 void Workers::reassignOverdue() {
   if (!state_.handsOut() || leases.waiting() > 0) return;
   const bool all_are_new = std::ranges::none_of(
@@ -152,7 +152,7 @@ void Workers::reassignOverdue() {
   for (auto& [id, worker] : registry.all()) {
     if (idle == 0) return;
     const auto last = leases.lastOf(id);
-    // Of checks: SecondSolves.
+    // SecondSolves takes care of overdue checks.
     if (!last || last->is_check || !allotment.isOverdue(worker, last->attempts, state_.now))
       continue;
     reassignLast(worker);
@@ -198,7 +198,7 @@ void Workers::reclaimFromIdle() {
 }
 
 void Workers::loseSilent() {
-  // Found first: the registry must not change while it is walked.
+  // Collected first: the registry must not change during iteration.
   std::vector<const Worker*> silent;
   for (const auto& [id, worker] : registry.all())
     if (state_.now - worker.heard >= state_.settings.worker_lost) silent.push_back(&worker);
@@ -211,7 +211,7 @@ void Workers::loseSilent() {
 void Workers::probeSilent() {
   const auto patience = state_.settings.silent_heartbeats * state_.settings.heartbeat;
   for (auto& [id, worker] : registry.all()) {
-    // Or had work, which others were given meanwhile.
+    // Or it had leases, which went to other workers.
     const bool at_work = leases.leasedTo(id) > 0 || worker.overdue_until;
     if (state_.now - worker.heard < patience || !at_work) continue;
     if (worker.probed && state_.now - *worker.probed < state_.settings.heartbeat) continue;
@@ -235,7 +235,7 @@ void Workers::remove(const Worker& worker, const char* how) {
 void Workers::unreachable(const std::string& peer) {
   const Worker* worker = registry.ofPeer(peer);
   if (worker == nullptr) return;
-  // Its goodbye may wait unread behind what could not be sent to it any more.
+  // Its goodbye may wait unread behind the message that could not be sent.
   if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
     state_.chronicle.left(*worker, "it was told to");
     return lose(*worker);
@@ -255,7 +255,7 @@ void Workers::processEnded(const std::string& worker_id) {
   }
   const auto departed =
       std::ranges::find(departed_, worker_id, [](const auto& entry) { return entry.first; });
-  // It left, or an earlier run of this scheduler knew it.
+  // It said goodbye, or only an earlier run of this scheduler knew it.
   if (departed == departed_.end()) return;
   blame(departed->second);
   departed_.erase(departed);

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// Who is there and what each has: workers come and go, fall silent, hold what others could do, and
-/// end on what they solve. One thread; `state` must outlive it.
+/// The workers and their leases: workers join, leave, fall silent, fall behind with their leases,
+/// or die while they solve. One thread; `state` must outlive it.
 class Workers {
  public:
   using Time = Worker::Time;
@@ -18,49 +18,50 @@ class Workers {
   WorkerRegistry registry;
   Leases leases;
   Allotment allotment;
-  Crowd heard;             ///< workers of this run, and those whose results are recorded
-  bool newcomers = false;  ///< since the table of servers was written
+  Crowd heard;             ///< workers of this run, and givers of recorded results
+  bool newcomers = false;  ///< joined since the table of servers was written
 
-  // What they say. hello() returns whether a second machine came with it.
+  // Messages of workers. hello() returns true if the worker brings a second machine.
   bool hello(const Incoming& incoming);
   void request(Worker& worker, const wire::Request& request);
   void heartbeat(Worker& worker, const wire::Heartbeat& heartbeat);
   void goodbye(const Worker& worker, const wire::Goodbye& goodbye);
-  /// A message is dropped, which the log tells.
+  /// Logs a message that is dropped.
   void badMessage(const std::string& peer, const std::string& why);
 
-  /// A look at all of them, now and then: what they do not come to is handed out again, and who is
-  /// silent is asked for a sign of life, and lost in the end. It costs the more, the more there
-  /// are.
+  /// Scans all workers, at intervals. Leases that a worker does not get to are handed out again. A
+  /// silent worker is sent a message, and after a longer silence it is lost. The cost grows with
+  /// the number of workers.
   void sweep();
-  /// When it has something to do.
+  /// Time when sweep() next has work.
   Time nextSweep() const { return std::max(silence_due_, look_round_at_); }
-  /// What a worker would come to last is handed out again, since it delivers nothing.
+  /// Hands out the last target of a worker again, because it delivers nothing.
   void reassignLast(Worker& worker);
-  /// The scheduler itself did nothing for so long: no silence of that time counts.
+  /// Call when the scheduler itself did nothing for this long: silence in that time does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
 
-  /// Gone without a word: nobody is to blame as long as its process is not known to have ended.
+  /// Removes a worker that left without a message. No transition is blamed unless its process is
+  /// known to have ended.
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
   void processEnded(std::uint32_t pid);
-  /// The first result came with these kernels. Whoever has others is asked who it is again, and
-  /// told then to take these, or why it may not stay.
+  /// Sets the kernels of the first result. Workers with other kernels are asked to say hello again;
+  /// they are then told to use these kernels, or why they may not stay.
   void settleKernels(const std::string& family);
-  /// All are told to leave.
+  /// Tells all workers to leave.
   void drainAll();
 
-  /// Transitions that are to be solved now.
+  /// Queues transitions that are ready.
   void addReady(const std::vector<ResultKey>& keys);
-  /// What is set aside waits again.
+  /// Lets set-aside transitions wait again.
   void retryAside();
 
   bool isOneMachine() const { return heard.machines.size() < 2; }
-  /// Targets that a worker may be given beside those that it holds.
+  /// Number of targets that a worker may be given in addition to its leases.
   std::size_t roomOf(const Worker& worker) const;
-  /// A worker asks for work, or does what it was given, as far as anybody knows.
+  /// True if a worker asks for work or, as far as is known, is solving its leases.
   bool asksForWork(const Worker& worker) const;
-  /// No worker said anything for three heartbeats.
+  /// True if no worker sent anything for three heartbeats.
   bool deserted(Time now) const;
 
  private:
@@ -74,12 +75,13 @@ class Workers {
 
   ServiceState& state_;
   std::string epoch_;                                    ///< 16 random bytes
-  std::map<Tables::NumberedTransition, Losses> losses_;  ///< of earlier runs
-  /// Of workers that went without a word and did not come back, the latest last: their processes
-  /// may prove to have ended.
+  std::map<Tables::NumberedTransition, Losses> losses_;  ///< from earlier runs
+  /// Workers that left without a message and did not come back, the latest last. Their processes
+  /// may turn out to have ended.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
-  Time look_round_at_{};            ///< not before
-  Time silence_due_ = Time::max();  ///< one of them has been silent for too long then, or later
+  Time look_round_at_{};  ///< earliest time of the next scan
+  /// earliest time when the silence of a worker may become too long
+  Time silence_due_ = Time::max();
 };
 
 }  // namespace palpate
