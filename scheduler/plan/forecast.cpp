@@ -7,8 +7,8 @@ namespace palpate {
 namespace {
 
 /// `usual_growth` is the expected growth by refinement while little is known, as a share of a
-/// uniform lattice. It always weighs as much as the share `worth` of all points, because the spaces
-/// that finish early grow most.
+/// uniform lattice. In the mean it always has the weight of `worth` (a share) of all points,
+/// because the spaces that finish early grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
 /// Outcomes at the points of all uniform lattices so far.

@@ -8,9 +8,8 @@ namespace palpate {
 
 /// Estimated number of points and probes still to be tried.
 struct Forecast {
-  double ready = 0;  ///< open transitions: waiting or being solved; exact
-  /// points that will become ready or that refinement will ask for; an estimate
-  double expected = 0;
+  double ready = 0;     ///< open transitions: waiting or being solved; exact
+  double expected = 0;  ///< points that will become ready or that refinement adds; estimated
 };
 
 inline constexpr std::int64_t most_forecast = 50000;

@@ -23,8 +23,8 @@ struct Handout {
 /// Upper limit on the targets of a job: the number of neighbours of a point.
 inline constexpr std::size_t max_targets_per_job = 26;
 
-/// A transition that this many workers held first, or named, when they died is handed out alone.
-/// The next death then identifies it.
+/// A transition that is suspected in this many deaths of workers is handed out alone, so that the
+/// next death identifies it.
 inline constexpr int losses_before_alone = 2;
 
 /// A transition is set aside once this many deaths are attributed to it. Five, because workers also

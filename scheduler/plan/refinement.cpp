@@ -24,7 +24,7 @@ constexpr int samples = 5;
 constexpr double likely_share = 0.2;
 
 /// Share of the ball in which the likely error must meet the accuracy. The rest are spots beside
-/// jumps between branches, which would take any number of points.
+/// jumps between branches, which no number of points would remove.
 constexpr double enough = 0.998;
 /// The same share for a finger. Neighbouring sites share its error.
 constexpr double enough_of_finger = 0.99;
@@ -108,8 +108,8 @@ class CellInspection {
     if (worst > 1 || endsBesideRest(leaf)) poor_.emplace_back(leaf, worst);
   }
 
-  /// True where the accuracy is promised. For a finger that excludes displacements it is not pushed
-  /// to and forces above max_force.
+  /// True where the accuracy is promised. For a finger this excludes displacements that it is not
+  /// pushed to, and forces above max_force.
   bool isPromised(const Eigen::Vector3d& displacement, double force) const {
     const auto& finger = space_.patch.finger;
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
@@ -156,10 +156,10 @@ class CellInspection {
     return false;
   }
 
-  /// True if a finger has no answers beyond this leaf, because of a fold or of too large forces,
-  /// and the leaf has been halved once. Smaller cells would trace the border of that region, at
-  /// many failing transitions each, and stay empty beyond it. One halving locates the border. Only
-  /// for fingers: at sharp rims up to half of the ball lies in such a region.
+  /// True if a finger has no answers beyond this leaf, behind a fold or above the forces that
+  /// matter, and the leaf has been halved once. Smaller cells would trace the border of that
+  /// region, at many failing transitions each, and stay empty beyond it. One halving locates the
+  /// border. Only for fingers: at sharp rims up to half of the ball lies in such a region.
   bool isAtEnd(std::int32_t leaf) const {
     return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
            !endsBesideRest(leaf);

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// The part of its work that a plan is in. A stage begins when the one before has nothing open.
+/// The stage of a plan. A stage begins when the one before it has nothing open.
 enum class Stage : std::uint8_t {
   lattice,   ///< the uniform lattice, by Frontier
   branches,  ///< both ends of inconsistent edges, each solved from the other
@@ -89,7 +89,7 @@ class SpacePlan {
   /// All positions: the points of the lattice, then the probes.
   const Lattice& positions() const { return positions_; }
   std::int32_t size() const { return positions_.size(); }
-  /// One past the last point: number of the first probe.
+  /// Number of the first probe, one past the last point.
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
   /// Recorded results of points and probes. A point is failed as soon as nothing more will be
   /// tried.
@@ -176,8 +176,8 @@ SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
 /// Returns `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts'
-/// R3) that never meets a point a lattice could have. The coordinates count in the divisions of
-/// `lattice`, which must have some. With `part`, only positions in that part of the ball.
+/// R3). No lattice can have a point there. The coordinates are those of `lattice`, which must have
+/// divisions. With `part`, only positions in that part of the ball.
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part = {});
 

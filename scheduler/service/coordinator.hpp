@@ -125,8 +125,7 @@ class Coordinator {
   Handouts handouts_;
   Intake intake_;
   People people_;
-  /// requests for large answers since takeOutbox(), by peer
-  std::map<std::string, int> large_answers_;
+  std::map<std::string, int> large_answers_;  ///< asked for since takeOutbox(), by peer
   Time last_turn_;
 };
 

@@ -34,7 +34,7 @@ void Handouts::handOut() {
   const bool checks_wait = !workers_.leases.waitingChecks().empty();
   if (!state_.handsOut() || (workers_.leases.waiting() == 0 && !checks_wait)) return;
   const std::map<ResultKey, Apart> wanted = seconds_.wanted();
-  // The next worker to be given work is on top: there are many workers, and little work.
+  // A heap, with the next worker to be given work on top: there are many workers and little work.
   std::vector<Load> heap;
   std::size_t free_hands = 0;
   const auto add = [&](Worker& worker) {
@@ -99,7 +99,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
 std::chrono::seconds Handouts::hungAfter() const {
   if (state_.settings.hung_after) return *state_.settings.hung_after;
   if (longest_solve_ <= 0) return state_.settings.hung_without_any;
-  // A worker may claim any cost. Beyond a week there is no limit to speak of.
+  // At most a week, since a worker may claim any cost.
   constexpr double most = 7 * 24 * 3600;
   const double seconds = std::min(state_.settings.hung_factor * longest_solve_, most);
   return std::max(state_.settings.hung_at_least, std::chrono::seconds(std::llround(seconds)));

@@ -137,8 +137,8 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {
-  // Lease and time depend on timing; everything else follows from the scene. Unknown fields come
-  // from older records, which had only fields of the former kind.
+  // The worker that was asked and the time it took depend on timing; everything else follows from
+  // the scene. Unknown fields (job and attempt) come from older records and depend on timing too.
   result.GetReflection()->MutableUnknownFields(&result)->Clear();
   result.clear_lease();
   result.clear_given_by();

@@ -153,7 +153,8 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
   for (const KeptOut& liar : state_.liars) state_.chronicle.keptOut(liar);
 }
 
-/// Machines that were here are expected to come back until only checks were left for checks_wait.
+/// Returns true while machines that were here may come back: until only checks have been left for
+/// checks_wait.
 bool SecondSolves::othersMayCome() const {
   return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
 }

@@ -42,12 +42,12 @@ class SecondSolves {
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
-  /// Notes since when only checks are left. Another machine may then be missing, or workers may not
-  /// ask for work or not do their checks, which then go to others.
+  /// Notes how long only checks have been left. After checks_wait, overdue checks go to other
+  /// workers; after worker_lost, no worker is expected for the waiting ones.
   void watch();
   /// Gives up the checks that no worker can do. Returns true if there were any.
   bool giveUp();
-  /// True if no check waits, or if no worker can be expected that could do the waiting ones.
+  /// True if no check waits, or if no worker is expected for the waiting ones.
   bool stuck() const { return workers_.leases.waitingChecks().empty() || hopeless_; }
   void forgiveGap(std::chrono::nanoseconds gap) {
     if (only_these_left_) *only_these_left_ += gap;
@@ -67,8 +67,8 @@ class SecondSolves {
   /// Checks to be opened once their result is recorded and there is room. The value is true if the
   /// result is disputed.
   std::map<ResultKey, bool> due_;
-  std::optional<Time> only_these_left_;  ///< time since when only checks are left
-  bool hopeless_ = false;                ///< no worker came that could do them
+  std::optional<Time> only_these_left_;  ///< time from which on only checks were left
+  bool hopeless_ = false;                ///< only checks have been left for worker_lost
 };
 
 }  // namespace palpate

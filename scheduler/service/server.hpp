@@ -38,7 +38,7 @@ class Server : private Transport {
   zmq::socket_t socket_;
   Inbox inbox_;
   Connections connections_;
-  /// By peer: a count, held once for each large answer that libzmq still has.
+  /// By peer: a token, held once for each large answer that libzmq still has.
   std::map<std::string, std::weak_ptr<const void>> unread_;
   std::string endpoint_;
 };

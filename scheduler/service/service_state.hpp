@@ -17,8 +17,8 @@ struct Outgoing {
 };
 
 struct CoordinatorSettings {
-  /// Interval of the workers' heartbeats. Cheap. A heartbeat also names the target that kills the
-  /// worker, should it die.
+  /// Interval of the workers' heartbeats. Cheap. A heartbeat also names the target in work, in case
+  /// its solve kills the worker.
   std::chrono::milliseconds heartbeat{1000};
   /// Silence after which a worker's leases are handed out again. If it is shorter than network
   /// outages, work is done twice.
@@ -33,8 +33,8 @@ struct CoordinatorSettings {
   /// them or forgot them.
   std::chrono::milliseconds idle_with_leases{30000};
   AllotmentSettings allotment;
-  /// A solve is hung if it takes hung_factor times the longest recorded one, and hung_at_least.
-  /// Before the first result the limit is hung_without_any.
+  /// A solve is hung if it takes hung_factor times the longest recorded one, and at least
+  /// hung_at_least. Before the first result the limit is hung_without_any.
   double hung_factor = 30;
   std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
   std::optional<std::chrono::seconds> hung_after;  ///< replaces these limits

@@ -74,10 +74,9 @@ class SpotChecks {
 
   /// How a recorded result was solved. Its point may have another result by now.
   struct Start {
-    std::string id;  ///< wire::Job.start_id
-    /// recorded result with the start's fields; none for the rest state
-    std::optional<ResultKey> solved_by;
-    std::uint32_t steps = 0;  ///< wire::Target.steps
+    std::string id;                      ///< wire::Job.start_id
+    std::optional<ResultKey> solved_by;  ///< recorded result with its fields; none: rest state
+    std::uint32_t steps = 0;             ///< wire::Target.steps
   };
   /// Opens a check with the recorded result as its first opinion. The check must not be open.
   /// `disputed`: a worker that is no longer known found a different result.
