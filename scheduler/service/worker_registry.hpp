@@ -30,8 +30,8 @@ struct Worker {
   /// Start of the time in which its heartbeats report no solve although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded in this run
-  /// Results since it joined, or since its leases last went to other workers. It may hold as many
-  /// targets.
+  /// Results since it joined, or since its leases last went to other workers. It may hold the same
+  /// number of targets.
   std::uint32_t earned = 0;
   /// Recent mean time between its results, s; 0 before the first.
   double between_results = 0;

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The workers and their leases: workers join, leave, fall silent, fall behind with their leases,
+/// The workers and their leases. Workers join, leave, fall silent, fall behind with their leases,
 /// or die while they solve. One thread; `state` must outlive it.
 class Workers {
  public:
@@ -79,9 +79,8 @@ class Workers {
   /// Workers that left without a message and did not come back, the latest last. Their processes
   /// may turn out to have ended.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
-  Time look_round_at_{};  ///< earliest time of the next scan
-  /// earliest time when the silence of a worker may become too long
-  Time silence_due_ = Time::max();
+  Time look_round_at_{};            ///< earliest time of the next scan
+  Time silence_due_ = Time::max();  ///< earliest time at which a silence may be too long
 };
 
 }  // namespace palpate

@@ -26,8 +26,8 @@ struct Inspection {
     std::int32_t divisions = 1;  ///< coordinates per spacing
   };
 
-  /// Process number of the scheduler that works there meanwhile; none if there is none. The journal
-  /// was then read as far as it was written, and its records were not compared with the tables.
+  /// Process number of the scheduler that works there meanwhile, if any. The journal was then read
+  /// as far as it was written, and its records were not compared with the tables.
   std::optional<std::string> scheduler;
   std::optional<ContentId> build;  ///< none if neither tables nor journal tell
   std::string scene_name;          ///< empty if the tables do not tell
@@ -39,8 +39,7 @@ struct Inspection {
   std::uint64_t unfinished = 0;  ///< bytes behind the last record, left by a crash
   JournalEnd end;
   std::vector<JournalDamage> damage;
-  /// messages about records that were damaged and are marked as dropped
-  std::vector<std::string> dropped;
+  std::vector<std::string> dropped;    ///< messages about damaged records marked as dropped
   std::vector<JournalDamage> foreign;  ///< whole records of other builds
 
   TableState tables = TableState::whole;
@@ -48,8 +47,7 @@ struct Inspection {
   /// Recorded results that are computed again: the number by which the tables count more than the
   /// journal holds.
   std::size_t lost_results = 0;
-  /// the lost results that can be identified, by active node and point
-  std::vector<LostPoint> lost;
+  std::vector<LostPoint> lost;  ///< points of the lost results that can be identified
   /// Recorded results that no plan asks for: they wait for lost results. If none were lost, another
   /// version of the program recorded them.
   std::size_t spare = 0;

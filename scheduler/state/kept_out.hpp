@@ -15,7 +15,7 @@ struct KeptOut {
   /// The workers that are excluded.
   enum class Kind : std::uint8_t {
     process,  ///< one worker, identified by its id
-    machine,  ///< all workers that name this host under this key, or without a key
+    machine,  ///< all workers with this host and this key, which may be empty
     key,      ///< all workers with this key
   };
   Kind kind = Kind::process;

@@ -85,10 +85,9 @@ struct ReplayedJournal {
   std::vector<ResultKey> of_liars;  ///< results of excluded workers, left out
   // About the results that were not left out:
   std::size_t results = 0;
-  std::string kernel_family;  ///< empty if there are none
-  double longest_solve = 0;   ///< s
-  /// machines that gave them: key and host
-  std::set<std::pair<std::string, std::string>> machines;
+  std::string kernel_family;                               ///< empty if there are none
+  double longest_solve = 0;                                ///< s
+  std::set<std::pair<std::string, std::string>> machines;  ///< givers: key and host
 };
 /// Reads the journal in `directory`, which holds about `expected` results. Throws like
 /// readResults().

@@ -14,9 +14,9 @@ namespace palpate {
 class StateDirectory {
  public:
   /// Creates the folder if needed, and takes the lock. Folders above it are not created, since that
-  /// would hide a mistyped name. The folder and its files are readable by the owner alone. Throws
-  /// on a network file system, where SQLite's WAL and flock do not work. Throws "in use by process
-  /// N" if another scheduler holds the lock.
+  /// would hide a mistyped name. New folders and files are readable by their owner alone. Throws on
+  /// a network file system, where SQLite's WAL and flock do not work. Throws "in use by process N"
+  /// if another scheduler holds the lock.
   explicit StateDirectory(const std::filesystem::path& path);
 
   /// Endpoint of a scheduler, and the folder of its keys; none if it requires no keys.
