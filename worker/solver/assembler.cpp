@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-// Both buffers end with what belongs to the tool, then a sink for what belongs to nobody.
+// Both buffers end with the sums of the tool and then a sink for dropped rows and entries.
 constexpr std::int32_t tool_rows = 3;
 /// K_aa from diagonal local entries, one per direction.
 constexpr std::int32_t tool_diagonal = 3;
@@ -62,7 +62,7 @@ std::int32_t Assembler::entrySlot(const Dof& place_a, const Dof& place_b) const 
   const std::int32_t a = unknowns_.at(place_a), b = unknowns_.at(place_b);
   const int i = place_a.component, j = place_b.component;
   if (a < 0 || b < 0) return sink;
-  // Of an element that moves as a whole: moving it on changes no volume.
+  // The elements around an idle pressure move as a whole, which changes no volume.
   if ((held_[a] && i == pressure_component) || (held_[b] && j == pressure_component)) return sink;
   if (held_[a] && held_[b]) return a == b ? tool_begin + i : tool_begin + tool_diagonal + 3 * i + j;
   if (held_[a]) return coupling_begin + 3 * b + i;
@@ -74,7 +74,7 @@ void Assembler::findSlots(std::int32_t number) {
   const ElementBatch& batch = batches_.all[number];
   std::int32_t* row_slot = row_slots_.data() + number * row_stride_;
   std::int32_t* entry_slot = entry_slots_.data() + number * entry_stride_;
-  // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
+  // Unused lanes go to the sink. Their volume is zero, but a NaN times zero would not be.
   const auto sinkOf = [](const std::vector<double>& sums) {
     return static_cast<std::int32_t>(sums.size()) - 1;
   };

@@ -8,22 +8,25 @@
 
 namespace palpate {
 
-/// Every entry that an unknown of an element, or two of them, have in the matrix of the body.
+/// Returns the pattern of the body's matrix: one entry for every pair of unknowns that share an
+/// element.
 SparsityPattern patternOf(const DofMap& unknowns, const ElementBatches& batches);
 
-/// Adds the equations of elements up to those of the body. What falls on a displacement that a
-/// rigid tool holds goes to the tool's three equations, and its coupling to the others beside the
-/// matrix; what falls on a fixed one, or on a pressure that is held, goes nowhere.
+/// Adds element equations to the equations of the body.
 ///
-/// The sums of one assembly live here: clear, add, read. Slots are looked up once, when the tool
+/// Rows of a displacement that a rigid tool holds go to the tool's three equations; its coupling to
+/// free unknowns is kept beside the matrix. Rows of fixed displacements and held pressures are
+/// dropped.
+///
+/// Holds the sums of one assembly: clear, add, read. Slots are looked up once, when the tool
 /// changes. One thread.
 class Assembler {
  public:
-  /// Keeps references to all three. Nothing is held.
+  /// Keeps references to all three. No unknown is held at first.
   Assembler(const DofMap& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
 
-  /// The displacements of these nodes, none of them fixed, are the tool's from now on, or not any
-  /// more; the pressures of the slots `idle` stay as they are meanwhile.
+  /// Gives the displacements of these nodes, none of them fixed, to the tool, or releases them. The
+  /// pressures of the slots `idle` keep their values while they are held.
   void hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
             bool by_tool);
   bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }
@@ -34,8 +37,8 @@ class Assembler {
   void add(std::int32_t batch, const BatchResult& result);
   void add(std::int32_t batch, const BatchTangent& tangent);
 
-  // The sums: the residual by unknown, zero where the tool holds one, and of the tool; the tangent
-  // by entry of the pattern, d(residual)/dp and of the tool alone.
+  // The sums. Residual per unknown (zero where the tool holds it) and of the tool; tangent per
+  // entry of the pattern, d(residual)/dp, and the tool's own block.
   Eigen::Map<const Eigen::VectorXd> rows() const { return {rows_.data(), unknowns_.count()}; }
   Eigen::Vector3d toolRows() const { return Eigen::Vector3d::Map(&rows_[unknowns_.count()]); }
   double entry(std::int32_t number) const { return entries_[number]; }
@@ -54,8 +57,9 @@ class Assembler {
   std::vector<std::uint8_t> held_;  ///< per unknown, 1 where the rigid tool holds it
   std::vector<double> rows_;        ///< unknowns, tool, sink
   std::vector<double> entries_;     ///< pattern, coupling, tool, sink
-  /// Where the local rows and entries go in them, `*_stride_` a batch, lane by lane. Each in one
-  /// piece, which is read from end to end: in pieces the residual takes 1.4 times as long.
+  /// Destination of each local row and entry in `rows_` and `entries_`, `*_stride_` per batch, lane
+  /// by lane. One contiguous array each, read from end to end: with one array per batch the
+  /// residual takes 1.4 times as long.
   std::vector<std::int32_t> row_slots_, entry_slots_;
   std::size_t row_stride_, entry_stride_;
 };

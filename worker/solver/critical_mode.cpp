@@ -12,10 +12,10 @@ namespace {
 
 constexpr int columns = 4, most_iterations = 60;
 constexpr double converged = 1e-6;  ///< relative change of the eigenvalue
-/// Of the largest component: those that differ by less are as large, whatever round-off says.
+/// Components of at least this share of the largest one count as equal to it, despite round-off.
 constexpr double as_large = 1 - 1e-6;
 
-/// 1 for the unknowns that are displacements which nothing holds.
+/// Returns 1 for the displacement unknowns that no tool holds, 0 for all others.
 Eigen::VectorXd freeDisplacements(const System& system) {
   Eigen::VectorXd mask = Eigen::VectorXd::Zero(system.unknowns() + system.multipliers());
   const auto mark = [&](std::int32_t node, double value) {
@@ -28,7 +28,7 @@ Eigen::VectorXd freeDisplacements(const System& system) {
   return mask;
 }
 
-/// Columns whose displacements are orthonormal and span the same.
+/// Returns columns that span the same space and whose displacement parts are orthonormal.
 Eigen::MatrixXd orthonormal(Eigen::MatrixXd X, const Eigen::VectorXd& mask) {
   for (Eigen::Index k = 0; k < X.cols(); ++k) {
     for (Eigen::Index other = 0; other < k; ++other)
@@ -59,7 +59,8 @@ std::optional<Eigen::VectorXd> criticalMode(const System& system, TangentSolver&
     if (!solver.solve(Y) || !Y.allFinite()) return std::nullopt;
     const Eigen::MatrixXd A = MX.transpose() * Y;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
-    // Inverse eigenvalues, ascending: the last negative one is that of the most negative.
+    // The eigenvalues are inverse and ascending: the last negative one belongs to the tangent's
+    // most negative eigenvalue.
     worst = (eigen.eigenvalues().array() < 0).count() - 1;
     X = orthonormal(Y * eigen.eigenvectors(), mask);
     const double inverse = worst < 0 ? 0 : eigen.eigenvalues()[worst];

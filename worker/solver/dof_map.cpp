@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// 1 for each node that is fixed in all directions.
+/// Returns 1 for each node that is fixed in all directions.
 std::vector<std::uint8_t> fixedNodes(const BodyModel& model) {
   std::vector<std::uint8_t> fixed(model.mesh.nodes.size());
   for (std::size_t node = 0; node < fixed.size(); ++node) {
@@ -21,7 +21,7 @@ std::vector<std::uint8_t> fixedNodes(const BodyModel& model) {
   return fixed;
 }
 
-/// Finds the pressures that an equation determines while some nodes are held.
+/// Finds the pressures that have an equation while some nodes are held.
 class DeterminedPressures {
  public:
   DeterminedPressures(const BodyModel& model, const PressureSlots& slots,
@@ -32,8 +32,8 @@ class DeterminedPressures {
         determined_(slots.count(), 0),
         pieces_(slots.count()) {}
 
-  /// 1 for each slot that is one. `of_held`: compressible elements of which all nodes are held
-  /// count too.
+  /// Returns 1 for each determined slot. `of_held`: also counts compressible elements without a
+  /// free node.
   std::vector<std::uint8_t> find(bool of_held) {
     std::vector<std::int32_t> moving;  // slots of stabilised elements with a node that moves
     for (std::size_t element = 0; element < model_.mesh.tetrahedra.size(); ++element) {
@@ -58,9 +58,9 @@ class DeterminedPressures {
   }
 
  private:
-  /// Whether nodes that are not held change the volume of an element, weighted by the pressure's
-  /// shape function b. With Taylor-Hood a vertex changes it for all b, the middle of an edge for
-  /// its ends alone.
+  /// Returns whether free nodes change the volume of an element, weighted by the pressure's shape
+  /// function b. With Taylor-Hood elements a vertex changes it for all b, a mid-edge node only for
+  /// the ends of its edge.
   bool changesVolume(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (held_[at(nodes[n])]) continue;
@@ -71,8 +71,8 @@ class DeterminedPressures {
     return false;
   }
 
-  // A stabilisation says how pressures differ in a piece of joined elements; their mean has an
-  // equation where a node of the piece moves.
+  // Stabilisation determines the differences of pressures within a component of connected elements.
+  // Their mean has an equation if a node of the component moves.
   void spread(const std::vector<std::int32_t>& moving) {
     std::vector<std::uint8_t> moves(determined_.size(), 0);
     for (const std::int32_t slot : moving) moves[at(pieces_.lowest(slot))] = 1;
@@ -87,7 +87,7 @@ class DeterminedPressures {
   JoinedSets pieces_;
 };
 
-/// The slots of a node of the mesh, ascending.
+/// Returns the slots of a node of the mesh, ascending.
 std::vector<std::int32_t> slotsAt(const PressureSlots& slots, std::int32_t node) {
   std::vector<std::int32_t> of_node;
   if (at(node) < slots.nodes()) of_node.push_back(node);
@@ -111,7 +111,7 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
   return idle;
 }
 
-// Node by node, so that the unknowns of an element stand near each other in the matrix.
+// Node by node, so that the unknowns of an element are close together in the matrix.
 DofMap::DofMap(const BodyModel& model, const PressureSlots& slots)
     : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
   const std::vector<std::uint8_t> fixed = fixedNodes(model),

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// A lane that is left over repeats the last element without its volume.
+/// Fills one lane. An unused lane repeats the last element with volume zero.
 void fillLane(BatchGeometry& geometry, int lane, const BodyModel& model, std::int32_t element,
               double volume) {
   geometry.volume[lane] = volume;

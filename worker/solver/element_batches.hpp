@@ -6,14 +6,14 @@
 
 namespace palpate {
 
-/// As many elements of one material as the kernels take at once.
+/// A batch of `lanes` elements of one material, evaluated together by the kernels.
 struct ElementBatch {
   BatchGeometry geometry;
-  std::array<std::int32_t, lanes> element;  ///< -1 in lanes that are left over
+  std::array<std::int32_t, lanes> element;  ///< -1 in unused lanes
   std::uint16_t material;
-  int displacements, unknowns;  ///< local ones: of the displacement, and with those of the pressure
+  int displacements, unknowns;  ///< local displacement unknowns; all local unknowns
 
-  /// Where the equation of a local unknown of the element in this lane is.
+  /// Returns the degree of freedom of a local unknown of the element in this lane.
   Dof dofOf(int local_unknown, int lane) const {
     if (local_unknown < displacements)
       return {geometry.node[local_unknown / 3][lane], local_unknown % 3};
@@ -21,21 +21,21 @@ struct ElementBatch {
   }
 };
 
-/// The elements of a body in batches, material by material, in the order of the mesh. Sums over
-/// them are taken in this order.
+/// The elements of a body in batches, material by material, in mesh order. Sums over elements are
+/// taken in this order.
 struct ElementBatches {
   ElementBatches(const BodyModel& model, const PressureSlots& pressures);
 
   std::vector<ElementBatch> all;
-  std::vector<std::vector<std::int32_t>> of_node;  ///< ascending, the batches that touch it
+  std::vector<std::vector<std::int32_t>> of_node;  ///< batches of each node, ascending
 
  private:
   void add(const BodyModel& model, const PressureSlots& pressures,
            const std::vector<std::int32_t>& elements, std::size_t first);
 };
 
-/// What the kernels need of the material and the spaces of each region. `pressure_scale` in Pa per
-/// unit of q.
+/// Returns the kernel parameters of each region: its material, and the spaces of its elements.
+/// `pressure_scale` in Pa per unit of q.
 std::vector<ElementParameters> elementParameters(const BodyModel& model, double pressure_scale);
 
 }  // namespace palpate

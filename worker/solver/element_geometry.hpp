@@ -7,21 +7,21 @@
 
 namespace palpate {
 
-/// The nodes of an element: its vertices, then on a quadratic mesh the middles of its edges.
+/// Returns the nodes of an element: its vertices, then on a quadratic mesh its mid-edge nodes.
 std::vector<std::int32_t> nodesOf(const Mesh& mesh, std::size_t element);
 
-/// Gradients of the barycentric coordinates of an element's vertices, columns, 1/m.
+/// Returns the gradients of an element's barycentric coordinates as columns, 1/m.
 Eigen::Matrix<double, 3, 4> barycentricGradients(const Mesh& mesh, std::size_t element);
 
-/// The smallest det F of a body and where it is.
+/// The smallest det F of a body and its element.
 struct SmallestDetF {
   double det_F = std::numeric_limits<double>::infinity();
   std::int32_t element = -1;  ///< index into Mesh::tetrahedra
 };
 
-/// Of the nodes of the elements of a quadratic mesh; nothing on a linear one, where det F is the
-/// same all over an element. Kernels look at quadrature points only, and det F is less at the
-/// nodes. `u`: nNodes x 3 displacements, metres.
+/// Returns the smallest det F at the nodes of a quadratic mesh; no element (-1) on a linear mesh,
+/// where det F is constant per element. Kernels see only quadrature points, and det F is smaller at
+/// the nodes. `u`: nNodes x 3 displacements, metres.
 SmallestDetF smallestDetFAtNodes(const Mesh& mesh, const std::vector<double>& u);
 
 }  // namespace palpate

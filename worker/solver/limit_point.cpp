@@ -11,10 +11,10 @@ constexpr int max_factorizations = 120;
 constexpr int max_corrections = 6;
 constexpr int easy_corrections = 3;
 constexpr double absolute_tolerance = 1e-8, relative_tolerance = 1e-7;
-/// Arc lengths, in units of the way to the target at first.
+/// Arc lengths. The unit is the length of the way to the target, by the metric at the start.
 constexpr double first_length = 1.0 / 16, smallest_length = 1.0 / 65536;
 
-/// The curve of equilibria (x, s), followed one arc length at a time.
+/// The equilibrium curve (x, s), followed one arc length at a time.
 class Curve {
  public:
   Curve(const System& system, TangentSolver& solver, State start, const Eigen::Vector3d& target)
@@ -38,8 +38,8 @@ class Curve {
     return true;
   }
 
-  /// Goes on by `length`. The number of corrections it took; 0 when that failed and nothing
-  /// changed.
+  /// Advances by `length`. Returns the number of corrections; 0 if they failed, and then the state
+  /// is unchanged.
   int advance(double length) {
     double s = s_ + length * s_direction_;
     State state = system_.moved(state_, x_direction_, length, origin_ + s * way_);
@@ -61,7 +61,7 @@ class Curve {
   }
 
  private:
-  /// Newton's correction at fixed s, and dx/ds.
+  /// Computes Newton's correction at fixed s, and dx/ds.
   bool linearize(const State& state) {
     system_.assemble(state, residual_, tangent_);
     if (!std::isfinite(residual_.norm)) return false;
@@ -76,7 +76,7 @@ class Curve {
     return true;
   }
 
-  /// The direction of the curve here, continued from the one before.
+  /// Sets the direction of the curve here, oriented as the previous one.
   void turn() {
     const double length = std::hypot(along_.norm(), weight_) / weight_;
     const double same =
@@ -97,20 +97,20 @@ class Curve {
   std::int32_t negative_pivots_ = 0;
 };
 
-/// Where the equilibrium path of a tool that moves along a line turns back.
+/// The point where the equilibrium path of a tool that moves along a line turns back.
 struct LimitPoint {
   double at = 0;                     ///< the farthest point, as a fraction of the way to the target
-  std::int32_t negative_pivots = 0;  ///< of the tangent there, beyond the turn
+  std::int32_t negative_pivots = 0;  ///< of the tangent beyond the turn
 };
 
-/// Follows the equilibria from `start` (displacement p0) towards `target` (metres) by arc length: p
-/// = p0 + s (target - p0), with s an unknown (Riks 1979, Crisfield 1981; corrections in the plane
-/// normal to the predictor).
+/// Follows the equilibria from `start` (displacement p0) towards `target` (metres) by arc length,
+/// with p = p0 + s (target - p0) and s as an unknown. Corrections lie in the plane normal to the
+/// predictor (Riks 1979, Crisfield 1981).
 ///
-/// A limit point is returned when s was seen to decrease along the continuous path and the
-/// tangent's inertia has changed: beyond it this branch has no equilibrium, so that no step size
-/// would have reached the target. Nothing when the target is reached after all, or the path cannot
-/// be followed (an element inverts, or max_factorizations are spent).
+/// Returns a limit point if s decreased along the continuous path and the tangent's inertia
+/// changed. This branch has no equilibrium beyond it, so no step size could have reached the
+/// target. Returns nothing if the target is reached after all, or if the path cannot be followed
+/// (an element inverts, or max_factorizations are spent).
 std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& solver,
                                          const State& start, const Eigen::Vector3d& target) {
   Curve curve(system, solver, start, target);
@@ -140,7 +140,7 @@ std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& so
 void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
                                            Reached& failed) {
   const auto expected = system_.expectedNegativePivots();
-  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
+  if (!expected) return;  // spurious modes: a change of inertia would prove nothing
   const double reached = failed.outcome.failure().step_reached;
   const State& from = failed.end ? failed.end->state : start.state;
   const auto limit = findLimitPoint(system_, solver_, from, target);

@@ -13,27 +13,28 @@
 namespace palpate {
 namespace {
 
-/// JOB, as the MUMPS manual numbers its phases.
+/// Values of JOB, by the phases of the MUMPS manual.
 constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, substitute = 3;
 constexpr int use_comm_world = -987654;
-/// INFOG(1): its real or its integer workspace is too small.
+/// INFOG(1): the real or the integer workspace is too small.
 constexpr int short_of_reals = -8, short_of_integers = -9;
-/// SCOTCH orders about as well but differently in every process, so its factors differ in the last
-/// bits.
+/// SCOTCH orders about as well, but differently in every process, so that factors would differ in
+/// the last bits.
 constexpr int ordering_pord = 4, ordering_amd = 0;
-/// It could not allocate integers or reals, INFOG(2) of them.
+/// INFOG(1): MUMPS could not allocate integers or reals, INFOG(2) of them.
 constexpr int no_integers = -7, no_reals = -13;
 constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
 
-/// Every unknown is coupled to every other: PORD takes them for one and ends the process.
+/// Returns whether every unknown is coupled to every other. PORD merges them into one and ends the
+/// process.
 bool isFull(const SparsityPattern& pattern) {
   const auto n = static_cast<std::size_t>(pattern.n);
   return pattern.row.size() == n * (n + 1) / 2;
 }
 
-/// A machine without memory says nothing about the body: Error, where a matrix that cannot be
-/// factorised is an answer.
+/// Throws an Error if MUMPS ran out of memory. A matrix that cannot be factorised is an answer
+/// about the body; a machine without memory is not.
 void refuseWithoutMemory(int infog1, int infog2) {
   if (infog1 != no_integers && infog1 != no_reals) return;
   // Negative values are millions (MUMPS manual, INFOG(2)).
@@ -44,7 +45,7 @@ void refuseWithoutMemory(int infog1, int infog2) {
       numbers, infog1);
 }
 
-/// Structure, real type and entry point of one of MUMPS's arithmetics.
+/// One of MUMPS's arithmetics: its structure, real type and entry point.
 template <class Structure, class Real, void (*call)(Structure*)>
 class Mumps : public LinearSolver {
  public:
@@ -99,7 +100,8 @@ class Mumps : public LinearSolver {
 
   bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
     PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "MUMPS writes n rows of each column");
-    // Columns of size one: small residuals would leave the range of single precision.
+    // Scaled so that the largest entry of a column is one: small residuals would underflow in
+    // single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
     scale = (scale.array() > 0).select(scale, 1.0);
     columns_ = (right_hand_sides.array().rowwise() / scale.array()).template cast<Real>();

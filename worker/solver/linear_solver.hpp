@@ -7,61 +7,60 @@
 
 namespace palpate {
 
-/// Where the upper triangle of a symmetric matrix has entries, row by row and in each row by
-/// column. 1-based as MUMPS wants it; every diagonal entry is there.
+/// The entries of the upper triangle of a symmetric matrix, sorted by row and then by column.
+/// 1-based for MUMPS. Contains every diagonal entry.
 struct SparsityPattern {
   std::int32_t n = 0;                     ///< rows
   std::vector<std::int32_t> row, column;  ///< of every entry, 1 to n, row <= column
-  /// n + 1 numbers, 0-based: row k of them has the entries row_begin[k] to row_begin[k + 1], and
-  /// the first of these is its diagonal.
+  /// n + 1 offsets, 0-based: row k has the entries row_begin[k] to row_begin[k + 1] - 1, the first
+  /// of which is its diagonal.
   std::vector<std::int32_t> row_begin;
 
-  /// The entry in row min(a, b) and column max(a, b), 0-based; it must be there.
+  /// Returns the index of the entry in row min(a, b) and column max(a, b), 0-based; it must exist.
   std::int32_t entryOf(std::int32_t a, std::int32_t b) const;
 };
 
-/// The pattern in which row k, 0-based, has these columns, also 0-based, at least k itself. They
-/// may repeat and stand in any order, none of them left of the diagonal.
+/// Builds a pattern from the columns of each row, both 0-based. Every row must contain its diagonal
+/// and no column left of it; columns may repeat and be unsorted.
 SparsityPattern patternOf(std::vector<std::vector<std::int32_t>> columns_of_rows);
 
-/// What MUMPS said about a factorisation.
+/// MUMPS's report on a factorisation.
 struct Factorization {
   bool ok = false;
   std::int32_t negative_pivots = 0;     ///< INFOG(12)
   std::int32_t infog1 = 0, infog2 = 0;  ///< INFOG(1) and (2); negative: an error
 };
 
-/// Arithmetic of the factors. Single precision takes two thirds of the time and half of the memory;
-/// what it solves is right to about five digits, for a Newton correction or a preconditioner as
-/// good as all of them.
+/// Arithmetic of the factors. Single precision takes two thirds of the time and half of the memory.
+/// Its solutions are right to about five digits, which is as good as double precision for a Newton
+/// correction or a preconditioner.
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
-/// LDL^T of a symmetric indefinite matrix with a pattern that stays, by sequential MUMPS.
+/// Factorises symmetric indefinite matrices of one pattern as LDL^T, with sequential MUMPS.
 ///
-/// Analysis happens once, in of(), on the pattern alone; so the same values always give
-/// the same bits. MUMPS is not thread-safe: at most one LinearSolver per process, used from one
-/// thread. BLAS is held to one thread.
+/// The analysis runs once, in of(), on the pattern alone, so the same values always give the same
+/// bits. MUMPS is not thread-safe: at most one LinearSolver per process, used from one thread. BLAS
+/// runs on one thread.
 class LinearSolver {
  public:
-  /// A new one, never null. Error when the analysis fails, or OpenBLAS gets no memory
+  /// Returns a new solver, never null. Error if the analysis fails, or if OpenBLAS gets no memory
   /// (prepareBlas). `pattern` is copied. `singular`: the matrix may have a null space (the spurious
-  /// pressure modes of P1/P1); pivots that vanish are then detected and their unknowns kept at
-  /// zero.
+  /// pressure modes of P1/P1); vanishing pivots are then detected and their unknowns kept at zero.
   static std::unique_ptr<LinearSolver> of(const SparsityPattern& pattern, Precision precision,
                                           bool singular);
   virtual ~LinearSolver() = default;
 
-  /// values: one per pattern entry, upper triangle. When MUMPS runs out of workspace (INFOG(1) =
-  /// -8, -9) it is given twice as much, at most four times. Error when the machine has no memory
-  /// left (-7, -13), which is no answer about the body.
+  /// Factorises the matrix with these values, one per pattern entry. If MUMPS runs out of workspace
+  /// (INFOG(1) = -8, -9) the workspace is doubled, at most four times. Error if the machine is out
+  /// of memory (-7, -13), because that says nothing about the body.
   [[nodiscard]] virtual Factorization factorize(const std::vector<double>& values) = 0;
 
-  /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Only
-  /// after an ok factorize(). False when MUMPS reports an error.
+  /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Requires
+  /// a successful factorize(). Returns false if MUMPS reports an error.
   [[nodiscard]] virtual bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
 
-  /// Entries of the factor and floating-point operations of one factorisation, as MUMPS counts
-  /// them.
+  /// Return the number of entries of the factor, and of floating-point operations of one
+  /// factorisation, as MUMPS counts them.
   virtual double factorEntries() const = 0;
   virtual double factorFlops() const = 0;
 };

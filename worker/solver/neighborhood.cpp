@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Nearest first, without those of the tool itself; of nodes as far away, lower numbers first.
+/// Returns the nodes outside the tool, nearest first; equally distant nodes by ascending number.
 std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
                                        const std::vector<std::int32_t>& tool_nodes,
                                        std::size_t count) {
@@ -28,7 +28,7 @@ std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
   return nodes;
 }
 
-/// The entries of `pattern` in whose row and column both are one of `unknowns`, which ascend.
+/// Returns the entries of `pattern` whose row and column are both in `unknowns` (ascending).
 std::vector<Neighborhood::Entry> entriesAmong(const std::vector<std::int32_t>& unknowns,
                                               const SparsityPattern& pattern) {
   std::vector<Neighborhood::Entry> entries;

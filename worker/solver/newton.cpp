@@ -13,23 +13,23 @@ namespace {
 
 /// Sufficient decrease of the residual norm, per unit of step (Armijo).
 constexpr double sufficient_decrease = 1e-4;
-/// Of the relaxation near the tool: iterations, and halvings of a step.
+/// Limits of the relaxation near the tool: iterations, and halvings of a step.
 constexpr int most_relaxations = 12, most_halvings = 6;
 
-/// Turns the step of an inverse tangent into that of the inverse which Broyden's updates from the
-/// steps that were taken with it lead to.
+/// Applies to `step`, a solution with the factorised tangent, Broyden's updates from the steps
+/// taken with that tangent.
 void updateByBroyden(const std::vector<Eigen::VectorXd>& taken, Eigen::VectorXd& step) {
   if (taken.empty()) return;
   for (std::size_t n = 0; n + 1 < taken.size(); ++n)
     step += taken[n + 1] * (taken[n].dot(step) / taken[n].squaredNorm());
-  // At most this much longer: the update may not make the inverse singular.
+  // Limits the growth of the step: the update must not make the inverse singular.
   constexpr double longest = 5;
   const Eigen::VectorXd& last = taken.back();
   const double shrink = 1 - last.dot(step) / last.squaredNorm();
   step /= std::max(shrink, 1 / longest);
 }
 
-/// One solution of the equations; findEquilibrium in steps.
+/// One run of findEquilibrium.
 class Newton {
  public:
   Newton(const System& system, TangentSolver& solver, const Eigen::Vector3d& displacement,
@@ -72,7 +72,7 @@ class Newton {
     return now_.factorization.ok;
   }
 
-  /// False when the tangent has served.
+  /// Takes one step. Returns false if the tangent is used up.
   bool step() {
     ++now_.iterations;
     Eigen::VectorXd step = -now_.residual.free;
@@ -89,7 +89,7 @@ class Newton {
     const double before = now_.residual.norm;
     double factor = 1;
     for (int halvings = 0; !advance(step, factor); ++halvings, factor /= 2) {
-      if (!fresh) return false;  // an updated inverse that does not lead downhill
+      if (!fresh) return false;  // the updated inverse does not lead downhill
       if (halvings == options_.max_halvings) {
         now_.cause = Cause::line_search_stalled;
         return false;
@@ -107,7 +107,7 @@ class Newton {
   bool advance(const Eigen::VectorXd& step, double factor) {
     State next = system_.moved(now_.state, step, factor, displacement_);
     system_.assemble(next, trial_);
-    // A NaN compares false: an inadmissible trial is as good as an increase.
+    // A NaN compares false, so an inadmissible trial counts as an increase.
     if (!(trial_.norm <= (1 - sufficient_decrease * factor) * now_.residual.norm) &&
         !(options_.affine_descent && isNearer(step, factor)))
       return false;
@@ -116,7 +116,7 @@ class Newton {
     return true;
   }
 
-  /// Whether the same tangent's correction at the trial state is smaller than the step.
+  /// Returns whether the same tangent's correction at the trial state is smaller than the step.
   bool isNearer(const Eigen::VectorXd& step, double factor) {
     if (!std::isfinite(trial_.norm)) return false;
     Eigen::VectorXd left = -trial_.free;
@@ -131,7 +131,7 @@ class Newton {
   NewtonResult now_;
   Tangent tangent_;
   Residual trial_;
-  std::vector<Eigen::VectorXd> taken_;  ///< steps, since the tangent was renewed
+  std::vector<Eigen::VectorXd> taken_;  ///< steps since the last factorisation
 };
 
 }  // namespace

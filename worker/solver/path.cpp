@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// How far beside the middle of a transition a detour leads, in lengths of the transition.
+/// Distance of a detour from the middle of a transition, in lengths of the transition.
 constexpr std::array<double, 3> detour_widths = {0.5, 1.0, 2.0};
 constexpr int detours_around = 6;
 
@@ -53,7 +53,7 @@ Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d
         reached = std::move(*around);
         ++path.detours;
       } else {
-        // Costs as much as many transitions, and there is nothing else left to try.
+        // Costs as much as many transitions, so it is the last resort.
         solver.explainByLimitPoint(*at, next, reached);
       }
     }

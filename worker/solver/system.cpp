@@ -113,7 +113,8 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
         pressure >= 0 && !sums_.isHeld(pressure))
       next.q[slot] += factor * step[pressure];
   next.displacement = displacement;
-  // From the rest state and not by a step: so the tool is where it is to be to the last bit.
+  // Set from the rest state and not by a step, so that the tool's position is exact to the last
+  // bit.
   if (const Tool* rigid = rigidTool())
     for (const std::int32_t node : rigid->nodes)
       ofNode(next.u, node) = ofNode(rest_.u, node) + displacement;
@@ -152,7 +153,7 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
   sums_.add(number, result);
   for (int lane = 0; lane < lanes && batch.element[lane] >= 0; ++lane) {
     residual.energy += result.energy[lane];
-    // Written so that a NaN is kept as the worst.
+    // This condition keeps a NaN as the worst.
     if (!(result.det_F[lane] >= residual.min_det_F) && !std::isnan(residual.min_det_F)) {
       residual.min_det_F = result.det_F[lane];
       residual.worst_element = batch.element[lane];
@@ -163,7 +164,7 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
 void System::run(const State& state, Residual& residual, Tangent* tangent) const {
   PALPATE_ASSERT(state.u.size() == rest_.u.size() && state.q.size() == rest_.q.size(),
                  "kernels read the state by the node numbers of this body");
-  // Set anew, because callers keep one Residual for many states.
+  // Callers reuse one Residual for many states.
   residual.energy = 0;
   residual.min_det_F = std::numeric_limits<double>::infinity();
   residual.worst_element = -1;

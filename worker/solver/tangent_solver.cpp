@@ -7,13 +7,14 @@
 namespace palpate {
 namespace {
 
-/// Enough for sensitivity tolerances at the slowest contraction; usual are two to five.
+/// Enough for sensitivity tolerances at the slowest contraction. Two to five are usual.
 constexpr int max_refinements = 30;
-/// Of the residual in one refinement. Slower, a factorisation costs less than what is still to do.
+/// Slowest accepted contraction of the residual per refinement. Below this rate a new factorisation
+/// is cheaper than the remaining refinements.
 constexpr double slowest_contraction = 0.5;
 
-/// Double where the pressure block is zero, for there a pivot may be small, and where single
-/// precision would lose what is soft in what is stiff.
+/// Returns double precision if the pressure block is zero, because a pivot may be small there. Also
+/// if the body has a nearly rigid part, because single precision would lose the soft part.
 Precision precisionFor(const BodyModel& body) {
   const PressureSpace pressure = body.discretization.pressure;
   const bool zero_block = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
@@ -40,7 +41,7 @@ Factorization TangentSolver::factorize(const Tangent& tangent) {
     return result;
   }
   complement_.compute(complement);
-  // Sylvester: the inertia of [K B; B^T 0] is that of K and of -B^T K^-1 B together.
+  // Sylvester: the inertia of [K B; B^T 0] is the sum of the inertias of K and of -B^T K^-1 B.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(complement, Eigen::EigenvaluesOnly);
   result.negative_pivots += static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
   return result;
@@ -88,7 +89,7 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(
   Refined refined;
   refined.solution = Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols());
   refined.residual = -right_hand_sides;
-  // A weighted tool's right-hand sides are displacements, what the refinement leaves are forces.
+  // The right-hand sides of a weighted tool are displacements; the residuals are forces.
   const double stiffness = system_.forceScale() / system_.meanEdge();
   const Eigen::RowVectorXd size = right_hand_sides.colwise().norm().cwiseMax(stiffness);
   Eigen::MatrixXd correction;

@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Of differences, in edges of the mesh: strains of about that. Truncation goes with its square,
-/// round-off with its inverse.
+/// Step of the differences, in mean edges of the mesh, so about a strain. Truncation grows with its
+/// square, round-off with its inverse.
 constexpr double difference = 1e-4;
 
-/// x^T A y over all pairs of six columns.
+/// x^T A y for all pairs of six columns.
 using Pairs = Eigen::Matrix<double, 6, 6>;
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
@@ -27,7 +27,7 @@ Pairs pairsOf(const SparsityPattern& pattern, const std::vector<double>& values,
   return x.transpose() * product;
 }
 
-/// d3 Pi [x_a, x_b, x_c] over b and c, a the column `along`.
+/// Returns d3 Pi [x_a, x_b, x_c] for all b and c, where a is the column `along`.
 Pairs elementPart(const System& system, const State& state, const Eigen::MatrixXd& sensitivity,
                   const SixColumns& x, Eigen::Index along, double min_det_F) {
   const double step = difference * system.meanEdge() * std::clamp(min_det_F, 1e-3, 1.0) /
@@ -43,7 +43,7 @@ Pairs elementPart(const System& system, const State& state, const Eigen::MatrixX
   return pairsOf(system.pattern(), up.values, x);
 }
 
-/// What B and its derivatives by s make of the displacements of the nodes: a vector each.
+/// The derivatives of B by s, applied to nodal displacements: one vector each.
 struct Weighted {
   std::array<Eigen::Vector3d, 3> first;                  ///< B'_j u
   std::array<std::array<Eigen::Vector3d, 3>, 3> second;  ///< B''_jk u
@@ -88,7 +88,7 @@ void setThirdDerivatives(const System& system, const State& state,
   const Weighted whole = weighted(finger, [&](std::int32_t node) -> Eigen::Vector3d {
     return ofNode(state.u, node) - ofNode(rest.u, node);
   });
-  // Of the columns a and b, where the place moves along k.
+  // The terms in which s moves along k and the columns a and b are the other two directions.
   const auto of_one_place = [&](int a, int b, int k) {
     return multiplier.col(a).dot(moved[at(b)].first[at(k)]) +
            multiplier.col(b).dot(moved[at(a)].first[at(k)]);
@@ -101,7 +101,7 @@ void setThirdDerivatives(const System& system, const State& state,
           -(element[at(i)](j, k) + element[at(j)](k, i) + element[at(k)](i, j)) / 3;
       equilibrium.stiffness_by_s(row, k) =
           of_one_place(i, j, k) - (element[at(i)](j, 3 + k) + element[at(j)](i, 3 + k)) / 2;
-      // Here k is the axis of p, i and j are those of s.
+      // Here k is the axis of p; i and j are axes of s.
       equilibrium.drive_slope_by_p(row, k) =
           of_one_place(k, 3 + j, i) + of_one_place(k, 3 + i, j) +
           multiplier.col(k).dot(whole.second[at(i)][at(j)]) +

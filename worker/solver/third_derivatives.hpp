@@ -6,20 +6,23 @@
 
 namespace palpate {
 
-/// Sets what of `equilibrium` are third derivatives of the energy E(s, p) of a finger at `state`,
-/// from first-order sensitivities alone: those of a minimum to the third order need no more (the
-/// 2n + 1 theorem, Wigner). With x_a what the state changes by when p or s moves along a,
+/// Sets the third derivatives of the energy E(s, p) of a finger at `state` in `equilibrium`.
+///
+/// First-order sensitivities suffice for third derivatives of a minimum (the 2n + 1 theorem,
+/// Wigner). With x_a the change of the state when p or s moves along a,
 ///
 ///   d3E/da db dc = d3 Pi [x_a, x_b, x_c] - the third derivative of multiplier . B(s) (u - u_rest)
 ///
-/// in the directions a, b, c, all of B, u and the multiplier moving; Pi the energy of the elements,
-/// whose third derivative is that of the tangent along x_a, by central differences.
+/// in the directions a, b, c, where B, u and the multiplier all move. Pi is the energy of the
+/// elements; central differences of the tangent along x_a give its third derivative.
 ///
-/// `sensitivity`: d(unknowns, multipliers) by p (three columns), then by s. The system has the
-/// finger as its tool. Costs six tangents and no factorisation; right to about seven digits. Where
-/// the stiffness of an element jumps within the differences (slack fibres grow taut) they are that
-/// jump over their step instead, and of no use: LocalFits::judge tells. At rest all fibres are
-/// there. The numbers are not finite when the state is that close to an inverted element.
+/// `sensitivity`: d(unknowns, multipliers) by p (three columns), then by s. The finger must be the
+/// system's tool. Costs six tangents and no factorisation; right to about seven digits.
+///
+/// If the stiffness of an element jumps within the differences (slack fibres become taut), the
+/// result is that jump divided by the step, which is useless: LocalFits::judge detects it. At rest
+/// all fibres are at the jump. The numbers are not finite if the state is too close to an inverted
+/// element.
 void setThirdDerivatives(const System& system, const State& state,
                          const Eigen::MatrixXd& sensitivity, const FingerWeights& finger,
                          Equilibrium& equilibrium);

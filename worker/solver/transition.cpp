@@ -16,15 +16,14 @@
 namespace palpate {
 namespace {
 
-/// Relative residual of du/dp. The stiffness, in which it enters squared, is then right to about
-/// 1e-10.
+/// Relative residual of du/dp. It enters the stiffness squared, which is then right to about 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// On the way, where du/dp only predicts.
+/// At intermediate steps, where du/dp only predicts.
 constexpr double loose_sensitivity_tolerance = 1e-2;
-/// Of the relaxation near the tool, times System::forceScale(). Newton follows, so it need not be
-/// accurate.
+/// Tolerance of the relaxation near the tool, times System::forceScale(). It need not be accurate,
+/// because Newton follows.
 constexpr double relaxation_tolerance = 1e-3;
-/// Parts that the way of a step is relaxed in at most, and that gravity is applied in.
+/// Smallest parts in which a step is relaxed and in which gravity is applied.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
 /// Largest displacement along a critical mode, relative to the first one tried.
@@ -33,7 +32,8 @@ constexpr int aside_factorizations = 12;
 /// Relative difference of energies below which two equilibria count as symmetric twins.
 constexpr double twin_energy = 1e-6;
 
-/// Of this thread, which solves alone: a process that was stopped meanwhile took no longer.
+/// Returns the CPU time of this thread, which solves alone. Time in which the process was stopped
+/// does not count.
 double threadSeconds() {
   timespec time{};
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) != 0)
@@ -41,7 +41,7 @@ double threadSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// A twentieth of the body, as far as dense matrices are cheap.
+/// Returns a twentieth of the nodes, within the range in which dense matrices are cheap.
 std::size_t nodesNearTool(const Mesh& mesh) {
   return std::clamp<std::size_t>(mesh.nodes.size() / 20, 16, 80);
 }
@@ -56,15 +56,16 @@ Failure failureOf(Cause cause, const NewtonResult& newton) {
           .mumps_infog2 = newton.factorization.infog2};
 }
 
-/// Whether Newton converged to an unstable equilibrium: more negative pivots than at a stable one.
+/// Returns whether Newton converged to an unstable equilibrium: more negative pivots than expected.
 bool isUnstable(const Failure& failure) {
   return failure.cause == Cause::wrong_inertia &&
          failure.negative_pivots > failure.expected_negative_pivots;
 }
 
-/// The stiffness of a body with fibres jumps where they become taut. Newton finds the set of taut
-/// ones with a tangent for each iteration (semismooth Newton; Qi and Sun 1993): 5 of them where k1
-/// is ten times mu, 25 where it is a thousand times, and steps when the tool goes far.
+/// Adapts the options to bodies with fibres: the stiffness jumps where a fibre becomes taut. Newton
+/// finds the set of taut fibres with one tangent per iteration (semismooth Newton; Qi and Sun
+/// 1993). That takes 5 tangents if k1 is ten times mu, 25 if it is a thousand times, and several
+/// steps if the tool moves far.
 TransitionOptions optionsFor(const Problem& problem, TransitionOptions options) {
   if (problem.fibers.empty()) return options;
   options.newton.renew_always = true;
@@ -76,13 +77,13 @@ TransitionOptions optionsFor(const Problem& problem, TransitionOptions options) 
 
 }  // namespace
 
-/// One step of a transition: the configuration that was accepted, or why none was.
+/// One step of a transition: the accepted configuration, or why there is none.
 struct TransitionSolver::Step {
-  /// Cause::none: accepted. The numbers are those of where Newton ended, either way.
+  /// Cause::none if accepted. In either case the numbers describe Newton's last state.
   Failure failure;
   Cost cost;
   bool easy = false;  ///< Newton took few tangents, so the next step may be longer
-  // Of an accepted one:
+  // Only for an accepted step:
   Equilibrium equilibrium;
   Start end;
 };
@@ -90,9 +91,9 @@ struct TransitionSolver::Step {
 /// The equations around a state that Newton converged to.
 struct TransitionSolver::Linearization {
   Tangent tangent;
-  /// -d(Residual::free)/dp; of a finger at the end of a transition slopeByPlace() beside it.
+  /// -d(Residual::free)/dp; at the end of a finger's transition followed by slopeByPlace().
   Eigen::MatrixXd right_hand_sides;
-  TangentSolver::Refined sensitivity;  ///< of the tangent, to these
+  TangentSolver::Refined sensitivity;  ///< solution of the tangent for these
 };
 
 TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
@@ -147,8 +148,7 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
   std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
   for (std::size_t node = 0; node < state.q.size(); ++node)
     state.q[node] = fields.pressure[node] / system_.pressureScale();
-  // Also puts a rigid tool, which float32 moved by half a unit in the last place, back where it
-  // was.
+  // This also resets a rigid tool's nodes, which float32 moved by half a unit in the last place.
   const Eigen::VectorXd nowhere = Eigen::VectorXd::Zero(system_.unknowns() + system_.multipliers());
   state = system_.moved(state, nowhere, 0, displacement);
   return linearize(std::move(state), failure);
@@ -166,7 +166,7 @@ bool TransitionSolver::solveRest(Failure& failure) {
     NewtonResult newton =
         findEquilibrium(system_, solver_, state, Eigen::Vector3d::Zero(), options_.newton);
     const auto expected = system_.expectedNegativePivots();
-    // Without a factorisation the load was too small to move anything, and nothing was counted.
+    // Without a factorisation the load was too small to move anything, and there is no pivot count.
     const bool unstable = newton.cause == Cause::none && newton.factorizations > 0 && expected &&
                           newton.factorization.negative_pivots != *expected;
     if (unstable) newton.cause = Cause::wrong_inertia;
@@ -203,7 +203,7 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   PALPATE_ASSERT(sensitivity->solution.rows() == system_.unknowns() + system_.multipliers(),
                  "every unknown and multiplier moves with the tool");
   Start start = {std::move(state), std::move(sensitivity->solution)};
-  // The multiplier that balances the body best: near an equilibrium, that of it.
+  // The multiplier that balances the body best; near an equilibrium it is the equilibrium's.
   if (system_.multipliers() > 0) {
     const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
     start.exerted = start.state.multiplier -
@@ -213,13 +213,13 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   return start;
 }
 
-/// Whether the stiffness says that the force at the end of the way is not worth computing.
+/// Returns whether the stiffness predicts too large a force at the end of the way.
 bool TransitionSolver::givesUp(const Start& start, const Eigen::Vector3d& way) const {
   return finger_ && isTooStrong(start.exerted + start.sensitivity.bottomRows<3>() * way);
 }
 
-/// The state with the tool at `displacement` that the predictor and the relaxation near the tool
-/// lead to. What lies farther away follows the predictor, in as many parts as the relaxation needs.
+/// Returns the state with the tool at `displacement` after the predictor and the relaxation near
+/// the tool. Nodes farther away follow the predictor, in as many parts as the relaxation needs.
 State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displacement) {
   const Eigen::Vector3d way = displacement - from.state.displacement;
   const Eigen::VectorXd predictor = from.sensitivity * way;
@@ -239,8 +239,9 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
   return system_.moved(state, predictor, 1 - at, displacement);
 }
 
-/// du/dp, and du/ds where that is among the right-hand sides: with the factors that Newton left
-/// where they are near enough, else with those of `tangent`, which then are what `newton` has.
+/// Solves for du/dp, and for du/ds if it is among the right-hand sides. Refines with Newton's
+/// factors; if that does not converge, factorises `tangent` and records the factorisation in
+/// `newton`.
 std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
     NewtonResult& newton, const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides,
     double tolerance) {
@@ -252,8 +253,8 @@ std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
   return solver_.solveWith(tangent, right_hand_sides, tolerance);
 }
 
-/// -d(Residual::free)/ds of the finger, one column per axis: with B' the derivative of its weights,
-/// B'^T multiplier at the unknowns and B' (u - u_rest) at the multipliers.
+/// Returns -d(Residual::free)/ds of the finger, one column per axis. With B' the derivative of its
+/// weights: B'^T multiplier at the unknowns and B' (u - u_rest) at the multipliers.
 Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
   const State& rest = system_.restState();
@@ -268,10 +269,14 @@ Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   return slope;
 }
 
-/// With A the matrix of a Newton step, r = slopeByPlace, m the multiplier: the equations stay
-/// satisfied when s moves by ds and the unknowns by A^-1 r ds. So dE/ds = -m . B' (u - u_rest),
-/// d2E/dp ds = -(du/dp)^T r, d2E/ds2 = -r^T A^-1 r - m . B'' (u - u_rest). What the refinement left
-/// is taken into account, so that errors of the solutions enter squared.
+/// Sets the derivatives of the energy by s. A is the matrix of a Newton step, r = slopeByPlace, and
+/// m the multiplier. If s moves by ds and the unknowns by A^-1 r ds, the equations stay satisfied.
+/// So
+///   dE/ds = -m . B' (u - u_rest)
+///   d2E/dp ds = -(du/dp)^T r
+///   d2E/ds2 = -r^T A^-1 r - m . B'' (u - u_rest)
+/// The residuals of the refinement are taken into account, so errors of the solutions enter
+/// squared.
 void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
                                 const TangentSolver::Refined& refined,
                                 Equilibrium& equilibrium) const {
@@ -286,14 +291,14 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
         state.multiplier.dot(ofNode(state.u, node) - ofNode(rest.u, node)) * finger_->curvatures[n];
   }
   const Eigen::Matrix3d by_displacement = r.transpose() * by_p - by_s.transpose() * left_by_p;
-  // Added to zero, so that a zero is plain 0 and not -0.
+  // Added to zero, so that a zero is 0 and not -0.
   equilibrium.drive = Eigen::Vector3d::Zero() + r.bottomRows<3>().transpose() * state.multiplier;
   equilibrium.drive_stiffness = Eigen::Matrix3d::Zero() + by_displacement;
   equilibrium.drive_slope = Eigen::Matrix3d::Zero() + 0.5 * (slope + slope.transpose());
 }
 
-/// Why the state that Newton converged to may not be stored (Cause::none when it may), by the
-/// equations around it, which are left in `here`.
+/// Returns why the state that Newton converged to may not be stored (Cause::none if it may). Leaves
+/// the equations around it in `here`.
 Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& here) {
   system_.assemble(newton.state, newton.residual, here.tangent);
   if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
@@ -317,7 +322,7 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& he
                                                                        : Cause::none;
 }
 
-/// The energy and its derivatives at a state that may be stored.
+/// Returns the energy and its derivatives at a state that may be stored.
 Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
                                             const Linearization& here) const {
   const Tangent& tangent = here.tangent;
@@ -328,7 +333,7 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
                             S.transpose() * here.sensitivity.residual.leftCols<3>();
   Equilibrium equilibrium;
-  // Subtracted from zero, so that a zero is plain 0 and not -0.
+  // Subtracted from zero, so that a zero is 0 and not -0.
   equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
   equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   equilibrium.energy = newton.residual.energy;
@@ -340,8 +345,8 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   return equilibrium;
 }
 
-/// Takes the state that Newton converged to as the end of `step`, unless it may not be stored:
-/// Cause::none when it was.
+/// Takes the state that Newton converged to as the end of `step`. Returns Cause::none, or why it
+/// may not be stored.
 Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
   Linearization here;
   if (const Cause cause = judge(newton, last, here); cause != Cause::none) return cause;
@@ -352,8 +357,8 @@ Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
   return Cause::none;
 }
 
-/// From `from` to the tool at `displacement`, in one piece, with at most so many factorisations by
-/// Newton. `last`: where the transition ends, to full precision.
+/// Moves from `from` to the tool at `displacement` in one step, with at most this many
+/// factorisations by Newton. `last`: the end of the transition, solved to full precision.
 TransitionSolver::Step TransitionSolver::step(const Start& from,
                                               const Eigen::Vector3d& displacement, bool last,
                                               int factorizations) {
@@ -377,11 +382,13 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
   return step;
 }
 
-/// The stable equilibrium beside the unstable one that `before` ends with, beyond a bifurcation.
+/// Finds the stable equilibrium beside the unstable one at the end of `before`, beyond a
+/// bifurcation.
+///
 /// Newton starts from displacements along the critical mode, to both sides, farther each time. The
-/// solution with the lower energy is taken; for symmetric twins the one on the side where the
+/// solution with the lower energy wins. Of symmetric twins it is the one on the side where the
 /// mode's largest component is positive. `way`: metres the tool has moved since the branch was
-/// stable. Cause::bifurcation if no stable equilibrium is found.
+/// stable. Fails with Cause::bifurcation if there is no stable equilibrium.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
   PALPATE_ASSERT(isUnstable(before.failure), "a stable body has no mode to be pushed along");
   const State& unstable = before.end.state;
@@ -390,7 +397,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
   const auto mode = criticalMode(system_, solver_, unstable);
   NewtonOptions options = options_.newton;
   options.max_factorizations = std::max(options.max_factorizations, aside_factorizations);
-  // Amplitudes grow with the root of the way beyond a bifurcation.
+  // Amplitudes grow with the square root of the distance beyond a bifurcation.
   const double unit = std::sqrt(system_.meanEdge() * way);
   for (double size = 1; mode && !found && size <= widest_step_aside; size *= 2)
     for (const double side : {1.0, -1.0}) {
@@ -440,7 +447,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   Cost& cost = reached.outcome.cost;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
-  double at = 0, length = 1;     // fractions of the whole
+  double at = 0, length = 1;     // fractions of the whole way
   std::optional<Step> unstable;  // the last step that ended unstable, at unstable_at
   double unstable_at = 1;
   int budget = options_.max_factorizations;

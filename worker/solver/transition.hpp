@@ -13,85 +13,88 @@ namespace palpate {
 
 struct TransitionOptions {
   NewtonOptions newton = {};
-  /// Of NewtonOptions, for the steps on the way, which nobody stores.
+  /// NewtonOptions tolerances of intermediate steps, which are not stored.
   double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
-  /// A lattice transition takes one or two factorisations; one that fails may cost about five times
-  /// that, no more.
+  /// A lattice transition takes one or two factorisations. A failing one may cost about five times
+  /// that.
   int max_factorizations = 8;
-  int easy_factorizations = 1;  ///< after a step with no more of them the next one is longer
-  /// N. A transition of a finger is given up (Cause::beyond_force) where the force on the way is
-  /// larger, or that which the start's stiffness predicts for the target. What converges in one
-  /// step is kept, however strong.
+  int easy_factorizations = 1;  ///< a step with at most this many makes the next step longer
+  /// N. A finger's transition is abandoned (Cause::beyond_force) if the force on the way exceeds
+  /// this, or if the start's stiffness predicts more at the target. A transition that converges in
+  /// one step is kept, however strong the force.
   double largest_force = std::numeric_limits<double>::infinity();
 };
 
-/// The largest force of a finger that is still computed, in max_force of the scene. A cell answers
-/// in half of an edge to a corner that is missing, and so up to max_force. With 3 what is beyond it
-/// was two thirds of the points of deep lattices and three quarters of the time, and no touch up to
-/// max_force was kept better; with 1.5 the answer ended at 2 of 3.3 N where tissue is stiff.
+/// Largest finger force that is still computed, as a multiple of the scene's max_force. A cell
+/// answers up to half an edge from a missing corner, and thus up to max_force. With 3, two thirds
+/// of the points of deep lattices and three quarters of the time went beyond max_force, and no
+/// touch up to max_force was more accurate. With 1.5 the answer ended at 2 of 3.3 N where tissue is
+/// stiff.
 inline constexpr double solved_force_share = 2;
 
-/// A configuration that transitions start from: where it is, and its tangent predictor.
+/// A configuration that transitions start from, with its tangent predictor.
 struct Start {
   State state;
   Eigen::MatrixXd sensitivity;  ///< d(unknowns, multipliers)/dp, rows x 3
-  /// N, what a weighted tool exerts; else zero. Fields that are started from lack the multiplier.
+  /// Force that a weighted tool exerts, N; otherwise zero. NodalFields do not contain the
+  /// multiplier.
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
 };
 
-/// Where a transition led, or a path of several (path.hpp).
+/// The result of a transition, or of a path of several (path.hpp).
 struct Reached {
   Outcome outcome;
-  /// The configuration to go on from, in double precision: that of the outcome, or where the way
-  /// failed the last one on it. Nothing when there was none.
+  /// The configuration to continue from, in double precision: the outcome's, or after a failure the
+  /// last one that was reached. Empty if there was none.
   std::optional<Start> end = {};
-  // Of a path:
-  int detours = 0;       ///< transitions that were made by way of a point beside it
-  double min_det_F = 1;  ///< smallest of the configurations between its transitions and at its end
+  // Only for a path:
+  int detours = 0;       ///< transitions that went through a point beside the path
+  double min_det_F = 1;  ///< smallest at the ends of its transitions
 };
 
 /// Solves the configurations of one problem. One per process (it owns the LinearSolver), one
 /// thread.
 class TransitionSolver {
  public:
-  /// `problem` must outlive it. Analyses the sparsity pattern, once for all spaces. Error when that
-  /// fails. Bodies with fibres get what they need beside `options`.
+  /// `problem` must outlive it. Analyses the sparsity pattern once for all spaces; Error if that
+  /// fails. For bodies with fibres some `options` are replaced.
   TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                    TransitionOptions options = {});
 
   const System& system() const { return system_; }
-  /// Of the active patches; the first one is chosen at the beginning.
+  /// Chooses the tool of an active patch. Initially the first one is chosen.
   void chooseTool(std::size_t space);
-  /// A finger anywhere on the surface; it stays until a tool is chosen. Error (bad input), which
-  /// begins with `what`, as of checkedFinger.
+  /// Places a finger anywhere on the surface, until a tool is chosen. Error (bad input) as from
+  /// checkedFinger, with the prefix `what`.
   void placeFinger(const std::string& what, const Finger& finger);
 
-  /// The rest state (under gravity the equilibrium that it leads to, solved here once), or the
-  /// configuration with these nodal fields at `displacement`, made ready to start from: one
-  /// factorisation, shared by all targets around it. Nothing when that fails; `failure` then says
-  /// why.
+  /// Prepare a start: the rest state (under gravity its equilibrium, solved once), or the
+  /// configuration with these nodal fields at `displacement`. Costs one factorisation, shared by
+  /// all targets around the start. Return nothing on failure, and the reason in `failure`.
   std::optional<Start> startAtRest(Failure& failure);
   std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
                                  Failure& failure);
 
-  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, relaxation near
-  /// the tool, Newton, check, and half the step when it failed. A state is accepted when it is
-  /// finite, min det F > 0 (if the scene says so) and the tangent has the right inertia. Where
-  /// shorter steps lead no further and an unstable equilibrium was met, the body is pushed out of
-  /// it along its critical mode once, so that a column that buckles is followed.
+  /// Moves the tool from `start` to `target` (metres) in steps: tangent predictor, relaxation near
+  /// the tool, Newton, check. A failed step is halved.
   ///
-  /// The inertia is that of the last tangent that Newton factorised; the tangent at the solution
-  /// has the same when the sensitivities, which are solved for it with those factors, contract
-  /// fast, and is factorised itself when they do not.
+  /// A state is accepted if it is finite, if min det F > 0 (if the scene requires that) and if the
+  /// tangent has the right inertia. If shorter steps do not help and an unstable equilibrium was
+  /// met, the body is pushed along its critical mode once, so that the path follows a column that
+  /// buckles.
   ///
-  /// Outcome::cost counts what this transition took, the factorisation of `start` excepted (it is
-  /// shared).
+  /// The inertia is taken from the last tangent that Newton factorised. If the sensitivities, which
+  /// are solved with these factors, contract fast, the tangent at the solution has the same
+  /// inertia; otherwise it is factorised itself.
+  ///
+  /// Outcome::cost is the cost of this transition without the factorisation of `start`, which is
+  /// shared.
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
-  /// After a transition failed: whether a limit point is why, sought from where `failed` got to.
-  /// When it is, `failed` says so: Cause::limit_point, and step_reached where it lies. Costs many
-  /// times a transition. Not looked for where the inertia says nothing
+  /// Checks whether a limit point is the reason for a failed transition; the search starts from the
+  /// last state of `failed`. If so, sets Cause::limit_point in `failed`, and step_reached to its
+  /// position. Costs many times a transition. Does nothing if the inertia is meaningless
   /// (System::expectedNegativePivots).
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
@@ -125,10 +128,10 @@ class TransitionSolver {
   System system_;
   TangentSolver solver_;
   std::optional<std::size_t> space_;     ///< of the chosen tool, unless it is a placed finger
-  Tool tool_;                            ///< the chosen one
-  std::optional<FingerWeights> finger_;  ///< of a finger
-  Neighborhood near_tool_;               ///< of a rigid tool, else empty
-  bool at_rest_ = false;                 ///< the system knows its rest state
+  Tool tool_;                            ///< the chosen tool
+  std::optional<FingerWeights> finger_;  ///< if the tool is a finger
+  Neighborhood near_tool_;               ///< of a rigid tool, otherwise empty
+  bool at_rest_ = false;                 ///< the rest state of the system has been set
 };
 
 }  // namespace palpate
