@@ -18,13 +18,14 @@
 namespace palpate {
 namespace {
 
-/// Both are read while OpenBLAS is loaded.
+/// OpenBLAS reads both while it is loaded.
 constexpr const char* core_type = "OPENBLAS_CORETYPE";
 constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
-/// Has the value that chooseBlasKernels gave core_type. Another value of core_type is the user's.
+/// Holds the value that chooseBlasKernels set for core_type. Any other value of core_type is the
+/// user's.
 constexpr const char* pinned_variable = "PALPATE_OPENBLAS_PINNED";
 
-/// What a thread's first product takes, bytes: 128 MiB and its alignment.
+/// Memory that a thread's first product allocates, bytes: 128 MiB and its alignment.
 constexpr std::size_t workspace = (128u << 20) + (64u << 10);
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }
@@ -43,14 +44,14 @@ bool choosesWhenLoaded() {
   return std::string_view(openblas_get_config()).find("DYNAMIC_ARCH") != std::string_view::npos;
 }
 
-/// Whether the system grants the workspace. Where it does not, OpenBLAS asks again for ever.
+/// Returns whether the system grants the workspace. If it refuses, OpenBLAS asks again forever.
 bool workspaceIsGranted() {
   void* const room =
       mmap(nullptr, workspace, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   return room != MAP_FAILED && munmap(room, workspace) == 0;
 }
 
-/// What keeps the workspace from this process, and the remedy.
+/// Returns the limit that denies this process the workspace, with the remedy.
 std::string whyNotGranted() {
   for (const auto& [resource, option] :
        {std::pair{RLIMIT_AS, "-v"}, std::pair{RLIMIT_DATA, "-d"}}) {
@@ -62,7 +63,8 @@ std::string whyNotGranted() {
   return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
 }
 
-/// By a product that is too large for the kernels of small matrices, which need none.
+/// Allocates the workspace with a product too large for the kernels of small matrices, which need
+/// none.
 void takeWorkspace() {
   constexpr int n = 97;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);
@@ -82,7 +84,7 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 
 void chooseBlasKernels(char** argv) {
   const std::string wanted = kernelsOfThisCpu();
-  // What a process on another CPU pinned, and left in the environment, is pinned anew.
+  // Replaces a core type that a process on another CPU pinned and left in the environment.
   const bool pins = choosesWhenLoaded() && !userChose() && environmentValue(core_type) != wanted;
   if (!pins && environmentValue(threads_variable) == "1") return;
   const bool set = setenv(threads_variable, "1", 1) == 0 &&
@@ -91,7 +93,7 @@ void chooseBlasKernels(char** argv) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (set && !error) execv(program.c_str(), argv);
-  // Not replaced, so this process goes on with the kernels it has, and nobody chose them.
+  // The restart failed: this process continues with its kernels, which nobody chose.
   if (pins) unsetenv(core_type);
 }
 
@@ -115,7 +117,7 @@ void prepareBlas() {
   static const bool granted = [] {
     openblas_set_num_threads(1);
     if (!workspaceIsGranted()) return false;
-    takeWorkspace();  // before others take that memory
+    takeWorkspace();  // before other allocations take that memory
     return true;
   }();
   if (!granted)

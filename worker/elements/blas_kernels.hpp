@@ -2,35 +2,35 @@
 
 #include <string>
 
-/// Which of its kernels OpenBLAS runs in this process. It chooses them while it is loaded, by the
-/// model number of the CPU; a release that does not know a newer model takes those of 2004
+/// The kernels that OpenBLAS runs in this process. OpenBLAS chooses them while it is loaded, by the
+/// model number of the CPU. A release that does not know a newer model takes the kernels of 2004
 /// ("Prescott"), and a factorisation then takes 1.4 times as long. The environment variable
-/// OPENBLAS_CORETYPE, read at that moment, overrules it.
+/// OPENBLAS_CORETYPE, read at that moment, overrides the choice.
 namespace palpate {
 
-/// Call first thing in main(). Starts the program once more, in the same process and with the same
-/// arguments, with OPENBLAS_CORETYPE set to the kernels of this CPU's family (blasKernelsOf), and
-/// with OPENBLAS_NUM_THREADS=1, because each thread of OpenBLAS takes 128 MiB of address space.
-/// Returns in the process that is to go on. A core type that the user set stays.
+/// Restarts the program in the same process, with the same arguments and the BLAS kernels of this
+/// CPU's family. Call first thing in main(); returns in the process that continues.
 ///
-/// Kernels that are as fast have other bits (Cooperlake and SkylakeX in single precision), so all
-/// machines of a family take the same ones.
+/// Sets OPENBLAS_CORETYPE (blasKernelsOf), unless the user set it, and OPENBLAS_NUM_THREADS=1,
+/// because each thread of OpenBLAS takes 128 MiB of address space. Kernels of equal speed can
+/// differ in their bits (Cooperlake and SkylakeX in single precision), so all machines of a family
+/// use the same ones.
 void chooseBlasKernels(char** argv);
 
-/// What OpenBLAS calls them: "SkylakeX".
+/// Returns OpenBLAS's name of the kernels: "SkylakeX".
 std::string blasKernels();
 
-/// Whether others could be had in a process that is started anew: OpenBLAS has several, and the
+/// Returns whether a restarted process could use other kernels: this OpenBLAS has several, and the
 /// user chose none.
 bool blasKernelsMayBeChosen();
-/// For the program that takes the place of this one (execve): it computes with these.
+/// Makes the program that replaces this one (execve) use these kernels.
 void chooseBlasKernelsOfNext(const std::string& kernels);
 
-/// Why they are not those of this CPU's family, and what to do; empty when they are.
+/// Returns why the kernels are not those of this CPU's family, with the remedy; empty if they are.
 std::string whyOtherBlasKernels();
 
-/// For what is to compute with OpenBLAS in this process, on any thread: holds it to one thread and
-/// lets it take its memory, once. Error when the system refuses it.
+/// Prepares this process for OpenBLAS on any thread: limits it to one thread and lets it allocate
+/// its memory, once. Error if the system refuses the memory.
 void prepareBlas();
 
 }  // namespace palpate

@@ -1,18 +1,18 @@
-// Included once per CPU family, with the compiler flags of that family and with its name as
-// PALPATE_KERNEL_FAMILY, a namespace and a variable of its own as PALPATE_KERNEL_NAMESPACE and
-// PALPATE_KERNELS. Nothing here may be an inline function of another header: the
-// linker would keep one family's copy for all.
+// Included once per CPU family, with the compiler flags of that family. The includer defines
+// PALPATE_KERNEL_FAMILY (its name), PALPATE_KERNEL_NAMESPACE and PALPATE_KERNELS (a namespace and a
+// variable of its own). Inline functions of other headers must not be used here: the linker would
+// keep one family's copy for all.
 #include "worker/elements/linear_tetrahedron.hpp"
 #include "worker/elements/shape_functions.hpp"
 
-// Every element is, at each quadrature point, a linear tetrahedron. With barycentric coordinates
-// x_b and shape functions N_a(x),
+// At each quadrature point every element is a linear tetrahedron. With barycentric coordinates x_b
+// and shape functions N_a(x),
 //
 //   F = I + sum_a u_a (x) grad N_a = I + sum_b d_b (x) grad x_b,   d_b = sum_a dN_a/dx_b u_a
 //
-// so its energy is that of a tetrahedron whose vertices are displaced by d. All that is nonlinear
-// is computed for that one (vertexForces, vertexStiffness); derivatives with respect to u are
-// combinations of those with respect to d (atNode), the same in all elements.
+// So its energy is that of a tetrahedron with vertex displacements d. All nonlinear terms are
+// computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives by u are combinations
+// of the derivatives by d (atNode), the same in all elements.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 
@@ -27,13 +27,13 @@ struct Element {
   static constexpr int first_pressure = 3 * Displacement::nodes;
   static constexpr int unknowns = first_pressure + Pressure::nodes;
 
-  /// Place of a pair in the upper triangle of the tangent.
+  /// Returns the index of a pair in the upper triangle of the tangent.
   static constexpr int entryOf(int row, int column) {
     return row * unknowns - row * (row - 1) / 2 + (column - row);
   }
 };
 
-/// Adds d at the point x.
+/// Adds the vertex displacements d at the point x.
 template <class Space>
 PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nodes][3],
                                   PerVertex& d) {
@@ -42,7 +42,7 @@ PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nod
       for (int i = 0; i < 3; ++i) d[Space::end[a][e]][i] += Space::slope(a, e, x) * nodal[a][i];
 }
 
-/// The derivative with respect to component i of u_a, from those with respect to d.
+/// Returns the derivative by component i of u_a, from the derivatives by d.
 template <class Space>
 PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex) {
   Pack sum = Space::slope(a, 0, x) * vertex[Space::end[a][0]][i];
@@ -50,7 +50,7 @@ PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex
   return sum;
 }
 
-/// Adds the share of a quadrature point to a sum; the share of the only point is the sum.
+/// Adds the contribution of a quadrature point to a sum; a single point sets the sum.
 template <class Element>
 PALPATE_INLINE void addShare(Pack& sum, Pack share) {
   if constexpr (Element::one_point) {
@@ -73,7 +73,7 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
   using U = typename Element::Displacement;
   for (int a = 0; a < U::nodes; ++a)
     for (int i = 0; i < 3; ++i) {
-      PerVertex row;  // derivatives of the force i on node a with respect to d
+      PerVertex row;  // derivatives of the force i on node a by d
       for (int b = 0; b < 4; ++b)
         for (int j = 0; j < 3; ++j) {
           row[b][j] = U::slope(a, 0, x) * k[U::end[a][0]][i][b][j];
@@ -87,7 +87,8 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
     }
 }
 
-/// force: derivatives of -scale * weight * c(J) with respect to d, those of a unit of q.
+/// Adds the coupling of displacements and pressures. force: derivatives by d of -scale * weight *
+/// c(J), per unit of q.
 template <class Element>
 PALPATE_INLINE void addCoupling(const Point& x, const PerVertex& force, BatchTangent& tangent) {
   using U = typename Element::Displacement;
@@ -101,8 +102,8 @@ PALPATE_INLINE void addCoupling(const Point& x, const PerVertex& force, BatchTan
     }
 }
 
-/// The terms that are quadratic in the pressure, - integral of p^2/(2 bulk) - V alpha/(2 mu) <(p -
-/// <p>)^2>.
+/// Adds the terms that are quadratic in the pressure, - integral of p^2/(2 bulk) - V alpha/(2 mu)
+/// <(p - <p>)^2>.
 template <class Element, bool with_tangent>
 PALPATE_INLINE void addPressureForm(const ElementParameters& parameters, Pack volume,
                                     const Pack* nodal_q, BatchResult& result,
@@ -180,7 +181,7 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
                           response);
 
     const Pack J = deformation.strain.J;
-    result.det_F = J >= result.det_F ? result.det_F : J;  // J too where it is NaN
+    result.det_F = J >= result.det_F ? result.det_F : J;  // a NaN J is kept too
     addShare<Element>(result.energy, weight * response.energy);
     vertexForces(gradients, deformation.F, response.S, weight, force);
     addForces<Element>(x, force, result);
@@ -192,7 +193,7 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
       vertexStiffness(gradients, deformation.F, response, small_strain, weight, k);
       addStiffness<Element>(x, k, *tangent);
       if constexpr (Element::has_pressure) {
-        // The constraint is an energy density too, with the stress J c' C^-1.
+        // The constraint is an energy density as well, with the stress J c' C^-1.
         vertexForces(gradients, deformation.F, deformation.strain.C_inverse,
                      -scale * weight * response.constraint.first, force);
         addCoupling<Element>(x, force, *tangent);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* family_variable = "PALPATE_KERNELS";
 
-/// Empty: nobody chose.
+/// Returns the family that the user chose; empty if none.
 std::string_view chosenFamily() {
   const char* wanted = std::getenv(family_variable);
   return wanted == nullptr ? "" : wanted;

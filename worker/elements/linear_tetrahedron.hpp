@@ -2,15 +2,15 @@
 
 #include "worker/elements/point_response.hpp"
 
-/// A linear tetrahedron at one point: strain from the displacements d of its vertices, and forces
-/// and stiffness with respect to them. All elements of a batch at once. Included by every
-/// translation unit that compiles the kernels, inside its own namespace.
+/// A linear tetrahedron at one point: its strain from the displacements d of the vertices, and the
+/// derivatives of its energy by d. All elements of a batch at once. Included inside its own
+/// namespace by every translation unit that compiles the kernels.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-using PerVertex = Pack[4][3];              ///< a vector for each vertex
+using PerVertex = Pack[4][3];              ///< a vector per vertex
 using VertexStiffness = Pack[4][3][4][3];  ///< [b][i][c][j]: of component i of b and j of c
 
-/// Of the barycentric coordinates.
+/// Gradients of the barycentric coordinates.
 struct Gradients {
   PerVertex of;  ///< of[b][I] = dx_b/dX_I
 
@@ -22,7 +22,7 @@ struct Gradients {
   }
 };
 
-/// F, strain and det F of a point whose vertices are displaced by d.
+/// Computes F, strain and det F from the vertex displacements d.
 PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool small_strain,
                            Deformation& deformation) {
   Tensor grad_u = {};
@@ -39,7 +39,7 @@ PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool 
                          F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
   for (int v = 0; v < 6; ++v) {
     const int I = voigt_row[v], K = voigt_column[v];
-    // From grad u, not from F^T F - I: no cancellation at small strain.
+    // Computed from grad u, not from F^T F - I, to avoid cancellation at small strain.
     Pack e = grad_u[I][K] + grad_u[K][I];
     if (!small_strain)
       for (int i = 0; i < 3; ++i) e += grad_u[i][I] * grad_u[i][K];
@@ -50,7 +50,7 @@ PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool 
       for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
-/// Derivatives with respect to d of weight * (an energy density with stress S): P grad x_b, with P
+/// Computes the derivatives by d of weight * (an energy density with stress S): P grad x_b, with P
 /// = F S the first Piola-Kirchhoff stress.
 PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, const Voigt& S,
                                  Pack weight, PerVertex& force) {
@@ -65,8 +65,8 @@ PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, co
   }
 }
 
-/// grad x_b . S grad x_c of the first three vertices, times weight: what turning adds to the
-/// stiffness.
+/// Computes grad x_b . S grad x_c of the first three vertices, times weight: the stiffness due to
+/// rotation.
 PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Voigt& S, Pack weight,
                                        Tensor& geometric) {
   for (int b = 0; b < 3; ++b) {
@@ -83,12 +83,12 @@ PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Voigt& 
   }
 }
 
-/// Second derivatives of weight * energy with respect to d: k[b][i][c][j].
+/// Computes the second derivatives of weight * energy by d: k[b][i][c][j].
 PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Tensor& F,
                                     const Response& response, bool small_strain, Pack weight,
                                     VertexStiffness& k) {
-  // B maps vertex displacements to Voigt strain. Three vertices suffice: translations do not
-  // strain.
+  // B maps vertex displacements to Voigt strain. Three vertices suffice, because translations cause
+  // no strain.
   Pack B[6][9];
   for (int b = 0; b < 3; ++b)
     for (int i = 0; i < 3; ++i)

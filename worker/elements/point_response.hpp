@@ -3,8 +3,8 @@
 #include "worker/elements/element_kernels.hpp"
 #include "worker/laws/laws.hpp"
 
-/// What a material answers to a deformation, at one point of each element of a batch. Included by
-/// every translation unit that compiles the kernels, inside its own namespace.
+/// The response of a material to a deformation, at one point of each element of a batch. Included
+/// inside its own namespace by every translation unit that compiles the kernels.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 #define PALPATE_INLINE inline __attribute__((always_inline))
@@ -13,13 +13,12 @@ using Tensor = Pack[3][3];
 using Voigt = Pack[6];  ///< a symmetric tensor (strain.hpp)
 
 struct Deformation {
-  /// The identity for the small-strain law, whose stress does not turn with the body.
+  /// Identity for the small-strain law, whose stress does not rotate with the body.
   Tensor F;
   Strain<Pack> strain;
 };
 
-/// A function g of J = det F and its derivatives with respect to ln J: g' = J dg/dJ, g'' = J
-/// dg'/dJ.
+/// A function g of J = det F and its derivatives by ln J: g' = J dg/dJ, g'' = J dg'/dJ.
 struct VolumeFunction {
   Pack value, first, second;
 };
@@ -27,8 +26,8 @@ struct VolumeFunction {
 struct Response {
   Pack energy;                ///< per volume at rest, volumetric part included, Pa
   Voigt S;                    ///< second Piola-Kirchhoff stress, Pa
-  Pack D[6][6];               ///< dS/dgamma, Pa; where it was asked for
-  VolumeFunction constraint;  ///< c(J); where there is a pressure
+  Pack D[6][6];               ///< dS/dgamma, Pa; only with a tangent
+  VolumeFunction constraint;  ///< c(J); only with a pressure
 };
 
 PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
@@ -38,7 +37,7 @@ PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
 
 PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
   const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
-  // U has a logarithm, but not its derivatives: an inverted element must not have forces either.
+  // The logarithm makes U NaN for an inverted element; 0 * U makes its forces NaN as well.
   const Pack nothing = 0.0 * U;
   return {U, J * dU + nothing, J * dU + J * J * ddU};
 }
@@ -55,7 +54,7 @@ PALPATE_INLINE void invertC(Strain<Pack>& strain) {
   strain.C_inverse[5] = (C[3] * C[4] - C[5] * C[1]) * inverse_det;
 }
 
-/// Adds g(J): with dJ/dgamma = J C^-1, its stress is g' C^-1.
+/// Adds an energy g(J). Since dJ/dgamma = J C^-1, its stress is g' C^-1.
 template <bool with_tangent>
 PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Voigt& Ci, Response& response) {
   response.energy += g.value;
@@ -93,8 +92,8 @@ PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameter
   }
 }
 
-/// The response of the parameters' law at pressure p (Pa; ignored without one). Fills in what the
-/// law needs of `strain` beyond e and J.
+/// Computes the response of the parameters' law at pressure p (Pa; ignored without a pressure).
+/// Sets the members of `strain` that the law needs beyond e and J.
 template <bool with_tangent>
 void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
              Strain<Pack>& __restrict strain, Response& __restrict response) {
@@ -105,7 +104,7 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
     respondAs<with_tangent, true>(law, m, geometry, p, strain, response);
   };
   switch (m.law) {
-    case LawName::linear:  // the strain is the small one then
+    case LawName::linear:  // with the small strain
     case LawName::st_venant_kirchhoff: return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::modified_st_venant_kirchhoff: return mixed(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::mooney_rivlin: return mixed(MooneyRivlin{{m.c10, m.c01}});

@@ -1,23 +1,23 @@
 #pragma once
 
-/// Quadrature and the spaces on a straight-sided tetrahedron, as polynomials of its barycentric
-/// coordinates x.
+/// Quadrature rules and function spaces on a straight-sided tetrahedron, as polynomials of its
+/// barycentric coordinates x.
 ///
-/// A node is the middle of its two ends (P2) or is its end (P1), and its shape function N_a depends
-/// on the coordinates of its ends only. So
+/// A node is the midpoint of its two ends (P2) or is its end (P1). Its shape function N_a depends
+/// only on the coordinates of its ends, so
 ///
 ///   grad N_a = sum over its ends e of  slope(a, e, x) grad x_end(a, e)
 ///
 /// with the same grad x everywhere in the element.
 ///
-/// Included by every translation unit that compiles the kernels, inside its own namespace.
+/// Included inside its own namespace by every translation unit that compiles the kernels.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-/// Points in barycentric coordinates, weights with sum 1 (times the volume).
+/// Points in barycentric coordinates; weights with sum 1 (multiply by the volume).
 template <int n>
 struct QuadratureRule {
   static constexpr int points = n;
@@ -25,12 +25,12 @@ struct QuadratureRule {
   double weight[n];
 };
 
-/// Exact for linear integrands, and so for whatever is constant in an element.
+/// Exact for linear integrands.
 inline constexpr QuadratureRule<1> centroid_rule = {{{0.25, 0.25, 0.25, 0.25}}, {1.0}};
 
 /// Exact for polynomials of degree 5: Stroud, Approximate Calculation of Multiple Integrals, 1971,
-/// T3:5-1. It is the rule that GetFEM calls IM_TETRAHEDRON(5), with which forces are compared to
-/// more digits than the rule's own error.
+/// T3:5-1. GetFEM calls the rule IM_TETRAHEDRON(5). With the same rule, forces can be compared to
+/// more digits than its own error.
 inline constexpr QuadratureRule<15> degree_5_rule = [] {
   const double root = 3.8729833462074168852;  // of 15
   const double a = (7 + root) / 34, a_far = 1 - 3 * a, a_weight = (2665 - 14 * root) / 37800;
@@ -63,12 +63,12 @@ struct P1 {
   static constexpr double value(int a, const double (&x)[4]) { return x[a]; }
   static constexpr double slope(int, int, const double (&)[4]) { return 1; }
 
-  /// F is constant in the element.
+  /// F is constant in the element, so one point is exact.
   static constexpr const auto& rule = centroid_rule;
 };
 
-/// N_a = x_a (2 x_a - 1) at the vertices, 4 x_i x_j in the middle of edge ij; edges in the order of
-/// tetrahedron_edges (common/mesh/mesh.hpp).
+/// N_a = x_a (2 x_a - 1) at the vertices, 4 x_i x_j at the midpoint of edge ij. Edges are in the
+/// order of tetrahedron_edges (common/mesh/mesh.hpp).
 struct P2 {
   static constexpr int nodes = 10, ends = 2;
   static constexpr int end[nodes][ends] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
@@ -76,7 +76,7 @@ struct P2 {
   static constexpr double value(int a, const double (&x)[4]) {
     return a < 4 ? x[a] * (2 * x[a] - 1) : 4 * x[end[a][0]] * x[end[a][1]];
   }
-  /// Both ends of a vertex are itself; each has half of its slope 4 x_a - 1.
+  /// Both ends of a vertex are the vertex itself; each has half of its slope 4 x_a - 1.
   static constexpr double slope(int a, int e, const double (&x)[4]) {
     return a < 4 ? 2 * x[a] - 0.5 : 4 * x[end[a][1 - e]];
   }
@@ -84,14 +84,14 @@ struct P2 {
   static constexpr const auto& rule = degree_5_rule;
 };
 
-/// No field at all.
+/// A space without nodes.
 struct NoSpace {
   static constexpr int nodes = 0;
   static constexpr double value(int, const double (&)[4]) { return 0; }
 };
 
-/// Means over the element of N_a N_b, and of that less the means of N_a and N_b: what a quadratic
-/// form of the field, or of its deviation from its mean, is made of.
+/// Element means of N_a N_b (product), and of N_a N_b minus the product of the means (deviation):
+/// the matrices of quadratic forms of a field and of its deviation from its mean.
 template <class Space>
 struct QuadraticMeans {
   double product[Space::nodes][Space::nodes] = {};

@@ -2,8 +2,8 @@
 
 #include "worker/laws/invariants.hpp"
 
-/// The laws that are sums of functions of invariants, and the volumetric energy that stands beside
-/// an isochoric law.
+/// Laws that are sums of functions of invariants, and the volumetric energy that complements an
+/// isochoric law.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 struct NeoHookeanEnergy {
@@ -30,9 +30,9 @@ struct MooneyRivlinEnergy {
 
 /// W = c10 (j1 - 3) + c01 (j2 - 3) (Mooney 1940, Rivlin 1948).
 ///
-/// Where J = 1 this is the paper's Eq. 7 (less its misprint, a factor 2 on c01). In a discrete
-/// solution J is 1 only on average; the isochoric form is the one that GetFEM, the paper's library,
-/// computes, and its rest state has no pressure.
+/// For J = 1 this is the paper's Eq. 7 (without its misprint, a factor 2 on c01). In a discrete
+/// solution J is 1 only on average. GetFEM, the paper's library, computes the isochoric form, and
+/// its rest state has no pressure.
 using MooneyRivlin = InvariantLaw<MooneyRivlinEnergy>;
 
 struct YeohEnergy {
@@ -52,7 +52,7 @@ using Yeoh = InvariantLaw<YeohEnergy>;
 
 struct VerondaWestmannEnergy {
   double c1;  ///< Pa; the shear modulus at rest is c1 c2
-  double c2;  ///< how fast it stiffens, -
+  double c2;  ///< rate of stiffening, -
 
   template <class T, class Sum>
   void addTerms(const Strain<T>&, const Invariants<T>& invariants, Sum& sum) const {
@@ -64,24 +64,24 @@ struct VerondaWestmannEnergy {
   }
 };
 
-/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3): skin (Veronda and Westmann 1970). Where exp
-/// overflows, W is infinite.
+/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3): skin (Veronda and Westmann 1970). Infinite if
+/// exp overflows.
 using VerondaWestmann = InvariantLaw<VerondaWestmannEnergy>;
 
 struct HolzapfelGasserOgdenEnergy {
   double mu;          ///< shear modulus of the ground matrix, Pa
   double k1;          ///< stiffness of a fibre family, Pa
-  double k2;          ///< how fast it stiffens, > 0, -
+  double k2;          ///< rate of its stiffening, > 0, -
   double dispersion;  ///< kappa, 0 (all fibres parallel) to 1/3 (isotropic)
 
-  static constexpr double round_off = 1e-12;  ///< of E: what is at rest has not quite zero
+  static constexpr double round_off = 1e-12;  ///< of E, which is not exactly zero at rest
 
   template <class T, class Sum>
   void addTerms(const Strain<T>& strain, const Invariants<T>& invariants, Sum& sum) const {
     sum.addLinear(invariants.first(), mu / 2);
     for (const T(&a)[3] : strain.fiber) {
-      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a.
-      // Times a.a, which is 1 or 0: of a zero direction H is zero, and so is E.
+      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a. H
+      // is multiplied by a.a, which is 1 or 0: for a zero direction H is zero, and so is E.
       const T length = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
       T H[6];
       for (int v = 0; v < 6; ++v) {
@@ -102,10 +102,13 @@ struct HolzapfelGasserOgdenEnergy {
   }
 };
 
-/// W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1),
-/// E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)), j4 = J^(-2/3) a.C a, a the direction at
-/// rest (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, as all
-/// of them are at rest, and is the mean of both sides there. Where exp overflows, W is infinite.
+/// Fibre-reinforced tissue (Gasser, Ogden and Holzapfel 2006). The energy is
+///
+///   W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1)
+///   E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)),   j4 = J^(-2/3) a.C a
+///
+/// with a the fibre direction at rest. Fibres bear no compression: D jumps at E = 0, and is the
+/// mean of both sides there. At rest all fibres are at E = 0. W is infinite if exp overflows.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy, true>;
 
 template <class T>
@@ -113,11 +116,11 @@ struct VolumeDerivatives {
   T U, dU, ddU;  ///< with respect to J
 };
 
-/// U(J) = bulk/4 (J^2 - 1 - 2 ln J), what a compressible material adds to its isochoric energy
-/// (Simo and Miehe 1992). bulk: Pa, U''(1). A barrier: infinite at J = 0; NaN where J < 0.
+/// U(J) = bulk/4 (J^2 - 1 - 2 ln J), the volumetric energy of a compressible material (Simo and
+/// Miehe 1992). bulk: Pa, U''(1). A barrier: infinite at J = 0, NaN for J < 0.
 template <class T>
 VolumeDerivatives<T> volumetricEnergy(double bulk, const T& J) {
-  const T x = J - 1, inverse = 1 / J;  // in x: no cancellation near J = 1
+  const T x = J - 1, inverse = 1 / J;  // written in x to avoid cancellation near J = 1
   return {bulk / 4 * (x * x + 2 * (x - logarithmOfOnePlus(x))), bulk / 2 * x * (J + 1) * inverse,
           bulk / 2 * (1 + inverse * inverse)};
 }

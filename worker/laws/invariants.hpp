@@ -4,7 +4,8 @@
 
 /// Laws that are sums of functions of one isochoric invariant each, W = sum of f_k(j_k).
 ///
-/// An invariant I(C), homogeneous of degree m, made isochoric: j = J^(-2m/3) I, with N = dI/dC,
+/// An invariant I(C), homogeneous of degree m, has the isochoric form j = J^(-2m/3) I. With N =
+/// dI/dC,
 ///
 ///   dj/dC   = J^(-2m/3) (N - m/3 I C^-1)
 ///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1
@@ -14,8 +15,8 @@
 ///
 ///   S = 2 sum of f' dj/dC,   D = 4 sum of (f'' dj/dC (x) dj/dC + f' d2j/dC2).
 ///
-/// A law says its terms once (addTerms), to a StressSum or to a TangentSum. See Holzapfel,
-/// Nonlinear Solid Mechanics, 2000, sections 6.4 and 6.6.
+/// A law lists its terms once (addTerms), for a StressSum or a TangentSum. See Holzapfel, Nonlinear
+/// Solid Mechanics, 2000, sections 6.4 and 6.6.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 /// An isochoric invariant of degree 1 or 2 in C.
@@ -50,7 +51,7 @@ class Invariants {
     return j;
   }
 
-  /// J^(-2/3) H:C of a structure tensor H, given by its tensor components; tr H at rest.
+  /// J^(-2/3) H:C of a structure tensor H, given by its tensor components; equals tr H at rest.
   Invariant<1, T> along(const T (&H)[6]) const {
     Invariant<1, T> j{H[0] + H[1] + H[2], scale_, {}};
     for (int v = 0; v < 6; ++v) {
@@ -68,11 +69,11 @@ class Invariants {
   T scale_;  ///< J^(-2/3)
 };
 
-/// W and S of a sum of terms.
+/// W and S as a sum of terms.
 template <class T>
 class StressSum {
  public:
-  /// Adds f(j), given its value and its derivatives at j.
+  /// Adds f(j), given f and its derivatives at j.
   template <int degree>
   void add(const Invariant<degree, T>& j, const T& f, const T& df, const T&) {
     W_ += f;
@@ -94,7 +95,7 @@ class StressSum {
   T W_{}, normal_[6] = {}, along_inverse_{};
 };
 
-/// D of a sum of terms.
+/// D as a sum of terms.
 template <class T>
 class TangentSum {
  public:
@@ -120,7 +121,7 @@ class TangentSum {
         const T P = 0.5 * (Ci_[voigt_of[I][M]] * Ci_[voigt_of[K][N]] +
                            Ci_[voigt_of[I][N]] * Ci_[voigt_of[K][M]]);
         T sum = dyads_[v][w] + product_ * P + with_inverse_[v] * Ci_[w] + with_inverse_[w] * Ci_[v];
-        // d2 I2/dC2 = I (x) I less the symmetric identity.
+        // d2 I2/dC2 = I (x) I minus the symmetric identity.
         if (w < 3 && v != w) sum += second_;
         if (v >= 3 && v == w) sum -= 0.5 * second_;
         D[v][w] = sum;
@@ -139,15 +140,14 @@ class TangentSum {
   }
 
   const T (&Ci_)[6];
-  T product_{};             ///< times P
+  T product_{};             ///< factor of P
   T with_inverse_[6] = {};  ///< v of v (x) C^-1 + C^-1 (x) v
-  T second_{};              ///< times d2 I2/dC2
+  T second_{};              ///< factor of d2 I2/dC2
   T dyads_[6][6] = {};      ///< upper triangle
 };
 
-/// The law of an energy that says its terms:
-/// `template <class T, class Sum> void addTerms(const Strain<T>&, const Invariants<T>&, Sum&)
-/// const`. with_fibers: it reads Strain::fiber.
+/// The law of an energy that defines `template <class T, class Sum> void addTerms(const Strain<T>&,
+/// const Invariants<T>&, Sum&) const`. with_fibers: it reads Strain::fiber.
 template <class Energy, bool with_fibers = false>
 struct InvariantLaw : Energy {
   static constexpr bool needs_C_inverse = true, needs_fibers = with_fibers;

@@ -11,10 +11,12 @@ struct PrincipalStrains {
   T direction[3][3];  ///< direction[i]: unit vector of value[i]
 };
 
-/// By cyclic Jacobi rotations: the directions are orthogonal to rounding also where values
-/// coincide. The number of sweeps is fixed. After four, what is left beside the diagonal is below
-/// 1e-17 of the largest entry (of three million random tensors, graded and nearly multiple ones
-/// among them); one to spare.
+/// Computes principal strains by cyclic Jacobi rotations. The directions are orthogonal to
+/// round-off even if values coincide.
+///
+/// The number of sweeps is fixed. After four sweeps the off-diagonal entries are below 1e-17 of the
+/// largest entry, in three million random tensors that include graded and nearly multiple ones. One
+/// sweep is spare.
 template <class T>
 PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   constexpr int sweeps = 5;
@@ -27,7 +29,7 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   }
   for (int rotation = 0; rotation < 3 * sweeps; ++rotation) {
     const auto [p, q, r] = pairs[rotation % 3];
-    // t = tan of the smaller angle that makes g[p][q] vanish.
+    // t = tan of the smaller angle for which g[p][q] vanishes.
     const T difference = g[q][q] - g[p][p], twice = 2 * g[p][q];
     const T root = squareRoot(difference * difference + twice * twice);
     const T denominator = difference < T{} ? difference - root : difference + root;
@@ -49,13 +51,13 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   return principal;
 }
 
-/// W = sum over terms of mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), l_i = J^(-1/3) lambda_i the
-/// isochoric principal stretches (Ogden 1972). The shear modulus at rest is the sum of mu alpha
-/// / 2.
+/// W = sum over terms of mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), with the isochoric
+/// principal stretches l_i = J^(-1/3) lambda_i (Ogden 1972). The shear modulus at rest is the sum
+/// of mu alpha/2.
 ///
-/// In principal directions as in Simo and Taylor 1991. With c_i, n_i the eigenvalues and
-/// eigenvectors of C, y_i = ln l_i, and the Kirchhoff stresses tau_i = b_i - mean of b, b_i = sum
-/// of mu l_i^alpha:
+/// Computed in principal directions as in Simo and Taylor 1991. Let c_i, n_i be the eigenvalues and
+/// eigenvectors of C, y_i = ln l_i, b_i = sum of mu l_i^alpha, and the Kirchhoff stresses tau_i =
+/// b_i - mean of b. Then
 ///
 ///   S = sum of tau_i/c_i n_i (x) n_i
 ///   D = sum over i, j of d_ij n_i (x) n_i (x) n_j (x) n_j
@@ -64,7 +66,7 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
 ///   h_ij = (tau_i/c_i - tau_j/c_j)/(c_i - c_j)
 ///        = ((b_i - b_j)/(c_i - c_j) (c_i + c_j) - tau_i - tau_j)/(2 c_i c_j)
 ///
-/// and with d = y_i - y_j, without cancellation where stretches come together,
+/// and, with d = y_i - y_j and without cancellation for nearly equal stretches,
 ///
 ///   (b_i - b_j)/(c_i - c_j)
 ///        = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha d/2)/sinh(d).
@@ -73,7 +75,7 @@ struct Ogden {
   static constexpr bool needs_fibers = false;
   double mu[3];     ///< Pa
   double alpha[3];  ///< -, not 0
-  int terms;        ///< how many of them there are, 1 to 3
+  int terms;        ///< number of terms, 1 to 3
 
   template <class T>
   void evaluate(const Strain<T>& strain, T& W, T (&S)[6]) const {
@@ -144,14 +146,14 @@ struct Ogden {
     return p;
   }
 
-  /// dtau_i/dy_j, the y_i varying freely: both ends made deviatoric.
+  /// Returns dtau_i/dy_j for independent y_i: both indices are made deviatoric.
   template <class T>
   static T slope(const Principal<T>& p, int i, int j) {
     const T deviatoric = (p.db[0] + p.db[1] + p.db[2]) / 9 - (p.db[i] + p.db[j]) / 3;
     return i == j ? deviatoric + p.db[i] : deviatoric;
   }
 
-  /// h_ij.
+  /// Returns h_ij.
   template <class T>
   T shearCoefficient(const Principal<T>& p, int i, int j) const {
     const T d = p.y[i] - p.y[j], sinh_d = hyperbolicSine(d);

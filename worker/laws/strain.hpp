@@ -1,15 +1,18 @@
 #pragma once
 
-/// What the laws share. T is double, or a pack of doubles in the element kernels (lane l belongs to
-/// element l of a batch), so nothing in this folder branches on values: `condition ? a : b` selects
-/// lane by lane, and what the C library computes is computed lane by lane.
+/// Definitions shared by the laws.
 ///
-/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2
-/// g23, 2 g13), S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both
-/// triangles filled.
+/// T is double, or in the element kernels a pack of doubles (lane l belongs to element l of a
+/// batch). So no code in this folder branches on values: `condition ? a : b` selects lane by lane,
+/// and functions of the C library are called lane by lane.
 ///
-/// Every translation unit that compiles the kernels for another CPU family includes this inside its
-/// own namespace.
+/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear:
+///
+///   e = (g11, g22, g33, 2 g12, 2 g23, 2 g13)       strain
+///   S = (S11, S22, S33, S12, S23, S13)             stress
+///   D(i, j) = dS(i)/de(j)                          6 x 6 symmetric, both triangles filled
+///
+/// Included inside its own namespace by every translation unit that compiles the kernels.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
@@ -21,18 +24,17 @@ constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 0};
 constexpr int voigt_column[6] = {0, 1, 2, 1, 2, 2};
 constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-/// What a law is a function of.
+/// The argument of a law.
 template <class T>
 struct Strain {
   T e[6];          ///< Voigt, engineering shear
-  T C_inverse[6];  ///< tensor components in Voigt order, C = F^T F; read where Law::needs_C_inverse
-  T J;             ///< det F; read where Law::needs_C_inverse
-  /// Unit directions of the fibre families at rest, zero where there is none; read where
-  /// Law::needs_fibers.
+  T C_inverse[6];  ///< tensor components in Voigt order, C = F^T F; if Law::needs_C_inverse
+  T J;             ///< det F; if Law::needs_C_inverse
+  /// Unit directions of the fibre families at rest, zero if absent; if Law::needs_fibers.
   T fiber[2][3];
 };
 
-/// f of every lane.
+/// Applies f to every lane.
 template <class Function>
 double lanewise(double x, Function f) {
   return f(x);
@@ -47,11 +49,11 @@ T lanewise(const T& x, Function f) {
 inline auto exponential(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_exp(lane); });
 }
-/// exp(x) - 1, accurate where x is small.
+/// exp(x) - 1, accurate for small x.
 inline auto exponentialMinusOne(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_expm1(lane); });
 }
-/// ln(1 + x), accurate where x is small; NaN where x < -1.
+/// ln(1 + x), accurate for small x; NaN for x < -1.
 inline auto logarithmOfOnePlus(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_log1p(lane); });
 }
@@ -61,12 +63,14 @@ inline auto squareRoot(const auto& x) {
 inline auto hyperbolicSine(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
 }
-/// J^(-2/3), also of a negative J.
+/// J^(-2/3), also for negative J.
 inline double inverseTwoThirds(double J) { return 1 / __builtin_cbrt(J * J); }
-/// In all lanes at once, to two units in the last place; it is a tenth of an assembly when the C
-/// library does it. x = J^2; of y = x^(-1/3) the bits are about a constant less a third of those of
-/// x, which leaves an error of 0.035. Each correction, by the series of (1 - r)^(-1/3) where r = 1
-/// - x y^3, takes it to its third power.
+/// Computes all lanes at once, to two units in the last place. With the C library this function
+/// would take a tenth of an assembly.
+///
+/// Let x = J^2 and y = x^(-1/3). As integers, the bits of y are about a constant minus a third of
+/// the bits of x; the error of this start is 0.035. Each correction cubes the error. It uses the
+/// series of (1 - r)^(-1/3) with r = 1 - x y^3.
 template <class T>
 T inverseTwoThirds(const T& J) {
   using Bits = decltype(J < T{});
