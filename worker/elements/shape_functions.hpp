@@ -90,8 +90,8 @@ struct NoSpace {
   static constexpr double value(int, const double (&)[4]) { return 0; }
 };
 
-/// Element means of N_a N_b (product), and of N_a N_b minus the product of the means (deviation):
-/// the matrices of quadratic forms of a field and of its deviation from its mean.
+/// Element means of N_a N_b (product), and of N_a N_b minus the product of the means (deviation).
+/// These are the matrices of quadratic forms of a field, and of its deviation from its mean.
 template <class Space>
 struct QuadraticMeans {
   double product[Space::nodes][Space::nodes] = {};

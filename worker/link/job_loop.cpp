@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// The solver of one problem, with what a result has to say about where it comes from.
+/// The solver of one problem. It also writes the origin of each result.
 class ProblemSolver {
  public:
   ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
@@ -33,12 +33,12 @@ class ProblemSolver {
     const auto start =
         ready.start ? solver_.startFrom(*ready.start, displacementOf(job.start()), start_failure)
                     : solver_.startAtRest(start_failure);
-    // A start that cannot be made ready fails all its targets: each is one result, as ever.
+    // If the start cannot be prepared, every target fails; each failure is a result as usual.
     for (int n = 0; n < job.targets_size(); ++n) {
       const wire::Target& target = job.targets(n);
       if (!mailbox.begin(job.id(), target.point())) return;
       const int transitions = static_cast<int>(std::max(1U, target.steps()));
-      // The plan decides what is tried again and from where: no rescue on the way.
+      // No rescue on the way: the plan decides which targets are retried, and from where.
       const Outcome outcome =
           start ? walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
                       .outcome

@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// The solver thread: takes jobs from the mailbox and solves their targets one after another until
-/// it is closed. The solver of a problem (its analysis, its memory) is kept from job to job. What
-/// cannot be solved is a failed result, not an error; an exception ends the loop and is left in the
+/// The solver thread: takes jobs from the mailbox and solves their targets one after another, until
+/// the mailbox is closed. Consecutive jobs of a problem share its solver (analysis and memory). A
+/// failed solve is a result, not an error. An exception ends the loop and is reported through the
 /// mailbox.
 void solveJobs(Mailbox& mailbox, const ElementKernels& kernels);
 

@@ -16,7 +16,7 @@ Mailbox::Mailbox(std::chrono::milliseconds gathers_for)
 Mailbox::~Mailbox() { ::close(event_); }
 
 void Mailbox::wakeNetwork() {
-  // EAGAIN means the counter is full, so the reader wakes up anyway.
+  // EAGAIN means that the counter is full, so the reader wakes up anyway.
   if (eventfd_write(event_, 1) != 0 && errno != EAGAIN)
     throw failure("eventfd write: {}", errnoText());
 }
@@ -42,7 +42,7 @@ void Mailbox::close() {
 
 std::vector<FinishedTarget> Mailbox::takeFinished() {
   eventfd_t count = 0;
-  // Before the results are taken: one that comes in between wakes the network thread once more.
+  // Read before the results are taken, so that a result in between wakes the network thread again.
   if (eventfd_read(event_, &count) != 0 && errno != EAGAIN)
     throw failure("eventfd read: {}", errnoText());
   const std::lock_guard lock(mutex_);
@@ -67,7 +67,7 @@ bool Mailbox::hasWork() {
 std::optional<ReadyJob> Mailbox::next(bool waits) {
   std::unique_lock lock(mutex_);
   progress_.heartbeat.set_solving(false);
-  // Whatever was to be forgotten was the job before this one.
+  // A request to drop the current job concerned the previous one.
   forget_current_ = false;
   if (waits) changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
   if (jobs_.empty()) return std::nullopt;
@@ -75,7 +75,7 @@ std::optional<ReadyJob> Mailbox::next(bool waits) {
   jobs_.pop_front();
   progress_.heartbeat.set_solving(true);
   progress_.heartbeat.set_job(job.job.id());
-  // Until begin() names a target, the solver makes the start ready, which may kill it too.
+  // Until begin() names a target, the solver prepares the start, which may kill it too.
   *progress_.heartbeat.mutable_target() = job.job.start();
   ++progress_.begun;
   progress_.hung_after = std::chrono::seconds(job.job.hung_after_s());
@@ -96,7 +96,7 @@ void Mailbox::finish(FinishedTarget target) {
   PALPATE_ASSERT(progress_.heartbeat.solving(), "a target is finished while its job is in work");
   const bool last = target.last_of_job;
   finished_.push_back(std::move(target));
-  // Whatever happens, the network thread looks here itself now and then.
+  // The network thread also polls, so no result waits forever.
   const auto now = std::chrono::steady_clock::now();
   if (!last && woke_ && now - *woke_ < gathers_for_) return;
   woke_ = now;

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds poll_interval{50};
 
-/// Should this thread wait for the solver's, for a lock that it never lets go.
+/// Last resort if this thread deadlocks on a lock of the solver thread.
 void endAnyway(double drain_s) { alarm(static_cast<unsigned>(std::ceil(drain_s)) + 1); }
 
 }  // namespace
@@ -28,7 +28,7 @@ SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionO
 void SchedulerLink::connect() {
   handshakes_.reset();
   socket_ = makeDealer(context_);
-  // Read again each time: keys may be replaced while workers run.
+  // Read on each connection: keys may be replaced while workers run.
   if (keys_) proveAsClient(socket_, *keys_, options_.endpoint);
   handshakes_.emplace(context_, socket_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
@@ -36,15 +36,15 @@ void SchedulerLink::connect() {
   tellTrouble(connectDealer(socket_, options_.endpoint));
 }
 
-/// Once: it is tried again, since a key may be let in, or the host get its name, while this worker
-/// waits.
+/// Reports an obstacle once. Connecting goes on, because the key may be admitted, or the host name
+/// may resolve, while this worker waits.
 void SchedulerLink::tellTrouble(std::string trouble) {
   if (trouble.empty() || trouble == told_) return;
   spdlog::warn("{} is not reached: {}; trying again", options_.endpoint, trouble);
   told_ = std::move(trouble);
 }
 
-/// What was said since the last call.
+/// Sends the messages collected since the last call.
 void SchedulerLink::send() {
   for (const Letter& letter : outbox_.take())
     if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes)
@@ -78,11 +78,11 @@ ExitCode SchedulerLink::run() {
         wanted_kernels_ = session.wantedKernels();
         return ExitCode::done;
       case WorkerSession::Next::end:
-        // LINGER is 0; give the goodbye a moment to leave.
+        // LINGER is 0; this gives the goodbye a moment to leave.
         socket_.set(zmq::sockopt::linger, 500);
         return session.exitCode();
       case WorkerSession::Next::killed:
-        // Nothing less ends a thread that never returns.
+        // Only SIGKILL ends a thread that never returns.
         raise(SIGKILL);
         std::abort();
     }

@@ -10,18 +10,19 @@ namespace palpate {
 /// The network thread of a worker process: the socket and the clock around a WorkerSession.
 class SchedulerLink {
  public:
-  /// The references must outlive this object. Without `keys` the scheduler asks for none.
+  /// The references must outlive this object. No `keys`: the scheduler does not require keys.
   SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
                 std::optional<KeyFolder> keys);
 
-  /// Serves until there is no more work (done), or SIGINT or SIGTERM came and what was in work was
-  /// delivered or handed back (interrupted), within SessionOptions::drain_s whatever the solver
-  /// does. Error when the scheduler refuses this worker or says nothing for
-  /// SessionOptions::give_up_s, when the solver thread gave up. A solve that hangs ends the process
-  /// (SIGKILL).
+  /// Serves until there is no more work (done), or until SIGINT or SIGTERM (interrupted).
+  ///
+  /// After a signal the work in progress is delivered or handed back within
+  /// SessionOptions::drain_s, whatever the solver does. Error if the scheduler refuses this worker
+  /// or is silent for SessionOptions::give_up_s, or if the solver thread failed. A hung solve ends
+  /// the process (SIGKILL).
   ExitCode run();
-  /// run() ended because the scheduler wants this worker with these kernels (beginAnewWith); empty
-  /// otherwise.
+  /// Returns the kernels that the scheduler wants this worker to use (beginAnewWith), if that ended
+  /// run(); otherwise empty.
   const std::string& wantedKernels() const { return wanted_kernels_; }
 
  private:
@@ -36,8 +37,8 @@ class SchedulerLink {
   zmq::socket_t socket_;
   Inbox inbox_;
   Bundler outbox_;
-  std::optional<HandshakeWatch> handshakes_;  ///< behind the socket: it goes first
-  std::string told_;                          ///< of what keeps it from the scheduler
+  std::optional<HandshakeWatch> handshakes_;  ///< declared after the socket: destroyed first
+  std::string told_;                          ///< last reported obstacle to reaching the scheduler
   std::string wanted_kernels_;
 };
 

@@ -12,18 +12,18 @@
 namespace palpate {
 namespace {
 
-/// Start configurations kept: many hundred of a coarse mesh, dozens of a fine one.
+/// Size of the cache of start configurations: many hundred of a coarse mesh, dozens of a fine one.
 constexpr std::size_t cache_limit_bytes = 64u << 20;
 constexpr std::chrono::milliseconds hello_interval{1000};
-/// Answers and acknowledgements take milliseconds; this long without one, it or what was said was
-/// lost on the way: a connection that breaks and is made anew loses what it carried.
+/// Answers and acknowledgements take milliseconds. After this long the message or its answer was
+/// lost; a broken connection loses the messages in transit.
 constexpr std::chrono::milliseconds say_again_after{10000};
-/// Without any word from the scheduler for this long, the socket is made anew.
+/// After this long without a message from the scheduler, a new socket is made.
 constexpr std::chrono::milliseconds reconnect_after{20000};
-/// Jobs asked for in advance: the one in work and one that hides the network.
+/// Number of jobs requested in advance: the one in work, and one to hide the network's latency.
 constexpr std::uint32_t jobs_in_advance = 2;
-/// A worker that does nothing for so long was stopped, or had no processor time: neither the
-/// scheduler's silence nor its solver's counts.
+/// A worker that does nothing for this long was suspended or had no processor time. The gap then
+/// counts neither as silence of the scheduler nor as time of the solver.
 constexpr std::chrono::milliseconds own_gap{3000};
 
 using Seconds = std::chrono::duration<double>;
@@ -78,7 +78,7 @@ void WorkerSession::forgetWork() {
 void WorkerSession::receive(const Incoming& incoming, Time now) {
   forgiveOwnGap(now);
   const wire::Message& message = incoming.message;
-  // What cannot be read is no sign that a scheduler lives: the silence goes on.
+  // An unreadable message does not prove that a scheduler is alive.
   if (message.body_case() == wire::Message::BODY_NOT_SET) return;
   last_heard_ = now;
   if (message.has_refused())
@@ -101,7 +101,7 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
 }
 
 void WorkerSession::handleHeartbeat(const wire::HeartbeatReply& reply, Time now) {
-  // Another epoch knows nothing of us, of our jobs, nor of results it did not acknowledge.
+  // A new epoch does not know us, our jobs, or results that it has not acknowledged.
   if (epoch_.empty() || reply.epoch() == epoch_) return;
   spdlog::info("the scheduler was restarted; introducing this worker again");
   introduceAgain(now);
@@ -113,7 +113,7 @@ void WorkerSession::drain() {
 }
 
 void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
-  // The answer to a hello that was said twice.
+  // The second answer to a repeated hello.
   if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
   if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
@@ -121,9 +121,10 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
-  // Whoever told it to leave is not there any more.
+  // The scheduler that told this worker to leave is gone.
   draining_ = interrupted_at_.has_value();
-  // Of another build nothing is worth keeping, and jobs are asked for when its problem is here.
+  // After a change of build nothing is worth keeping. Jobs are requested once its problem has
+  // arrived.
   if (*build != build_ || !problem_) {
     build_ = *build;
     problem_.reset();
@@ -153,7 +154,7 @@ void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
   last_delivered_ = now;
 }
 
-/// The scheduler takes back what a worker holds that says hello again, and hands it out anew.
+/// A hello makes the scheduler take back this worker's jobs and hand them out again.
 void WorkerSession::introduceAgain(Time now) {
   epoch_.clear();
   forgetWork();
@@ -162,10 +163,10 @@ void WorkerSession::introduceAgain(Time now) {
 
 void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::string& payload,
                                   Time now) {
-  // Asked for twice, or by an earlier welcome.
+  // The reply to a repeated request, or to a request after an earlier welcome.
   if (problem_ || reply.build() != build_.bytes()) return;
   auto problem = std::make_shared<Problem>(decodeProblem(payload));
-  // The bits of every result rest on it, so that it is compared whole.
+  // The whole problem is compared, because the bits of every result depend on it.
   if (problemId(*problem) != build_)
     throw failure("the problem that the scheduler at {} sent is not build {}", options_.endpoint,
                   build_.shortHex());
@@ -223,7 +224,7 @@ void WorkerSession::handleFields(const wire::FieldsReply& reply, const std::stri
 void WorkerSession::startReadyJobs() {
   while (!waiting_.empty()) {
     std::shared_ptr<const NodalFields> start;
-    // In their order, even if a later one has its start here: the scheduler counts on it when it
+    // Jobs keep their order, even if a later one has its start: the scheduler relies on it when it
     // guesses which target killed a worker.
     if (const auto id = ContentId::fromBytes(waiting_.front().start_id())) {
       start = cached(*id);
@@ -248,7 +249,7 @@ void WorkerSession::remember(const ContentId& id, const std::string& payload) {
                     n_pressures = problem_->pressures.count();
   cache_.emplace_front(
       id, std::make_shared<const NodalFields>(NodalFields::decode(payload, n_nodes, n_pressures)));
-  // All fields of a problem are equally long. The newest stays, however long it is.
+  // All fields of a problem have the same size. The newest entry stays, whatever its size.
   const std::size_t most = std::max<std::size_t>(1, cache_limit_bytes / payload.size());
   if (cache_.size() > most) cache_.pop_back();
 }
@@ -256,8 +257,8 @@ void WorkerSession::remember(const ContentId& id, const std::string& payload) {
 void WorkerSession::deliverFinished(Time now) {
   for (FinishedTarget& finished : mailbox_.takeFinished()) {
     const wire::Result& result = finished.result;
-    if (result.build() != build_.bytes()) continue;  // of a build that this scheduler left behind
-    // The next job is likely to start where this one ended. Without the problem it is fetched.
+    if (result.build() != build_.bytes()) continue;  // of a build that this scheduler abandoned
+    // The next job is likely to start where this one ended. Without a problem its start is fetched.
     if (const auto id = ContentId::fromBytes(result.fields_id()); id && problem_)
       remember(*id, finished.fields);
     deliver(finished, now);
@@ -299,7 +300,7 @@ void WorkerSession::forgiveOwnGap(Time now) {
   if (idle_since_) *idle_since_ += gap;
 }
 
-/// Nothing waits, is solved, or is to be delivered.
+/// Returns whether nothing has been queued, solved or undelivered for leave_idle_s.
 bool WorkerSession::isIdleForLong(Time now) {
   if (!waiting_.empty() || !unacknowledged_.empty() || mailbox_.hasWork())
     idle_since_.reset();
@@ -336,7 +337,7 @@ WorkerSession::Next WorkerSession::advance(Time now) {
   if (!wanted_kernels_.empty()) return Next::anew;
   deliverFinished(now);
   if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
-  // Without a goodbye: the scheduler is to know what this process ended on.
+  // Without a goodbye, so that the scheduler learns which target ended this process.
   if (solverHangs(now)) return Next::killed;
   if (draining_ && unacknowledged_.empty() && !mailbox_.progress().heartbeat.solving()) {
     sayGoodbye(interrupted_at_ ? "interrupted" : finished_ ? "no more work" : "drained");

@@ -9,64 +9,64 @@
 
 namespace palpate {
 
-/// Where a worker goes, what it says of itself, and how patient it is.
+/// A worker's scheduler, identity and timeouts.
 struct SessionOptions {
-  /// Of the scheduler, as checkEndpoint() wants it.
+  /// Address of the scheduler, as checkEndpoint() accepts it.
   std::string endpoint = default_endpoint;
-  /// Its own name, 1 to 64 bytes, and those of the workers in whose place it was started because
-  /// their processes ended, which the scheduler is told.
+  /// This worker's id (1 to 64 bytes) and the ids of the dead workers that it replaces. The
+  /// scheduler is told both.
   std::string worker_id;
   std::vector<std::string> ended = {};
   std::string host;
   std::uint32_t pid = 0;
-  std::string kernel_family;           ///< as arithmetic() names it
-  std::vector<std::string> runs = {};  ///< families that it can start itself anew with
-  /// The worker ends without any word from the scheduler for this long.
+  std::string kernel_family;           ///< as arithmetic() returns it
+  std::vector<std::string> runs = {};  ///< kernel families it can restart with
+  /// The worker ends after this long without a message from the scheduler.
   double give_up_s = 15 * 60;
-  /// The worker leaves when it has had nothing to do for this long. 0: never.
+  /// The worker leaves after this long without work. 0: never.
   double leave_idle_s = 0;
-  /// Once interrupted: how long to wait until the target in work is done and acknowledged.
+  /// After an interrupt: time limit for the target in work to be solved and acknowledged.
   double drain_s = 10;
 };
 
 /// A worker's side of the protocol (docs/wire.md): says hello, asks for work, fetches start
-/// configurations, delivers results and keeps each until it is acknowledged. Whatever happens to
-/// the scheduler, it asks again and delivers again.
+/// configurations, delivers results and keeps each one until it is acknowledged. After any failure
+/// of the scheduler it repeats its requests and deliveries.
 ///
-/// Takes messages and the time, and sends what it has to say. No sockets, no clock of its own, one
-/// thread; the solver is on the other side of the mailbox.
+/// Its inputs are messages and the time, its outputs are messages. It has no socket and no clock.
+/// One thread; the solver is on the other side of the mailbox.
 class WorkerSession {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Nothing is lost when a message does not arrive: everything is said again until it is answered.
+  /// Lost messages do no harm: each is repeated until it is answered.
   using Send = std::function<void(wire::Message, std::string_view payload)>;
 
   /// `mailbox` must outlive it.
   WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now);
 
-  /// Error when the scheduler refuses this worker.
+  /// Handles a message. Error if the scheduler refuses this worker.
   void receive(const Incoming& incoming, Time now);
 
-  /// What the process around it is to do after advance().
+  /// The caller's next action after advance().
   enum class Next : std::uint8_t {
-    go_on,    ///< call advance() again when messages came, the mailbox woke up, or 50 ms passed
-    connect,  ///< anew: nothing came for long. Then say connected()
-    end,      ///< with exitCode(); a goodbye was sent
-    anew,     ///< with wantedKernels(), as the same worker
-    killed    ///< the solver hangs: end at once and without a word, as if killed
+    go_on,    ///< call advance() again after messages, a wake-up or 50 ms
+    connect,  ///< reconnect after long silence, then call connected()
+    end,      ///< with exitCode(); the goodbye is sent
+    anew,     ///< restart with wantedKernels(), as the same worker
+    killed    ///< the solver hangs: end at once, without a message
   };
-  /// Whatever time brings, and what the solver finished. Call after every batch of messages.
-  /// Error when the scheduler says nothing for give_up_s, and when the solver thread gave up.
+  /// Handles timeouts and finished targets. Call after every batch of messages. Error if the
+  /// scheduler is silent for give_up_s, or if the solver thread failed.
   Next advance(Time now);
   void connected(Time now);
-  /// No more work is taken: what is in work is delivered or handed back within drain_s.
+  /// Takes no more work. The work in progress is delivered or handed back within drain_s.
   void interrupt(Time now);
 
-  /// One of SessionOptions::runs, once the scheduler asked for it; empty before.
+  /// Returns the kernels that the scheduler asked for, one of SessionOptions::runs; empty before.
   const std::string& wantedKernels() const { return wanted_kernels_; }
-  /// done: there is no more work; interrupted otherwise.
+  /// Returns done if there is no more work, otherwise interrupted.
   ExitCode exitCode() const;
-  /// Results that no scheduler acknowledged yet.
+  /// Returns the number of results that no scheduler has acknowledged.
   std::size_t unacknowledged() const { return unacknowledged_.size(); }
 
  private:
@@ -109,13 +109,13 @@ class WorkerSession {
   std::optional<Time> interrupted_at_;
   std::optional<Time> idle_since_;
   std::string wanted_kernels_;
-  bool draining_ = false;  ///< no more jobs are asked for
-  bool finished_ = false;  ///< Drain said the build is complete
+  bool draining_ = false;  ///< no more jobs are requested
+  bool finished_ = false;  ///< Drain announced that the build is complete
 
-  std::uint64_t begun_ = 0;  ///< of the mailbox, when it was looked at last
+  std::uint64_t begun_ = 0;  ///< Progress::begun at the last check
   Time begun_at_;
 
-  std::deque<wire::Job> waiting_;  ///< jobs whose start configuration is not here yet
+  std::deque<wire::Job> waiting_;  ///< jobs whose start configuration is missing
   std::map<ResultKey, FinishedTarget> unacknowledged_;
   /// Start configurations of this problem, least recently used last.
   std::list<std::pair<ContentId, std::shared_ptr<const NodalFields>>> cache_;
