@@ -22,11 +22,11 @@
 namespace palpate {
 namespace {
 
-/// Bodies of a refused file that are listed by their sizes.
+/// Maximum number of bodies listed with their sizes in an error.
 constexpr std::size_t listed_bodies = 5;
 
-/// Gaps no wider are closed, in diagonals of the body: a hundredth of a millimetre of an organ.
-/// Wider ones up to the second are told from holes.
+/// Gaps up to the first width are closed, in diagonals of the body: a hundredth of a millimetre for
+/// an organ. Wider gaps, up to the second width, are reported as gaps and not as holes.
 constexpr double closed_gap = 1e-4, told_gap = 1e-2;
 
 std::vector<std::int32_t> countUp(std::size_t count) {
@@ -35,10 +35,10 @@ std::vector<std::int32_t> countUp(std::size_t count) {
   return numbers;
 }
 
-/// One edge of one triangle, named by its lower and its higher end.
+/// One edge of one triangle, identified by its lower and its higher end.
 struct Side {
   std::int32_t low, high, triangle;
-  bool upward;  ///< the triangle goes from low to high
+  bool upward;  ///< the triangle runs from low to high
 };
 
 std::vector<Side> sidesOf(const std::vector<Triangle>& triangles) {
@@ -55,7 +55,7 @@ std::vector<Side> sidesOf(const std::vector<Triangle>& triangles) {
   return sides;
 }
 
-/// Calls visit(run) for the sides of each edge.
+/// Calls visit(run) with the sides of each edge.
 template <class Visit>
 void forEachEdge(const std::vector<Side>& sides, Visit visit) {
   for (std::size_t first = 0, next; first < sides.size(); first = next) {
@@ -67,7 +67,7 @@ void forEachEdge(const std::vector<Side>& sides, Visit visit) {
   }
 }
 
-/// Edges with one triangle, and with more than two: one side of each.
+/// Edges with one triangle, and edges with more than two; one side of each.
 struct OddEdges {
   std::vector<Side> open, crowded;
 };
@@ -84,11 +84,11 @@ OddEdges oddEdgesOf(const std::vector<Triangle>& triangles) {
 struct SurfaceShell {
   std::vector<std::int32_t> triangles;
   Eigen::AlignedBox3d box = {};
-  double volume = 0;  ///< positive where it faces outward
+  double volume = 0;  ///< positive if it faces outward
   double area = 0;
   std::int64_t open_edges = 0;
-  int depth = 0;             ///< shells around it
-  std::int32_t around = -1;  ///< the smallest of them
+  int depth = 0;             ///< number of shells around it
+  std::int32_t around = -1;  ///< the smallest of these
 };
 
 class SurfaceRepair {
@@ -144,7 +144,7 @@ class SurfaceRepair {
       }
   }
 
-  /// First corners that are equal, as STL repeats them, then those that nearly are.
+  /// Merges equal corners, which STL repeats, and then nearly equal ones.
   void mergePoints() {
     const auto less = [this](std::int32_t a, std::int32_t b) {
       const Eigen::Vector3d &p = points_[a], &q = points_[b];
@@ -182,7 +182,7 @@ class SurfaceRepair {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
   }
 
-  /// Without area because two corners are one, or there already.
+  /// Drops triangles with two equal corners, and repetitions.
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
     if (flat > 0) note("{} triangles without area are left out", flat);
@@ -195,15 +195,15 @@ class SurfaceRepair {
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
   }
 
-  /// Corners at open edges joined with others near them, and the edges that this leaves.
+  /// Corners at open edges merged with corners near them, and the odd edges that remain.
   struct JoinedCorners {
     std::vector<std::int32_t> same_as;
     std::int64_t count = 0;
-    double farthest = 0;  ///< of a corner from the one that it is joined with
+    double farthest = 0;  ///< largest distance of a merged corner from its target
     OddEdges left;
   };
 
-  /// Joins within `reach`, and within a quarter of an open edge, so that holes stay.
+  /// Merges within `reach` and within a quarter of the mean open edge, so that holes remain.
   JoinedCorners joinedCorners(const std::vector<Side>& open, double reach) const {
     std::vector<std::int32_t> corners;
     double length = 0;
@@ -229,8 +229,8 @@ class SurfaceRepair {
     return joined;
   }
 
-  /// Programs that cut a surface, or round its corners one triangle at a time, leave gaps that are
-  /// too narrow to be seen.
+  /// Closes gaps too narrow to be visible. Programs leave them when they cut a surface, or round
+  /// its corners one triangle at a time.
   void closeGaps() {
     const OddEdges before = oddEdgesOf(triangles_);
     if (before.open.empty()) return;
@@ -244,15 +244,17 @@ class SurfaceRepair {
     dropIdleTriangles();
   }
 
-  /// Where one side of a surface has a corner in the middle of an edge, programs close the crack by
-  /// a triangle without area: the one behind its long edge is cut at that corner instead.
+  /// Removes triangles without area. Programs use them to close a crack, if one side of the surface
+  /// has a corner in the middle of an edge. The triangle behind the long edge is cut at that corner
+  /// instead.
   void cutBesideFlatTriangles() {
     bool cut = false;
     while (cutBesideOneEach()) cut = true;
     if (cut) note("triangles without area, by three corners on a line, are taken out");
   }
 
-  /// Those whose neighbour is not at work yet; false when there are none.
+  /// Cuts beside the flat triangles whose neighbours are still untouched. Returns false if there
+  /// are none.
   bool cutBesideOneEach() {
     std::int32_t first = 0;
     const auto last = static_cast<std::int32_t>(triangles_.size());
@@ -282,7 +284,7 @@ class SurfaceRepair {
     return true;
   }
 
-  /// The corner of a triangle that lies on the edge between the others; -1 of one with an area.
+  /// Returns the corner of a flat triangle that lies on the opposite edge; -1 if it has an area.
   std::int32_t middleCorner(std::int32_t t) const {
     const Triangle& corners = triangles_[t];
     int first = 0;  // of the longest edge
@@ -297,7 +299,7 @@ class SurfaceRepair {
     return height <= coincident_distance * box_.diagonal().norm() ? corners[(first + 2) % 3] : -1;
   }
 
-  /// Triangles that share an edge are of one.
+  /// Finds the shells. Triangles that share an edge belong to one shell.
   void findShells() {
     JoinedSets shells(triangles_.size());
     const std::vector<Side> sides = sidesOf(triangles_);
@@ -324,7 +326,8 @@ class SurfaceRepair {
     return (points_[b] - points_[a]).cross(points_[c] - points_[a]);
   }
 
-  /// Where the largest is meant, a leaf that floats beside it is no reason to refuse.
+  /// Drops open pieces beside the largest one: only the largest body is wanted, so they are no
+  /// error.
   void leaveOutOpenScraps() {
     const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
     const std::size_t count = leaveOut(
@@ -332,7 +335,7 @@ class SurfaceRepair {
     if (count > 0) note("{} open pieces beside the largest are left out", count);
   }
 
-  /// How many of the shells are `idle`; they go.
+  /// Drops the shells for which `idle` is true. Returns their number.
   template <class Idle>
   std::size_t leaveOut(Idle idle) {
     std::vector<bool> gone(triangles_.size());
@@ -390,8 +393,8 @@ class SurfaceRepair {
             : "");
   }
 
-  /// From the first triangle of each shell over all edges, until neighbours run through their edge
-  /// in opposite directions.
+  /// Orients the triangles of each shell, from the first one over all edges, until neighbours run
+  /// through their common edge in opposite directions.
   void turnAlike() {
     const std::vector<Side> sides = sidesOf(triangles_);
     std::vector<std::array<std::int32_t, 3>> neighbours(triangles_.size(), {-1, -1, -1});
@@ -444,7 +447,7 @@ class SurfaceRepair {
       for (const std::int32_t t : shell.triangles)
         shell.volume += (points_[triangles_[t][0]] - origin).dot(crossOf(t)) / 6;
     }
-    // Of a sphere it is 0.094.
+    // The ratio of a sphere is 0.094.
     constexpr double flat = 1e-6;
     const std::size_t left_out = leaveOut([](const SurfaceShell& shell) {
       return std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5);
@@ -456,7 +459,8 @@ class SurfaceRepair {
     measureShells();
   }
 
-  /// Whether a point lies inside a shell: the solid angle that it fills is all around, or none.
+  /// Returns whether a point lies inside a shell: the solid angle of the shell is then 4 pi, else
+  /// zero.
   bool isInside(const Eigen::Vector3d& point, const SurfaceShell& shell) const {
     if (!shell.box.contains(point)) return false;
     double angle = 0;
@@ -492,7 +496,7 @@ class SurfaceRepair {
     std::vector<std::int32_t> bodies;
     for (std::int32_t s = 0; s < static_cast<std::int32_t>(shells_.size()); ++s)
       if (isBody(shells_[s])) bodies.push_back(s);
-    // Shells that cut each other may each seem to be inside of another.
+    // Intersecting shells may each seem to be inside another.
     if (bodies.empty())
       throw wrong(
           "its {} pieces reach into each other: join them in the program that made them (Blender: "
@@ -523,8 +527,8 @@ class SurfaceRepair {
     if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
   }
 
-  /// Scans leave specks inside of a body. A mesh shows none that is narrower than its edges, and
-  /// gets a dozen nodes for each.
+  /// Fills specks, which scans leave inside a body. A mesh cannot resolve a cavity narrower than
+  /// its edges, and would spend a dozen nodes on each.
   void fillSpecks() {
     const SurfaceShell& body = *std::ranges::find_if(shells_, isBody);
     const double whole = std::abs(body.volume),
@@ -585,7 +589,7 @@ class SurfaceRepair {
         placeText((points_[triangle[0]] + points_[triangle[1]] + points_[triangle[2]]) / 3));
   }
 
-  /// Inside of a shell: in the middle of the way from one of its triangles to the next wall behind.
+  /// Returns a point inside a cavity: halfway from its largest triangle to the next wall behind.
   Eigen::Vector3d pointInside(const SurfaceShell& shell) const {
     const std::int32_t largest = *std::ranges::max_element(
         shell.triangles, {}, [this](std::int32_t t) { return crossOf(t).norm(); });
@@ -659,7 +663,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
 
 double edgeFor(double volume, double area, double nodes) {
   PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses others");
-  // nodes(h) falls with h: halved until it fits.
+  // nodes(h) falls with h, so h is found by bisection.
   double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
   for (int n = 0; n < 60; ++n) {
     const double h = (low + high) / 2;

@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-/// Up to here the number is taken for metres, and up to there for centimetres.
+/// Largest extents taken for metres and for centimetres.
 constexpr double most_metres = 1, most_centimetres = 40;
-/// A body of these extents in metres or in millimetres is nothing else.
+/// Extents for which metres or millimetres are certain.
 constexpr double sure_metres = 0.01, sure_millimetres = 100, most_millimetres = 1000;
 
 LengthUnit unitOf(std::string_view word) {

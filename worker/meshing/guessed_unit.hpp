@@ -7,29 +7,29 @@
 
 namespace palpate {
 
-/// What a mesh file is probably written in: files do not say.
+/// The likely unit of a mesh file. Files do not state it.
 struct GuessedUnit {
   LengthUnit unit;
-  /// Another unit is possible too: what it would make of the body, a clause for people. Empty where
-  /// the size speaks for itself.
+  /// Why another unit is possible: the size it would give the body, a clause for the user. Empty if
+  /// the guess is clear.
   std::string doubt = {};
 };
 
-/// By the largest extent of the body in the unit of the file: up to 1 metres, below 40 centimetres,
-/// then millimetres; an organ is 4 cm to 1 m wide. Nothing where no unit makes it a body of 1 mm
-/// to 10 m.
+/// Guesses the unit from the body's largest extent in the unit of the file: metres up to 1,
+/// centimetres below 40, otherwise millimetres. An organ is 4 cm to 1 m wide. Returns nothing if no
+/// unit gives a body of 1 mm to 10 m.
 std::optional<GuessedUnit> guessedUnit(double extent);
 
-/// Why there is none for a body of this extent: a clause for people.
+/// Returns why no unit fits a body of this extent: a clause for the user.
 std::string whyNoUnit(double extent);
 
-/// Whether a body of this extent in the unit of its file is one of 1 mm to 10 m.
+/// Returns whether a body of this extent in this unit measures 1 mm to 10 m.
 bool makesABody(double extent, const LengthUnit& unit);
 
-/// What is wrong with a unit that makes none: a clause for people.
+/// Returns why this unit does not fit: a clause for the user.
 std::string whyNotIn(double extent, const LengthUnit& unit);
 
-/// The unit of this word; Error (bad input) that lists the words otherwise.
+/// Returns the unit of this name. Error (bad input), with a list of the names, if there is none.
 LengthUnit unitNamed(const std::string& word);
 
 }  // namespace palpate

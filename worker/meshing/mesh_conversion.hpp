@@ -8,31 +8,31 @@
 
 namespace palpate {
 
-/// What convert_mesh.py made of a mesh file.
+/// The result of convert_mesh.py for a mesh file.
 struct ConvertedMesh {
-  bool is_volume = false;  ///< else a surface
-  /// Of a volume a .msh (2.2, ASCII) as readGmsh reads it; of a surface what readTriangles reads.
+  bool is_volume = false;  ///< otherwise a surface
+  /// For a volume a .msh file (2.2, ASCII) for readGmsh; for a surface a file for readTriangles.
   std::filesystem::path file;
-  std::vector<std::string> notes;  ///< what was put right, sentences for people
+  std::vector<std::string> notes;  ///< corrections, sentences for the user
 };
 
-/// What a user asks for beside the mesh as it is; of tetrahedra.
+/// Optional changes to a tetrahedral mesh.
 struct ConversionWishes {
-  bool straight = false;  ///< of those with curved edges the corners
-  bool weld = false;      ///< nodes that lie on each other as one (coincident_distance)
+  bool straight = false;  ///< curved tetrahedra become straight: only their corners are kept
+  bool weld = false;      ///< coincident nodes are merged (coincident_distance)
 };
 
-/// Reads a mesh of any format that convert_mesh.py or meshio knows into a new file of `folder`.
+/// Converts a mesh of any format that convert_mesh.py or meshio reads into a new file in `folder`.
 ///
-/// Error (bad input), naming the file and where it can the line, for what is wrong with it; Error
-/// that names the package for a missing Python or module.
+/// Error (bad input), with the file and if possible the line, if the mesh is wrong. Error with the
+/// package's name if Python or a module is missing.
 ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesystem::path& folder,
                           ConversionWishes wishes = {});
 
-/// Longer than any body that can be computed on takes to be meshed.
+/// Time limit of meshing; any body that can be computed takes less.
 inline constexpr std::chrono::minutes longest_meshing(30);
 
-/// Runs gmsh, tetgen or Python to its end, or until this process is interrupted.
+/// Runs gmsh, tetgen or Python until it ends or this process is interrupted.
 inline Ran runMeshing(ForeignProgram program) {
   program.patience = longest_meshing;
   program.heeds_interrupts = true;

@@ -21,34 +21,36 @@
 namespace palpate {
 namespace {
 
-/// In names of what holds a body, the most telling first.
+/// Words in the names of groups that hold a body, the most telling first.
 constexpr const char* words_of_fixed[] = {"fix",  "clamp",  "encastre", "support",
                                           "held", "anchor", "ground",   "attach",
                                           "base", "bottom", "bone",     "ligament"};
-/// Of the nodes of a surface: a group of more holds too much.
+/// Largest share of the surface's nodes in a fixed group; a larger group holds too much.
 constexpr double most_fixed = 0.6;
-/// Of the length along the longest axis.
+/// Length of the fixed end, as a fraction of the longest axis.
 constexpr double fixed_end = 0.15;
-/// The finger, in mean edges of the surface; smaller ones where it would reach around a lobe.
+/// Radius of the finger, in mean edges of the surface. Other shares are tried if a radius causes
+/// warnings.
 constexpr double wanted_edges = 1.5;
 constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
-/// So that a surface has some 330 sites at most: about 1.7 area / radius^2 of them.
+/// Limits a surface to about 330 sites; there are about 1.7 area / radius^2.
 constexpr double area_per_finger = 190;
-/// A smaller finger that would have more places than these makes a first build long.
+/// Largest number of places for a smaller finger; more would make a first build long.
 constexpr double most_places = 1000;
 constexpr const DeviceProfile& proposed_device = device_profiles.front();
-/// Of the tissue proposed, Pa, and its Young's modulus.
+/// The proposed tissue, Pa, and its Young's modulus.
 constexpr double c10 = 1300, c01 = 1280, tissue_young = 6 * (c10 + c01);
-/// How deep a finger goes before most places meet that force, as livers showed: E r d = 1.6 F.
+/// Depth at which most places reach the device's largest force, measured on livers: E r d = 1.6 F.
 constexpr double force_depth = 1.6;
-/// Depths in radii of the finger; deeper the tissue is torn.
+/// Largest depth in radii of the finger. Deeper pushes would tear the tissue.
 constexpr double deepest = 1.5;
 
 struct FixedProposal {
   std::string toml, why;
 };
 
-/// Whether a word of the name begins so: "BC_Fixed" and "fixedNodes" say "fix", "prefix" does not.
+/// Returns whether a word of the name begins with `word`: "BC_Fixed" and "fixedNodes" match "fix",
+/// "prefix" does not.
 bool nameSays(const std::string& name, std::string_view word) {
   std::string lower;
   char before = ' ';
@@ -79,7 +81,7 @@ std::optional<std::string> fixedGroup(const Mesh& mesh) {
   return std::nullopt;
 }
 
-/// Area of the surface, m^2, beyond `fraction` of the axis from one end or the other.
+/// Returns the area, m^2, of the surface within the fraction `fixed_end` of one end of the axis.
 double areaAtEnd(const Mesh& mesh, int axis, bool below) {
   const Eigen::AlignedBox3d box = boundingBox(mesh);
   const double depth = fixed_end * box.sizes()[axis];
@@ -100,7 +102,7 @@ FixedProposal proposedFixed(const Mesh& mesh) {
   int axis = 0;
   boundingBox(mesh).sizes().maxCoeff(&axis);
   const char word = "xyz"[axis];
-  // Of two alike the lower one.
+  // For nearly equal ends the lower one.
   const bool below = areaAtEnd(mesh, axis, true) >= 0.98 * areaAtEnd(mesh, axis, false);
   return {fmt::format("{} = {{ axis = \"{}\", fraction = {} }}", below ? "below" : "above", word,
                       fixed_end),
@@ -125,8 +127,8 @@ SurfaceMeasure measuredSurface(const Mesh& mesh) {
   return measured;
 }
 
-/// Whether a finger of this radius, metres, reaches around the body at so many places of `problem`
-/// that it will be warned of there, too.
+/// Returns whether a finger of this radius, metres, reaches around the body at so large a share of
+/// the places of `problem` that it would cause a warning as well.
 bool reachesAround(const Problem& problem, double radius) {
   const auto both_sides = std::ranges::count_if(problem.active, [&](const ActivePatch& patch) {
     return patch.finger && isOnBothSides(problem.mesh, {patch.finger->center, radius});
@@ -134,13 +136,14 @@ bool reachesAround(const Problem& problem, double radius) {
   return 10 * both_sides > std::ssize(problem.active);
 }
 
-/// Warnings that every scene of this mesh has.
+/// Returns the number of warnings that every scene of this mesh causes.
 std::size_t warningsOfMesh(const Mesh& mesh) {
   return unjoinedText(mesh, measure(mesh), "").size() + (nearlyFlat(mesh) > 0 ? 1 : 0);
 }
 
-/// Whether a finger of this radius, metres, may be better than that of `problem`, which has so many
-/// warnings of its own; without its sites, which take seconds on a thin body.
+/// Returns whether a finger of this radius, metres, may be better than the finger of `problem`,
+/// which causes this number of warnings. Does not compute its sites, which takes seconds on a thin
+/// body.
 bool mayBeBetter(double radius, const Problem& problem, std::size_t warnings) {
   const double smaller = problem.scene.active.front().radius / radius;
   const auto places = static_cast<double>(problem.active.size()) * smaller * smaller;
@@ -148,13 +151,13 @@ bool mayBeBetter(double radius, const Problem& problem, std::size_t warnings) {
          (warnings > 1 || !reachesAround(problem, radius));
 }
 
-/// Two digits: what is only proposed has no more.
+/// Rounds to two digits, which suffice for a proposal.
 double rounded(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::round(value / unit) * unit;
 }
 
-/// What is written of one size of the finger.
+/// Writes the scene for one size of the finger.
 class SceneText {
  public:
   SceneText(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
@@ -221,7 +224,7 @@ precision = "int16"                  # of displacements, which only the picture 
   }
 
  private:
-  /// Up to where comments begin.
+  /// Returns the spaces up to the column of the comments.
   static std::string pad(double number, std::size_t longer_key = 0) {
     const std::size_t written =
         std::string("radius = ").size() + longer_key + fmt::format("{:.4g}", number).size();
@@ -255,7 +258,7 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       std::max(wanted_edges * measured.mean_edge, std::sqrt(measured.area / area_per_finger));
   const std::size_t unavoidable = warningsOfMesh(mesh);
   std::optional<ProposedScene> best;
-  Problem problem;  // of the best
+  Problem problem;  // of `best`
   std::optional<Error> refusal;
   for (const double share : finger_shares) {
     const double radius = rounded(share * wanted / unit.metres);
@@ -276,7 +279,8 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
       scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
-      // Another finger may be taken. What is told of two in the same words is not of their size.
+      // Another finger may fit. But if two of them cause the same error, it does not depend on
+      // their size.
       const bool told = !best && refusal && std::string_view(error.what()) == refusal->what();
       if (told || error.exitCode() != ExitCode::usage) throw;
       if (!refusal) refusal = error;

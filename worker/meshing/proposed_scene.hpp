@@ -9,25 +9,27 @@
 
 namespace palpate {
 
-/// A scene to begin with.
+/// A proposed scene, as a starting point.
 struct ProposedScene {
-  std::string toml;                        ///< commented, lengths in the unit of the mesh
-  std::vector<std::string> choices;        ///< what was chosen and why, sentences for people
-  std::vector<std::string> warnings = {};  ///< of warningsOf(): what could not be avoided
+  std::string toml;                  ///< commented, lengths in the unit of the mesh
+  std::vector<std::string> choices;  ///< the choices and their reasons, sentences for the user
+  std::vector<std::string> warnings = {};  ///< unavoidable warnings, from warningsOf()
 };
 
-/// Proposes how a mesh (metres, as readGmsh read it with `unit`) is held and touched: fixed is a
-/// group whose name says so, or the broader end along the longest axis; a finger touches all of the
-/// rest; the workspace is as deep as the device's force reaches in soft tissue. Of several sizes of
-/// the finger the first without a warning is taken.
+/// Proposes the fixed nodes, the tool and the workspace for a mesh (metres, as readGmsh read it
+/// with `unit`).
 ///
-/// `mesh_file` is the name of the mesh beside the scene, `doubt` what is not sure of the unit (or
-/// empty). Error (bad input) where no scene can be made of the mesh, as resolve() says it.
+/// Fixed is a group with a telling name, or else the broader end along the longest axis. A finger
+/// touches all of the rest; its radius is the first of several sizes without a warning. The
+/// workspace is as deep as the device's force reaches in soft tissue.
+///
+/// `mesh_file` is the name of the mesh beside the scene, `doubt` the uncertainty of the unit (or
+/// empty). Error (bad input), as from resolve(), if the mesh allows no scene.
 ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
                             const LengthUnit& unit, const std::string& doubt);
 
-/// A scene names the mesh beside it in quotes: Error (bad input) that names the option for a file
-/// whose name has a quote, a backslash or a control character.
+/// Checks the name of a mesh file, which a scene quotes. Error (bad input), with the option, if the
+/// name contains a quote, a backslash or a control character.
 void refuseMeshName(const std::filesystem::path& file, const char* option);
 
 }  // namespace palpate

@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-/// A folder for what foreign programs read and write, gone with the object.
+/// A temporary folder for the files of external programs, deleted with the object.
 class ScratchFolder {
  public:
-  /// Error when the system gives none.
+  /// Error if the system provides no folder.
   ScratchFolder() {
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
@@ -24,7 +24,7 @@ class ScratchFolder {
     path_ = name;
   }
   ~ScratchFolder() {
-    std::error_code ignored;  // what is left there harms nobody
+    std::error_code ignored;  // a folder left there does no harm
     std::filesystem::remove_all(path_, ignored);
   }
   ScratchFolder(const ScratchFolder&) = delete;

@@ -21,25 +21,26 @@
 namespace palpate {
 namespace {
 
-/// How often a size is tried until the number of nodes is near what was wanted.
+/// Maximum number of sizes tried to reach the requested number of nodes.
 constexpr int most_tries = 5;
-/// Of the number of nodes by the length of edges: between those inside (-3) and on the surface
-/// (-2).
+/// Exponent of the number of nodes as a function of edge length, between the interior's (-3) and
+/// the surface's (-2).
 constexpr double nodes_by_size = -2.5;
-/// A mesh whose volume differs by more from that of the surface is of another body.
+/// Relative differences in volume from the surface: above the first the mesh is rejected, above the
+/// second a note reports it.
 constexpr double lost_volume = 0.25, told_volume = 0.05;
-/// Degrees between neighbours of a surface from which on their edge is one of the body, where such
-/// edges form lines.
+/// Angle in degrees between neighbouring triangles from which their edge is a crease of the body,
+/// if such edges form lines.
 constexpr double crease = 40;
 
-/// What one program made of the surface; text as of a .msh, or why there is none.
+/// The result of one program: the text of a .msh file, or the reason why there is none.
 struct Attempt {
   std::string msh;
   std::string problem;
   bool missing = false;  ///< the program is not installed
 };
 
-/// The last line in which a program speaks of an error, or its last line at all.
+/// Returns the line in which a program reports an error, or its last line.
 std::string decisiveLine(const Ran& ran) {
   std::string last, error;
   std::istringstream lines(ran.out + "\n" + ran.err);
@@ -62,7 +63,7 @@ std::string coordinates(const Eigen::Vector3d& x) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", x[0], x[1], x[2]);
 }
 
-/// The triangles and a point in each cavity, for tetgen.
+/// Returns the triangles and a point in each cavity, for tetgen.
 std::string trianglesAsSmesh(const ClosedSurface& surface) {
   std::string text;
   auto out = std::back_inserter(text);
@@ -77,8 +78,8 @@ std::string trianglesAsSmesh(const ClosedSurface& surface) {
   return text + "0\n";
 }
 
-/// A file of Gmsh's version 2.2; triangles are of the physical group `surface` (0: none),
-/// tetrahedra of group 2.
+/// Returns a file of Gmsh's format 2.2. Triangles belong to the physical group `surface` (0: none),
+/// tetrahedra to group 2.
 std::string asMsh(const char* group_names, const std::vector<Eigen::Vector3d>& points,
                   const std::vector<Triangle>& triangles, int surface,
                   const std::vector<Tetrahedron>& tetrahedra) {
@@ -96,14 +97,14 @@ std::string asMsh(const char* group_names, const std::vector<Eigen::Vector3d>& p
   return text + "$EndElements\n";
 }
 
-/// With its groups.
+/// Returns the mesh with its groups.
 std::string meshAsMsh(const Mesh& mesh) {
   return asMsh("$PhysicalNames\n2\n2 1 \"surface\"\n3 2 \"body\"\n$EndPhysicalNames\n", mesh.nodes,
                mesh.surface, 1, mesh.tetrahedra);
 }
 
-/// Whether the sharp edges of the surface are lines, as those of a box, and not the noise of a
-/// coarse or scanned one, in which they end after a triangle or two.
+/// Returns whether the sharp edges of the surface form lines, as those of a box do. The noise of a
+/// coarse or scanned surface has sharp edges that end after a triangle or two.
 bool hasCreases(const ClosedSurface& surface) {
   std::map<Edge, Eigen::Vector3d> normal_of;
   std::map<std::int32_t, int> sharp_at;
@@ -151,21 +152,21 @@ class Filling {
   Filling(const ClosedSurface& surface, std::filesystem::path folder)
       : surface_(surface), folder_(std::move(folder)) {}
 
-  /// New triangles of this size, and tetrahedra.
+  /// Makes new triangles of this size, and tetrahedra.
   Attempt byGmsh(double size) {
     const double angle = (creases() ? crease : 180) * std::numbers::pi / 180;
     return runGmsh(fmt::format("ClassifySurfaces{{{:.6g}, 1, 1, Pi}};\nCreateGeometry;", angle),
                    size);
   }
 
-  /// Tetrahedra between the given triangles.
+  /// Makes tetrahedra between the given triangles.
   Attempt byGmshOnTriangles(double size) { return runGmsh("", size); }
 
   Attempt byTetgen(double size) {
     if (!isInstalled("tetgen")) return missing("tetgen");
     replaceFile(folder_ / "surface.smesh", trianglesAsSmesh(surface_), "surface");
-    // A regular tetrahedron with edges of that length; tetgen's are that at most. Without -Y it
-    // splits the triangles, five times as many nodes on a sphere, with worse shapes.
+    // The volume of a regular tetrahedron with this edge length, which is tetgen's upper limit.
+    // Without -Y it splits the triangles: five times as many nodes on a sphere, with worse shapes.
     const double volume = size * size * size / (6 * std::numbers::sqrt2);
     const std::filesystem::path node = folder_ / "surface.1.node";
     std::error_code ignored;
@@ -202,7 +203,7 @@ class Filling {
     const std::filesystem::path body = folder_ / "body.msh";
     std::error_code ignored;
     std::filesystem::remove(body, ignored);
-    // Else options that its user has saved change the mesh.
+    // Otherwise options saved by the user would change the mesh.
     setenv("GMSH_HOME", folder_.c_str(), 1);
     const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
                                           "msh22", "-o", body.string(), "-v", "3"},
@@ -224,7 +225,8 @@ double volumeOf(const Mesh& mesh) {
   return volume;
 }
 
-/// Reads what a program made; its problem when that is no mesh of this body.
+/// Reads the mesh of an attempt. Returns nothing, and sets its problem, if that is no mesh of this
+/// body.
 std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surface) {
   if (!attempt.problem.empty()) return std::nullopt;
   Tetrahedra made;
@@ -248,7 +250,8 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
   return made;
 }
 
-/// A size in another unit than the file's would keep the machine busy for hours, or fill nothing.
+/// Refuses sizes that would keep the machine busy for hours, or give no element. The likely cause
+/// is another unit than the file's.
 void refuseSize(double size, const ClosedSurface& surface, const std::string& source) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : surface.points) box.extend(point);
@@ -262,7 +265,7 @@ void refuseSize(double size, const ClosedSurface& surface, const std::string& so
       extent);
 }
 
-/// What it makes; its problem when a signal or our patience ends it. Interrupts end everything.
+/// Runs one attempt. A signal or a timeout becomes its problem; an interrupt is passed on.
 template <class Fill>
 Attempt tried(Fill fill, double size) {
   try {
@@ -273,7 +276,7 @@ Attempt tried(Fill fill, double size) {
   }
 }
 
-/// One way to fill a surface, tried with sizes until the number of nodes is right.
+/// Fills a surface in one way, and adapts the size until the number of nodes is right.
 template <class Fill>
 std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,
                                   Attempt& last, Fill fill) {
@@ -289,7 +292,7 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
     const double off = std::abs(std::log(nodes / fineness.nodes)),
                  change = std::abs(volumeOf(made->mesh) / surface.volume - 1);
     spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
-    // Nodes that details of the surface have in every size: the body does not pay for them.
+    // Details of the surface need nodes at every size. Fewer nodes must not cost the body's volume.
     if (best && change > told_volume && best_change <= told_volume) break;
     if (!best || off < best_off) {
       best_change = change;

@@ -8,33 +8,33 @@
 
 namespace palpate {
 
-/// Which program fills a surface.
+/// The program that fills a surface.
 enum class Mesher : std::uint8_t {
-  automatic,  ///< gmsh; where that fails gmsh on the given triangles, then tetgen
-  gmsh,       ///< new triangles of the wanted size, then tetrahedra
-  tetgen      ///< the given triangles stay, and decide how coarse it can be
+  automatic,  ///< gmsh; if that fails gmsh on the given triangles, then tetgen
+  gmsh,       ///< new triangles of the requested size, then tetrahedra
+  tetgen      ///< keeps the given triangles, which limit how coarse the mesh can be
 };
 
-/// A mesh on its way into a file.
+/// A tetrahedral mesh and its file.
 struct Tetrahedra {
-  std::string msh;  ///< a whole file, Gmsh 2.2 ASCII, in the unit of what it was made of
-  Mesh mesh;        ///< the same, read as if its unit were metres
-  std::vector<std::string> notes = {};  ///< what was put right, which program, what it could not do
+  std::string msh;  ///< a complete file, Gmsh 2.2 ASCII, in the unit of the surface
+  Mesh mesh;        ///< the same mesh, read as if its unit were metres
+  std::vector<std::string> notes = {};  ///< corrections, the program used, and its limits
 };
 
-/// More than can be computed on by far.
+/// Upper limit of nodes, far more than can be computed.
 inline constexpr std::int32_t most_nodes = 3000000;
 
-/// Nodes within this share of what was wanted are near enough.
+/// Accepted relative deviation from the requested number of nodes.
 inline constexpr double near_enough = 0.2;
 
-/// Fills a surface with tetrahedra, in files of `folder`. The volume is the group "body", the
-/// surface the group "surface". `source` begins errors.
+/// Fills a surface with tetrahedra, with files in `folder`. The volume is the group "body", the
+/// surface the group "surface". Errors begin with `source`.
 ///
-/// Error (bad input) for a size that makes no element, or millions; Error that names the package
-/// when no program is installed that may be used; Error, with what it said, when none of them makes
-/// a mesh whose volume is that of the surface to 25 %. One that crashes or takes too long has
-/// failed like any other; an interrupt ends everything, with its exit code.
+/// Error (bad input) for a size that gives no element, or millions. Error with the package's name
+/// if no permitted program is installed. Error with the programs' messages if none of them makes a
+/// mesh with the surface's volume to 25 %. A program that crashes or takes too long counts as
+/// failed. An interrupt ends everything, with its exit code.
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source);
 

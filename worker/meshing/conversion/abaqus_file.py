@@ -8,11 +8,11 @@ ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "h
           "CPE3": "triangle", "R3D3": "triangle", "M3D3": "triangle", "SFM3D3": "triangle", "STRI65": "triangle6",
           "CPS6": "triangle6", "CPE6": "triangle6", "M3D6": "triangle6", "S4": "quad", "CPS4": "quad", "R3D4": "quad",
           "T3D2": "line", "B31": "line", "T3D3": "line3", "B32": "line3"}
-# What makes or moves nodes and elements that the lines of *NODE and *ELEMENT do not tell.
+# Keywords that create or move nodes and elements beyond the lines of *NODE and *ELEMENT.
 GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYMMETRIC MODEL GENERATION")
 REMEDY = "write the model flat, with every node where it is and every element, or convert it to .vtu by another program"
 NO_CONTINUUM = ("MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "GAP", "DCOUP", "JOINTC", "ITS")
-LONGEST_RANGE = 10_000_000  # members of a set
+LONGEST_RANGE = 10_000_000  # members of one set
 
 
 def abaqus_kind(word):
@@ -25,21 +25,21 @@ class Abaqus:
     """Keywords of one .inp with what it includes. Numbers of nodes and elements hold in their part: a scope."""
 
     def __init__(self, path):
-        self.files, self.scope, self.part_of = [path], "", {}  # part_of: instance -> scope
-        self.moved = {}  # scope -> (path, line) that moves an instance of it
+        self.files, self.scope, self.part_of = [path], "", {}  # part_of: name of an instance -> scope
+        self.moved = {}  # scope -> (path, line) that moves an instance of the scope
         self.points, self.number_of = [], {}  # number_of: (scope, number) -> point
         self.elements = {}  # (scope, number) -> (kind, points)
-        self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
+        self.sets = {"NSET": {}, "ELSET": {}}  # name in capitals -> (name, [(scope, number)])
         self.keyword, self.options, self.kind = "", {}, None
-        self.left_out, self.left = {}, ""  # type of elements -> lines of them that were left out
-        self.pending = []  # of an element whose nodes go on in the next line
+        self.left_out, self.left = {}, ""  # type of elements -> number of skipped lines
+        self.pending = []  # numbers of an element that continues in the next line
         self.read(path)
 
     def read(self, path):
-        keyword = ""  # a line of a keyword that goes on in the next
+        keyword = ""  # a keyword line that continues in the next line
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
-            if keyword and text[0] in "+-.0123456789":  # data: the comma before them ended nothing
+            if keyword and text[0] in "+-.0123456789":  # data: the keyword's last comma continued nothing
                 self.begin(keyword)
                 keyword = ""
             if keyword or text.startswith("*"):

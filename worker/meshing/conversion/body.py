@@ -4,16 +4,17 @@ import numpy as np
 # Gmsh's number, dimension and number of nodes of every kind of cell that is written.
 WRITTEN = {"vertex": (15, 0, 1), "line": (1, 1, 2), "line3": (8, 1, 3), "triangle": (2, 2, 3), "triangle6": (9, 2, 6),
            "tetra": (4, 3, 4), "tetra10": (11, 3, 10)}
-# Corners of the edges of a tetrahedron in the order of VTK's mid-edge nodes, which Abaqus and FEBio share.
+# Corners of the edges of a tetrahedron, in the order of VTK's mid-edge nodes, which Abaqus and
+# FEBio share.
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-# VTK's order from Gmsh's and back: the last two change places.
+# Converts between VTK's and Gmsh's order: the last two change places.
 GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-# VTK's order from TetGen's, which its manual does not tell (found from its -o2).
+# Converts TetGen's order to VTK's. TetGen's manual does not give it; found from its -o2 output.
 TETGEN_ORDER = [0, 1, 2, 3, 6, 7, 9, 5, 8, 4]
 NODES_OF = {"hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "pyramid": 5, "quad": 4,
             **{kind: row[2] for kind, row in WRITTEN.items()}}
 DIMENSIONS = ("point", "curve", "surface", "volume")
-# Of arrays with more different numbers the numbers are counted, not names of parts.
+# Arrays with more different values are treated as data, not as numbers of parts.
 MOST_PARTS = 64
 
 
@@ -33,9 +34,9 @@ class Body:
         self.points = points.reshape(len(points), -1) if len(points) else np.zeros((0, 3))
         self.blocks = []  # (kind, nodes n x k), tetra10 in VTK's order
         self.groups = {}  # (dimension, name) -> {block: set of cells as an array}
-        self.point_groups = {}  # name -> nodes
+        self.point_groups = {}  # name -> node numbers
         self.vectors = {}  # name -> {block: n x 3}
-        self.notes = []  # for people
+        self.notes = []  # sentences for the user
 
     def add(self, kind, nodes):
         self.blocks.append((kind, np.asarray(nodes, dtype=np.int64)))

@@ -3,11 +3,11 @@ import numpy as np
 
 from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
 
-# Orders that files of other formats have by mistake.
+# Node orders that files of other formats use by mistake.
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
-COINCIDENT = 1e-6  # as common/mesh/mesh.hpp has it: of the diagonal
-STRAIGHT = 1e-6  # as common/mesh/mesh.cpp has it: of an edge's length
-ROUNDED = 2e-6  # of the largest coordinate: what six digits, or float32, leave of a middle
+COINCIDENT = 1e-6  # relative to the diagonal, as in common/mesh/mesh.hpp
+STRAIGHT = 1e-6  # relative to the edge's length, as in common/mesh/mesh.cpp
+ROUNDED = 2e-6  # relative to the largest coordinate: error of a midpoint in six digits or float32
 
 
 def check_points(body, source):
@@ -29,7 +29,7 @@ def weld(body):
     used = np.unique(np.concatenate([nodes.reshape(-1) for _, nodes in body.blocks]))
     points = body.points[used]
     near = COINCIDENT * np.linalg.norm(np.ptp(points, axis=0))
-    # Along a direction in which the points of a regular mesh lie apart.
+    # Sorted along a direction in which the points of a regular mesh have different positions.
     position = points @ np.array([0.5129, 0.6427, 0.5691]) / np.linalg.norm([0.5129, 0.6427, 0.5691])
     order = np.argsort(position)
     lowest = np.arange(len(points))
@@ -42,7 +42,7 @@ def weld(body):
         close &= np.linalg.norm(points[second] - points[first], axis=1) <= near
         pairs.append(np.stack([first[close], second[close]]))
     first, second = np.concatenate(pairs, axis=1) if pairs else np.zeros((2, 0), dtype=int)
-    while (lowest[first] != lowest[second]).any():  # chains too
+    while (lowest[first] != lowest[second]).any():  # also merges chains
         least = np.minimum(lowest[first], lowest[second])
         np.minimum.at(lowest, first, least)
         np.minimum.at(lowest, second, least)

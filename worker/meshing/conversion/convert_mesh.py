@@ -71,7 +71,7 @@ def main(arguments):
     try:
         print("\n".join(convert(source, output, "--straight" in flags, "--weld" in flags)))
     except Wrong as what:
-        print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, whatever the file is called
+        print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, whatever the name of the file
         return 2
     except Unwritable as why:
         print(why, file=sys.stderr)

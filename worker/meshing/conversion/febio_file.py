@@ -6,7 +6,7 @@ from lines import bytes_of, define, node_numbers, numbers
 from xml_elements import xml_of
 
 
-LONGEST_RANGE = 10_000_000  # members of a set
+LONGEST_RANGE = 10_000_000  # members of one set
 FEBIO = {"tet4": "tetra", "tet10": "tetra10", "tri3": "triangle", "tri6": "triangle6", "hex8": "hexahedron",
          "hex20": "hexahedron20", "penta6": "wedge", "penta15": "wedge15", "pyra5": "pyramid", "quad4": "quad"}
 
@@ -19,7 +19,7 @@ class Febio:
         self.number_of = {}  # id of a node -> point
         self.nodes_of = {}  # name of a set -> points
         self.place = {}  # id of an element -> (block, cell)
-        self.cells_of = {}  # name of elements or of a set of them -> [(block, cell)]
+        self.cells_of = {}  # name of an Elements section or an ElementSet -> [(block, cell)]
         self.body = Body(self.points(meshes))
         for mesh in meshes:
             for part in mesh.all("Elements"):

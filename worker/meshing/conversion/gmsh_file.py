@@ -18,7 +18,7 @@ class GmshFile(ByteLines):
     def __init__(self, path, data):
         super().__init__(path, data)
         self.version, self.binary, self.names_have_dimensions = "1", False, True
-        self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
+        self.words, self.text, self.taken = None, (0, 0), 0  # of a text section: words, range, words taken
         if (first := self.line()) == "$NOD":
             self.at = 0
             return
@@ -51,7 +51,7 @@ class GmshFile(ByteLines):
                 end = self.data.find((b"$END" if self.version == "1" else b"$End") + name.encode(), begin)
                 if end < 0:
                     wrong(self.path, None, f"the file is truncated: it ends inside ${name}")
-                # A text section is numbers between words; a binary one is read where it lies.
+                # A text section is split into words; a binary one is read in place.
                 self.words = None if self.binary else self.data[begin:end].split()
                 self.text, self.taken = (begin, end), 0
                 yield name, begin, end
@@ -91,7 +91,7 @@ class GmshMesh:
         self.groups_of = {}  # (dimension, number) of an entity -> numbers of physical groups
         self.number_of, self.points = {}, []  # number_of: tag of a node -> point
         self.rows = {}  # kind -> [(tag, [(dimension, number) of physical groups], tags of nodes)]
-        self.groups_of_cell = {}  # (kind, sorted nodes) -> those in rows: of old a cell stands there once for each group
+        self.groups_of_cell = {}  # (kind, sorted nodes) -> its groups in rows; old files repeat a cell per group
         self.vectors = {}  # name -> {tag of an element: vector}
         self.line_of_vectors = None
         sections = {"PhysicalNames": self.physical_names, "Entities": self.entities,
@@ -206,7 +206,7 @@ class GmshMesh:
     def old_elements(self):
         file, count = self.file, self.old_count()
         while count > 0:
-            first, number, n_tags = (int(n) for n in file.take("i", 3))  # binary: the type, and how many follow
+            first, number, n_tags = (int(n) for n in file.take("i", 3))  # binary: type and number of elements
             elements, begun = (number, []) if file.binary else (1, [first])
             kind = self.kind_of(first if file.binary else number)
             more = file.take("i", elements * (1 + n_tags + GMSH_NODES[kind]) - len(begun))

@@ -16,7 +16,7 @@ class Medit:
         self.path = path
         self.words = [(line, word) for line, text in data_lines(path) for word in text.split()]
         self.at, self.dimension, self.points, self.refs = 0, 3, None, None
-        self.cells = {}  # kind -> (nodes from 0, numbers of parts)
+        self.cells = {}  # kind -> (0-based nodes, numbers of parts)
         while self.at < len(self.words):
             line, word = self.words[self.at]
             self.at += 1
@@ -34,7 +34,7 @@ class Medit:
             kind, nodes = KINDS[word]
             rows = self.take(self.count(), nodes + 1).astype(np.int64)
             self.cells[kind] = rows[:, :-1] - 1, rows[:, -1]
-        elif word[:1].isalpha():  # corners, ridges, normals, what must stay: no cells
+        elif word[:1].isalpha():  # corners, ridges, normals and required entities are not cells
             while self.at < len(self.words) and not self.words[self.at][1][:1].isalpha():
                 self.at += 1
         else:

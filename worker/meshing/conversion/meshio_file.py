@@ -32,14 +32,14 @@ def read_by_meshio(path, of_format=None):
     except ImportError:
         raise ModuleNotFoundError("meshio", name="meshio") from None
     said = io.StringIO()
-    signal.signal(signal.SIGALRM, give_up)  # some of its readers wait forever on files that were cut
+    signal.signal(signal.SIGALRM, give_up)  # some meshio readers never return for truncated files
     signal.alarm(LONGEST_READING)
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             read = meshio.read(path, of_format)
     except ModuleNotFoundError:
         raise
-    except BaseException as error:  # meshio ends with sys.exit() where it cannot read
+    except BaseException as error:  # meshio calls sys.exit() if it cannot read a file
         if isinstance(error, KeyboardInterrupt):
             raise
         text = str(error) if not isinstance(error, SystemExit) else said.getvalue()
@@ -85,7 +85,7 @@ def of_meshio(read):
                 for number in np.unique(array[array != 0]):
                     body.group(names.get((dimension, int(number)), f"{DIMENSIONS[dimension]} {number}"), block,
                                np.flatnonzero(array == number))
-        elif name == "cell_tags" and families:  # of MED: names by number
+        elif name == "cell_tags" and families:  # MED: names by number
             for block, array in enumerate(arrays):
                 for number in np.unique(array):
                     for family in families.get(int(number), []):

@@ -23,7 +23,7 @@ def cut(points, polygons):
 def ears(points, polygon):
     """Triangles of a polygon of more corners, which need not be convex: ears are cut off (Meisters 1975)."""
     corners = points[polygon]
-    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)  # twice its area, as a vector
+    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)  # twice the area, as a vector
     axis = int(np.abs(normal).argmax())
     flat = np.delete(points[polygon], axis, axis=1)
     turn = (1 if normal[axis] >= 0 else -1) * (-1 if axis == 1 else 1)
@@ -40,7 +40,7 @@ def ears(points, polygon):
             if area(a, b, c) > 0 and not any(min(area(a, b, p), area(b, c, p), area(c, a, p)) >= 0 for p in others):
                 break
         else:
-            n, b = 1, left[1]  # degenerate: what it encloses is looked at later
+            n, b = 1, left[1]  # degenerate polygon; the surface checks judge the result
             a, c = left[0], left[2]
         triangles.append((polygon[a], polygon[b], polygon[c]))
         del left[n]

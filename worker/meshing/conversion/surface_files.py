@@ -22,7 +22,7 @@ def read_stl(path):
     binary = len(data) >= 84 and (b"\0" in data[:4096] or not data.lstrip().lower().startswith(b"solid"))
     count = int.from_bytes(data[80:84], "little")
     if len(data) >= 84:
-        if len(data) == 84 + 50 * count or binary and len(data) > 84 + 50 * count:  # some write more behind
+        if len(data) == 84 + 50 * count or binary and len(data) > 84 + 50 * count:  # some programs append data
             facets = np.frombuffer(data, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]),
                                    count, 84)
             corners = facets["corners"].astype(float).reshape(-1, 3)
@@ -70,7 +70,7 @@ def read_obj(path):
 
 def read_off(path):
     words = [(number, word) for number, line in data_lines(path) for word in line.split()]
-    if words and words[0][1][:3].upper() == "OFF" and words[0][1][3:].isdigit():  # without the end of the line
+    if words and words[0][1][:3].upper() == "OFF" and words[0][1][3:].isdigit():  # no line break after OFF
         words[:1] = [(words[0][0], "OFF"), (words[0][0], words[0][1][3:])]
     if not words or words[0][1].upper() != "OFF":
         wrong(path, 1, "this is no plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary ones are not "

@@ -9,7 +9,7 @@ KINDS = {1: "vertex", 2: "poly-vertex", 3: "line", 4: "poly-line", 5: "triangle"
          8: "pixel", 9: "quad", 10: "tetra", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid", 21: "line3",
          22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13", 28: "quad9",
          29: "hexahedron27", 42: "polyhedron"}
-# Lagrange's and Bezier's, of any order, which at order one and two are the plain ones.
+# Lagrange and Bezier cells of any order; at orders one and two they equal the plain ones.
 ANY_ORDER = {68: "line", 69: "triangle", 70: "quad", 71: "tetra", 72: "hexahedron", 73: "wedge", 74: "pyramid"}
 PLAIN = {("line", 2): "line", ("line", 3): "line3", ("triangle", 3): "triangle", ("triangle", 6): "triangle6",
          ("tetra", 4): "tetra", ("tetra", 10): "tetra10", ("quad", 4): "quad", ("quad", 9): "quad9"}

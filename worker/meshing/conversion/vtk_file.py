@@ -9,10 +9,10 @@ from vtk_cells import body_of, refuse_grid
 
 TYPES = {"unsigned_char": "u1", "char": "i1", "signed_char": "i1", "unsigned_short": "u2", "short": "i2",
          "unsigned_int": "u4", "int": "i4", "unsigned_long": "u8", "long": "i8", "float": "f4", "double": "f8",
-         "vtkidtype": "i4",  # 32 bits, whatever a program has them in memory as
+         "vtkidtype": "i4",  # 32 bits in files, whatever their size in memory
          "vtktypeint64": "i8", "vtktypeuint64": "u8", "vtktypeint32": "i4", "long_long": "i8",
          "unsigned_long_long": "u8"}
-# Attributes with one line and rows of so many numbers; 0: the line says how many.
+# Attributes with one header line: numbers per row; 0: the header line gives the count.
 ROWS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1,
         "TEXTURE_COORDINATES": 0, "COLOR_SCALARS": 0}
 
@@ -25,7 +25,7 @@ class VtkFile(ByteLines):
         if not self.line().startswith("# vtk DataFile"):
             wrong(path, 1, "this is no legacy VTK file: its first line is not \"# vtk DataFile Version\"; "
                            "if it is XML its ending is .vtu")
-        self.line()  # a title
+        self.line()  # title
         self.binary = self.line().upper() == "BINARY"
 
     def number(self):
@@ -78,7 +78,7 @@ class VtkFile(ByteLines):
             return None
         if kind == "bit":
             return np.unpackbits(self.take("unsigned_char", -(-count // 8)).astype(np.uint8))[:count].astype(np.int64)
-        for _ in range(count):  # the two highest bits of the first byte say how long the length is
+        for _ in range(count):  # the top two bits of the first byte give the width of the length
             width = {3: 1, 2: 2, 1: 4, 0: 8}[self.data[self.at] >> 6] if self.at < len(self.data) else self.truncated()
             length = int.from_bytes(self.data[self.at:self.at + width], "big") & (1 << (8 * width - 2)) - 1
             self.at += width + length
@@ -92,7 +92,7 @@ class VtkGrid:
         self.file, self.points, self.types = file, None, np.zeros(0, int)
         self.begins, self.nodes = np.zeros(1, int), np.zeros(0, int)
         self.of_cells, self.of_points = {}, {}
-        self.rows, self.arrays = 0, {}  # of the attributes that follow: how many, into which
+        self.rows, self.arrays = 0, {}  # number of rows and target of the following attributes
         sections = {"DATASET": self.dataset, "POINTS": self.read_points, "CELLS": self.read_cells,
                     "CELL_TYPES": self.read_types, "CELL_DATA": self.begin_cells, "POINT_DATA": self.begin_points,
                     "FIELD": self.field, "SCALARS": self.scalars, "LOOKUP_TABLE": self.lookup_table,

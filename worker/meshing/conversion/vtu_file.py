@@ -30,7 +30,7 @@ def lz4(block, size):
         begin = len(out) - back
         if back == 0 or begin < 0:
             raise ValueError("a copy of what is not there")
-        while count > 0:  # it may reach into what it writes
+        while count > 0:  # a copy may read bytes that it writes itself
             part = out[begin:begin + count]
             out += part
             begin += len(part)
@@ -62,7 +62,7 @@ class VtuFile:
         self.path, data = path, path.read_bytes()
         begin = data.find(b"<AppendedData")
         self.appended, self.is_base64 = b"", False
-        if begin >= 0:  # its bytes are no XML
+        if begin >= 0:  # its bytes are not XML
             head_end = data.find(b">", begin)
             self.is_base64 = b"base64" in data[begin:head_end]
             self.appended = data[data.find(b"_", head_end) + 1:]
@@ -118,7 +118,7 @@ class VtuFile:
             return self.part(data, width, self.numbers(data, 1)[0])
         head = base64_of(data, width)
         size = self.numbers(head, 1)[0]
-        # Some encode both together, some the number by itself, which ends it with "=".
+        # Some writers encode both together, others the length separately, which then ends with "=".
         alone = -(-width // 3) * 4
         return base64_of(data[alone:], size) if data[alone - 1:alone] == b"=" else base64_of(data, width + size)[width:]
 

@@ -17,7 +17,7 @@ def write_volume(body, output):
     of_points = {safe(name): nodes for name, nodes in sorted(body.point_groups.items()) if safe(name)}
     for (dimension, name), members in sorted(body.groups.items()):
         name = safe(name)
-        if name in of_points:  # a reader of Gmsh's files takes the nodes of both for one group
+        if name in of_points:  # readers of Gmsh files would merge both into one group
             name += " elements" if dimension == 3 else f" ({DIMENSIONS[dimension]})"
             body.notes.append(f"\"{name}\" are the cells of a set whose name a set of nodes has too")
         if not name:

@@ -37,6 +37,6 @@ def xml_of(path, data):
         parser.Parse(data, True)
     except xml.parsers.expat.ExpatError as error:
         wrong(path, error.lineno, f"this is not XML: {xml.parsers.expat.errors.messages[error.code]}")
-    except (LookupError, ValueError) as error:  # Python's, which it asks for what it does not know itself
+    except (LookupError, ValueError) as error:  # raised by Python's codecs for encodings that expat does not know
         wrong(path, 1, f"the encoding that this line names cannot be read ({error}); save the file as UTF-8")
     return root
