@@ -16,9 +16,9 @@ ExitCode printKernels() {
   return ExitCode::done;
 }
 
-/// `palpate-worker kernels`: the kernels that solve on this machine ("avx512/SkylakeX"), and on a
-/// second line why they are not those of its CPU's family, when they are not. For `palpate doctor`,
-/// whose program has no OpenBLAS; exit 1 when the system refuses it memory.
+/// `palpate-worker kernels`: prints the kernels of this machine's solver ("avx512/SkylakeX"). A
+/// second line says why they are not the kernels of its CPU's family, if so. For `palpate doctor`,
+/// which has no OpenBLAS itself. Exit 1 if the system refuses OpenBLAS memory.
 const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
                            [](CLI::App&) { return std::function<ExitCode()>(printKernels); }};
 

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// More triangles than these take a mesher a minute or more.
+/// A mesher needs a minute or more for surfaces with more triangles.
 constexpr std::size_t many_triangles = 200'000;
 
 struct MeshOptions {
@@ -68,7 +68,7 @@ Tetrahedra madeOfSurface(const MeshOptions& options, const ConvertedMesh& conver
   return made;
 }
 
-/// Before anything is computed.
+/// Checks the output before anything is computed.
 void refuseOutput(const MeshOptions& options) {
   const std::filesystem::path output = options.output;
   if (output.extension() != ".msh")
@@ -96,7 +96,7 @@ void printUnit(const MeshOptions& options, const LengthUnit& unit,
                guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
 }
 
-/// What makes a scene of the mesh, where its unit lets it.
+/// Prints the command that makes a scene of the mesh, if its unit is plausible.
 void printNext(const MeshOptions& options, const LengthUnit& unit, double extent) {
   if (!makesABody(extent, unit)) return;
   fmt::print("next: palpate new {} --mesh {}{}\n",
@@ -105,7 +105,7 @@ void printNext(const MeshOptions& options, const LengthUnit& unit, double extent
              options.unit.empty() ? "" : fmt::format(" --unit {}", unit.word));
 }
 
-/// The report is in metres, whatever the file counts in.
+/// Prints the report in metres, whatever the unit of the file.
 void printMesh(Tetrahedra& made, const MeshOptions& options) {
   const double extent = boundingBox(made.mesh).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);

@@ -19,7 +19,7 @@ struct NewOptions {
 
 constexpr const char* scene_file_name = "scene.toml";
 
-/// What a scene may be called, of the name of its folder.
+/// Returns a valid scene name from the name of its folder.
 std::string sceneNameOf(const std::filesystem::path& directory) {
   const std::filesystem::path plain = (directory / "").parent_path();
   std::string name;
@@ -38,7 +38,7 @@ void refuseDirectory(const std::filesystem::path& directory) {
                    (directory / scene_file_name).string());
 }
 
-/// Nothing that is there is changed: true when the mesh is there already.
+/// Returns true if the mesh is there already. Error if there is another file: none is overwritten.
 bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
   std::error_code ignored;
   if (!std::filesystem::exists(copy, ignored)) return false;
@@ -48,7 +48,7 @@ bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
       copy.string());
 }
 
-/// The unit of a mesh, and what is not sure about it.
+/// Returns the unit of a mesh, with its uncertainty.
 GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
   const double extent = boundingBox(as_metres).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);
@@ -85,7 +85,7 @@ ExitCode writeScene(const NewOptions& options) {
       proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(directory),
                     mesh_file.filename().string(), unit.unit, unit.doubt);
   makeFolder(directory);
-  // The scene last: it says that all is there.
+  // The scene is written last, so that its presence means that everything is there.
   if (!is_there) replaceFile(copy, msh, "mesh");
   replaceFile(directory / scene_file_name, scene.toml, "scene");
 

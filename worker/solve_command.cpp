@@ -25,7 +25,8 @@ struct SolveOptions {
   bool json = false;
 };
 
-/// Further than this the tool does not meet the body any more, so another unit was meant.
+/// Refuses displacements so large that the tool would leave the body: the unit was probably
+/// mistaken.
 void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
   const double diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
@@ -36,7 +37,7 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
         vectorText(displacement, 6), diagonal);
 }
 
-/// The whole way from rest to `target`; by default a transition for every lattice spacing.
+/// Solves the whole way from rest to `target`; by default one transition per lattice spacing.
 Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
                 const Eigen::Vector3d& target) {
   PALPATE_ASSERT(!steps || *steps > 0, "--steps is checked when it is read");
@@ -51,7 +52,7 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
   return outcome;
 }
 
-/// Answers at places of the surface one after the other, with the tool of the scene there.
+/// Solves at points of the surface, one after the other, with the scene's tool there.
 class Solving {
  public:
   Solving(const SolveOptions& options, const Problem& problem)
@@ -64,10 +65,10 @@ class Solving {
     if (finger()) place_ = finger()->center;
   }
 
-  /// Where the finger is; nothing for other tools.
+  /// Returns the position of the finger; nothing for other tools.
   const std::optional<Eigen::Vector3d>& place() const { return place_; }
 
-  /// The point of the surface nearest to `near`.
+  /// Moves the finger to the point of the surface nearest to `near`.
   void moveTo(const Eigen::Vector3d& near) {
     PALPATE_ASSERT(finger().has_value(), "requirePlace refused others");
     const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
@@ -77,7 +78,7 @@ class Solving {
           "--at is {:.4g} m away from the surface; the finger is at the nearest place of it",
           distance);
     if (place_ == moved.center) return;
-    place_.reset();  // until the finger stands
+    place_.reset();  // until the finger is placed
     solver_.placeFinger("--at", moved);
     place_ = moved.center;
   }
@@ -149,7 +150,8 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
              counted(outcome.cost.factorizations, "factorisation"), outcome.cost.seconds);
 }
 
-/// An answer to a line of many that cannot be solved, with why; the keys are those of others.
+/// Prints the answer to one of many lines that cannot be solved, with the reason. It has the same
+/// keys as the other answers.
 void printRefusal(const TouchInput& touch, const char* why, bool json) {
   const Eigen::Vector3d& d = touch.displacement;
   if (json) {
@@ -185,7 +187,7 @@ ExitCode solve(const SolveOptions& options) {
       all_converged = false;
       printRefusal(touch, error.what(), options.json);
     }
-    std::fflush(stdout);  // who pipes displacements in waits for the answer before the next one
+    std::fflush(stdout);  // a program that pipes displacements in waits for each answer
   });
   return all_converged ? ExitCode::done : ExitCode::partly_failed;
 }

@@ -21,16 +21,16 @@
 namespace palpate {
 namespace {
 
-/// Of the session, what the command line says.
+/// Options of the command line; `session` is only partly set.
 struct WorkOptions {
   SessionOptions session;
   KeyOptions keys;
   int workers = 1;
-  bool alone = false;  ///< nobody watches this process but who started it
+  bool alone = false;  ///< no supervisor watches this process
 };
 
-/// The solver thread. A solve cannot be interrupted, and one that hangs never ends: what is still
-/// at work a moment after the link has ended is left running.
+/// The solver thread. A solve cannot be interrupted, and a hung one never ends. The destructor
+/// waits a moment and then leaves a busy thread running.
 class SolverThread {
  public:
   SolverThread(std::shared_ptr<Mailbox> mailbox, const ElementKernels& kernels)
@@ -69,7 +69,7 @@ std::string randomWorkerId() { return randomBytes(16); }
 
 ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys) {
   catchInterrupts();
-  prepareBlas();  // a worker that cannot solve says so before it is given work
+  prepareBlas();  // a worker that cannot solve reports it before it gets work
   const ElementKernels& kernels = chooseKernels();
   SessionOptions session = options.session;
   if (session.worker_id.empty()) session.worker_id = randomWorkerId();
@@ -94,7 +94,7 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
   beginAnewWith(wanted_kernels);
 }
 
-/// For the command line of a child.
+/// Encodes bytes for the command line of a child.
 std::string hexOf(const std::string& bytes) {
   const std::vector<unsigned char> numbers(bytes.begin(), bytes.end());
   return fmt::format("{:02x}", fmt::join(numbers, ""));
@@ -109,16 +109,16 @@ std::string bytesOf(const std::string& hex) {
 
 using Clock = std::chrono::steady_clock;
 
-/// One of the processes that a supervisor keeps running.
+/// A process that the supervisor keeps running.
 struct Child {
-  std::string id;  ///< as the scheduler knows it
+  std::string id;  ///< the scheduler's id of this worker
   Clock::time_point started;
 };
 
-/// Starts `palpate-worker work ... --alone`, which dies with this process.
+/// Starts `palpate-worker work ... --alone`, which ends with this process.
 pid_t startChild(const WorkOptions& options, const std::string& id,
                  const std::vector<std::string>& ended) {
-  // Before fork(): memory may not be allocated behind it.
+  // Made before fork(): the child must not allocate memory.
   std::vector<std::string> words = {"palpate-worker",
                                     "work",
                                     "--alone",
@@ -144,18 +144,18 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", errnoText());
   if (child > 0) return child;
-  // Not SIGKILL: what is solved when the parent dies is still delivered.
+  // SIGTERM and not SIGKILL, so that the work in progress is delivered if the parent dies.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  // Signals of a terminal reach the supervisor, which passes them on once.
+  // The supervisor receives signals from the terminal, and passes them on once.
   setpgid(0, 0);
   execv("/proc/self/exe", arguments.data());
   _exit(127);
 }
 
-/// Keeps so many workers running as are wanted. One that dies is replaced, after a pause when it
-/// lived short, and its successor tells the scheduler: what workers die on again and again is set
-/// aside there.
+/// Keeps the requested number of workers running. A worker that dies is replaced, after a pause if
+/// it lived only shortly. The replacement reports the death to the scheduler, which sets aside
+/// transitions that kill workers repeatedly.
 class Supervisor {
  public:
   explicit Supervisor(const WorkOptions& options) : options_(&options) {}
@@ -177,7 +177,8 @@ class Supervisor {
  private:
   static constexpr std::chrono::seconds short_life{10};
   static constexpr std::chrono::milliseconds first_pause{500};
-  /// So many in a row that died right after their start, on one machine: it is not the work.
+  /// After this many workers in a row that died right after their start, the machine is at fault
+  /// and not the work.
   static constexpr int most_short_lives = 8;
 
   void start() {
@@ -193,21 +194,22 @@ class Supervisor {
     for (const auto& [pid, child] : children_) kill(pid, SIGTERM);
   }
 
-  /// False when none ended.
+  /// Returns false if no child has ended.
   bool reapOne() {
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
     if (pid < 0 && errno != EINTR && errno != ECHILD) throw failure("waitpid: {}", errnoText());
     if (pid <= 0) return false;
     const auto child = children_.extract(pid);
-    if (child.empty()) return true;  // of the shell whose place this program took
+    if (child.empty()) return true;  // a child of the shell that this program replaced
     if (ending_) return true;
     if (!WIFSIGNALED(status)) {
-      // A failure says why: it is refused, hears nothing, or has no memory. Another would fail too.
+      // A worker that fails reports why: it was refused, the scheduler is silent, or memory is
+      // short. A replacement would fail as well.
       const bool done = WEXITSTATUS(status) == static_cast<int>(ExitCode::done);
       if (!done) result_ = ExitCode::failed;
-      // The scheduler needs nobody any more; who has not reached it yet would wait for it in vain.
-      // One that leaves for want of work says nothing about the others.
+      // The scheduler has no more work, so workers that have not reached it yet would wait in vain.
+      // A worker that leaves because it was idle does not mean that for the others.
       if (done && options_->session.leave_idle_s == 0) endOthers();
       return true;
     }
@@ -228,10 +230,10 @@ class Supervisor {
 
   const WorkOptions* options_;
   std::map<pid_t, Child> children_;
-  std::deque<Clock::time_point> pauses_;  ///< when to start another, in order
-  std::vector<std::string> ended_;        ///< of which the scheduler is to be told
+  std::deque<Clock::time_point> pauses_;  ///< times at which to start another worker, ascending
+  std::vector<std::string> ended_;        ///< dead workers to report to the scheduler
   int short_lives_ = 0;                   ///< in a row
-  bool ending_ = false;                   ///< all were told to end
+  bool ending_ = false;                   ///< all children were asked to end
   ExitCode result_ = ExitCode::done;
 };
 
@@ -255,7 +257,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   options->keys.addTo(app, "Connect without a key, to a scheduler that asks for none");
-  // What a supervisor tells its children.
+  // Options from a supervisor to its children.
   app.add_flag("--alone", options->alone)->group("");
   app.add_option_function<std::string>(
          "--id", [options](const std::string& hex) { options->session.worker_id = bytesOf(hex); })
@@ -271,7 +273,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       "on any machine that reaches the scheduler.");
   return [options] {
     checkEndpoint(options->session.endpoint);
-    auto keys = options->keys.keys();  // a supervisor says, too, that there are none
+    auto keys = options->keys.keys();  // a supervisor, too, reports missing keys
     return options->alone ? runOneWorker(*options, std::move(keys)) : Supervisor(*options).run();
   };
 }

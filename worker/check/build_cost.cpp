@@ -11,28 +11,30 @@
 namespace palpate {
 namespace {
 
-/// A point that one neighbour does not lead to is tried from others, and every second is reached.
+/// A point that cannot be reached from one neighbour is tried from others; every second one is
+/// reached.
 constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
-/// Workers wait too: for transitions to become ready, for messages, and for the disk.
+/// Overhead for waiting: for ready transitions, for messages, and for the disk.
 constexpr double waiting = 1.2;
 
-/// The error that halves a cell is a likely one (nextRefinement), in the worst place of the cell:
-/// larger than that half-way along a straight way.
+/// Ratio of the error that halves a cell to the error half-way along a straight way. The former is
+/// the likely error in the worst place of the cell (nextRefinement).
 constexpr double worst_in_cell = 5;
-/// What a halved cell adds in the midst of others.
+/// Number of points that a halved cell adds among other halved cells.
 constexpr double points_of_cell = 7;
 
-/// What is known of the lattice points between n and n + 1 spacings from rest.
+/// Estimates for the lattice points between n and n + 1 spacings from rest.
 struct Shell {
   double points = 0;
-  double seconds = 0;  ///< each, on average: nothing for those that are not tried
-  double reached = 0;  ///< share
-  double more = 0;     ///< points that halving adds, each
+  double seconds = 0;  ///< average per point; nothing for points that are not tried
+  double reached = 0;  ///< share of the points
+  double more = 0;     ///< average number of points that halving adds per point
 };
 
-/// Points that halving cells adds for each point of the lattice where step n of a way ended up: as
-/// its error asks for, or to the last level where answers end. Those of a finger are halved once,
-/// but beside rest, where only the part at rest is halved again (nextRefinement).
+/// Returns the number of points that halving adds per lattice point at the end of step n of a way.
+/// A reached point is refined as its error demands, an unreached one to the last level. Unreached
+/// cells of a finger are halved once; beside rest their part at rest is halved again
+/// (nextRefinement).
 double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   const WayStep& step = way.steps[n];
   if (step.reached) return points_of_cell * cellsHalved(worst_in_cell * step.error, levels);
@@ -40,7 +42,7 @@ double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   return points_of_cell * cellsHalved(std::numeric_limits<double>::infinity(), levels);
 }
 
-/// Adds the points of one space: of a finger that only pushes, those of the pushed part.
+/// Adds the points of one space. The lattice of a finger that only pushes is the pushed part.
 void add(const Lattice& lattice, std::vector<Shell>& shells) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const double spacings = lattice.displacement(n).norm() / lattice.spacing();
@@ -50,9 +52,9 @@ void add(const Lattice& lattice, std::vector<Shell>& shells) {
   }
 }
 
-/// As survival is estimated from patients of whom some leave the study (Kaplan and Meier): each
-/// shell has the share of ways that end in it among those that got to it, whatever becomes of the
-/// ways that were cut before. A shell that no way got to costs what the one before it does.
+/// Fills the shells with the estimator of Kaplan and Meier, for survival of patients of whom some
+/// leave the study. A shell's share of ending ways counts only the ways that got to it; ways that
+/// were cut earlier do not matter. A shell that no way reached costs as much as the one before it.
 void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
           std::int32_t levels) {
   double going_on = ways.empty() ? 0 : 1;  // share of the ways
@@ -69,7 +71,7 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
       stopped += step.reached ? 0 : 1;
       too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
     }
-    // Other neighbours lead there as often as they are reached themselves.
+    // Other neighbours lead to a point as often as they are reached themselves.
     const double failed =
         tried > 0 ? stopped * (1 - reached_after_failure * (1 - stopped / tried)) : 0;
     if (tried > 0) seconds_each = seconds / tried;

@@ -4,28 +4,30 @@
 
 namespace palpate {
 
-/// What a build of so many configurations amounts to.
+/// The cost of a build with this number of configurations.
 struct Estimate {
-  std::int64_t configurations = 0;  ///< probes too
+  std::int64_t configurations = 0;  ///< including probes
   double seconds = 0;               ///< on one core
   double bytes = 0;                 ///< of nodal fields, before compression
 };
 
-/// What a build will cost and how far it will get, from what was measured.
+/// The estimated cost of a build and its reach, from measured ways.
 struct BuildCost {
-  /// The uniform lattices and the probes: all there is of a build without accuracy.
+  /// The uniform lattices and the probes. For a build without accuracy this is everything.
   Estimate least;
-  /// With the points of the cells that an adaptive build will halve, as the ways tell (WayStep).
+  /// With the points added by an adaptive build where cells are halved, as the ways predict
+  /// (WayStep).
   Estimate likely;
-  /// Share of the lattice points that are reached: others lie beyond max_force or failures.
+  /// Expected share of the lattice points that are reached; the others fail or lie beyond
+  /// max_force.
   double reached = 1;
-  /// m: half of the ways got this far, rounded down to lattice spacings.
+  /// Distance in metres that half of the ways reached, in whole lattice spacings.
   double usual_reach = 0;
 };
 
-/// Points of the lattice cost what the ways took at the same distance from rest, on average;
-/// nothing where the ways had ended. Without any way (no rest state) nothing is reached, at no
-/// cost.
+/// Estimates the cost of a build from measured ways. A lattice point costs the average of the ways
+/// at the same distance from rest, and nothing where all ways have ended. Without any way (no rest
+/// state) no point is reached, at no cost.
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ nlohmann::ordered_json vectorJson(const Eigen::Vector3d& v) { return {v[0], v[1]
 nlohmann::ordered_json meshJson(const SceneReport& report) {
   const Mesh& mesh = report.problem->mesh;
   const MeshQuality& quality = report.quality;
-  nlohmann::ordered_json groups = nlohmann::ordered_json::object();  // {} rather than null
+  nlohmann::ordered_json groups = nlohmann::ordered_json::object();  // {} instead of null
   for (const auto& [name, nodes] : mesh.node_groups) groups[name] = nodes.size();
   return {{"file", report.problem->scene.mesh.string()},
           {"nodes", mesh.vertices()},
@@ -69,7 +69,7 @@ std::string sceneReportJson(const SceneReport& report) {
   nlohmann::ordered_json regions = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Material& material = scene.regions[r].material;
-    // JSON has no infinity: the bulk modulus of an incompressible material is null.
+    // JSON has no infinity, so the bulk modulus of an incompressible material is null.
     regions.push_back({{"group", scene.regions[r].name()},
                        {"law", word(material.law)},
                        {"tetrahedra", report.tetrahedra_in[r]},

@@ -27,7 +27,7 @@ void say(std::string& text, fmt::format_string<Values...> format, Values&&... va
 
 std::string placeOf(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
 
-/// The scene's lengths in metres, for the one who wrote them in another unit.
+/// Writes the scene's lengths in metres, if the scene uses another unit.
 void sayConversion(std::string& text, const Scene& scene) {
   if (scene.metres_per_unit == 1) return;
   say(text,
@@ -41,7 +41,7 @@ void sayConversion(std::string& text, const Scene& scene) {
   }
 }
 
-/// Elastic constants at rest and mass of each region.
+/// Writes elastic constants at rest, and mass, of each region.
 void sayModuli(std::string& text, const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
@@ -61,7 +61,7 @@ void sayBody(std::string& text, const SceneReport& report) {
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Region& region = scene.regions[r];
-    // A scene without groups says nothing of regions, so neither does the answer.
+    // A scene without groups has no regions to name.
     if (scene.regions.size() == 1 && region.isRest())
       say(text, "material   {}\n", inWords(region.material));
     else
@@ -79,7 +79,7 @@ void sayBody(std::string& text, const SceneReport& report) {
 
 void sayActives(std::string& text, const SceneReport& report) {
   const std::size_t n_spaces = report.spaces.size();
-  // A few more rather than "and 1 more": the last line costs one too.
+  // A few more spaces are better than "and 1 more", which takes a line too.
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const SceneReport::Space& space : std::span(report.spaces).first(shown)) {
     const bool finger = space.patch->finger.has_value();
@@ -130,7 +130,7 @@ void sayAccuracy(std::string& text, const Scene& scene) {
   if (in_spaces) say(text, "probes     {} in each space\n", accuracy.probes);
 }
 
-/// Their lattices are those parts of the ball that a push reaches.
+/// Returns whether some lattices are only the pushed part of the ball.
 bool isOfFingersThatPush(const Problem& problem) {
   return problem.scene.contact == ContactMode::unilateral &&
          std::ranges::any_of(problem.active, [](const ActivePatch& p) { return bool(p.finger); });
@@ -138,7 +138,7 @@ bool isOfFingersThatPush(const Problem& problem) {
 
 void sayCost(std::string& text, const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
-  if (!measured.no_rest.empty()) return;  // a warning says so, and nothing can be estimated
+  if (!measured.no_rest.empty()) return;  // a warning reports it, and there is no estimate
   const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
   say(text, "cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",

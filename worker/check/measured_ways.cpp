@@ -11,10 +11,10 @@
 namespace palpate {
 namespace {
 
-/// Not the time of day: other programs that keep the cores busy would be counted.
+/// Returns processor time; wall-clock time would include other programs that keep the cores busy.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Number n of a sequence that fills the unit cube evenly, however many are taken (Roberts' R3).
+/// Returns point n of a sequence that fills the unit cube evenly at any length (Roberts' R3).
 Eigen::Vector3d evenlySpread(std::size_t n) {
   constexpr double g = 1.2207440846057596;  // the root of x^4 = x + 1
   const Eigen::Array3d step(1 / g, 1 / (g * g), 1 / (g * g * g));
@@ -22,26 +22,26 @@ Eigen::Vector3d evenlySpread(std::size_t n) {
   return place - place.floor();
 }
 
-/// The point of the unit sphere over two numbers from 0 to 1, in equal areas.
+/// Maps two numbers from 0 to 1 to the unit sphere, preserving area.
 Eigen::Vector3d directionAt(double height, double turn) {
   const double z = 1 - 2 * height, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// The direction, or its mirror image where a contact that only pushes does not go there.
+/// Returns the direction, or its mirror image if a contact that only pushes does not reach it.
 Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
   if (part.contains(1e-6 * direction)) return direction;
   return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;
 }
 
-/// The force half-way between two lattice points, as their forces and stiffnesses tell it.
+/// Returns the force half-way between two lattice points, interpolated from forces and stiffnesses.
 Eigen::Vector3d interpolated(const Equilibrium& from, const Equilibrium& to,
                              const Eigen::Vector3d& step) {
   return (from.force + to.force) / 2 + (from.stiffness - to.stiffness) * step / 8;
 }
 
-/// WayStep::error of the step to `to`, solved half-way from `start`; 0 where that fails, or a
-/// finger's force is more than is promised.
+/// Returns WayStep::error of the step to `to`, by a solution half-way from `start`. 0 if that
+/// fails, or if a finger's force exceeds max_force.
 double errorHalfWay(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                     const Start& start, const Equilibrium& from, const Equilibrium& to,
                     const Eigen::Vector3d& at, const Eigen::Vector3d& step) {
@@ -54,14 +54,14 @@ double errorHalfWay(TransitionSolver& solver, const Problem& problem, const Acti
   return (interpolated(from, to, step) - half.equilibrium().force).norm() / allowed;
 }
 
-/// The straight way from rest in this direction, until it ends, leaves the part of the ball that is
-/// computed, or the measurement is `over`.
+/// Follows the straight way from rest in this direction, until it ends, leaves the computed part of
+/// the ball, or the measurement is `over`.
 void walkOutward(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                  const PushedPart& part, const Eigen::Vector3d& direction,
                  const std::function<bool()>& over, MeasuredWays& found) {
   const Workspace& workspace = problem.scene.workspace;
   const bool adaptive = problem.scene.accuracy.adaptive();
-  // The start belongs to the step: a worker makes it ready for every job too.
+  // The time of the start counts, because a worker prepares it for every job too.
   double step_began = processorSeconds();
   Failure failure;
   std::optional<Start> start = solver.startAtRest(failure);
@@ -80,7 +80,8 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
   for (double at = 0; at < workspace.radius;) {
     if (over()) return end(WayEnd::cut);
     const double from = at;
-    // The rest of a spacing would be a transition of its own that no lattice has.
+    // The last step includes the rest of a spacing, which would be a transition that no lattice
+    // has.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
     if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);

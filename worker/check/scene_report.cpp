@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// Ways that are too few say nothing of where most of them end.
+/// Fewer ways than these do not show where most ways end.
 constexpr std::size_t fewest_telling_ways = 4;
 
 std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
@@ -30,7 +30,7 @@ std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   return spaces;
 }
 
-/// What only solving shows.
+/// Adds the warnings that need measured ways.
 void warnOfWays(SceneReport& report) {
   const std::vector<Way>& ways = report.measured.ways;
   if (!report.measured.no_rest.empty()) {
@@ -52,7 +52,7 @@ void warnOfWays(SceneReport& report) {
   const auto ended = [&](WayEnd end) {
     return static_cast<std::size_t>(std::ranges::count(ways, end, &Way::end));
   };
-  // A finger's workspace is deep, so that the force ends its pushes.
+  // The workspace of a finger is deep, so that the force limits its pushes.
   const bool fingers = std::ranges::all_of(
       report.spaces, [](const SceneReport::Space& space) { return bool(space.patch->finger); });
   if (fingers && 2 * ended(WayEnd::failed) < ways.size()) return;

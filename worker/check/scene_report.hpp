@@ -4,36 +4,37 @@
 
 namespace palpate {
 
-/// Everything that `palpate check` says of a problem: its writers only format.
+/// The contents of `palpate check`'s report. The writers below only format it.
 struct SceneReport {
-  /// One configuration space, as far as it is known without solving.
+  /// One configuration space, without results of solving.
   struct Space {
     const ActivePatch* patch;
-    std::string_view tool;  ///< of the scene: "rigid", "weighted-average" or "finger"
-    Eigen::Vector3d place;  ///< m: of the active node, or of the finger
+    std::string_view tool;  ///< as in the scene: "rigid", "weighted-average" or "finger"
+    Eigen::Vector3d place;  ///< m, position of the active node or of the finger
     std::size_t unknowns;   ///< displacement components and pressures to solve for
   };
 
   const Problem* problem;
   MeshQuality quality;
-  std::int64_t nearly_flat = 0;  ///< tetrahedra
+  std::int64_t nearly_flat = 0;  ///< number of tetrahedra
   Lattice lattice;
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
   std::vector<double> volume_of;            ///< per region, m^3
   MeasuredWays measured;
   BuildCost cost;
-  unsigned cores = 1;      ///< of this machine, which is how many workers a build starts
-  std::string arithmetic;  ///< kernels that solve, "avx2/Haswell"
+  unsigned cores = 1;      ///< of this machine; a build starts one worker per core
+  std::string arithmetic;  ///< kernels of the solver, "avx2/Haswell"
   std::vector<std::string> warnings;
 };
 
-/// Looks at a problem, which must outlive the report, and solves a little of it (measureWays).
+/// Examines a problem, which must outlive the report, and solves a few transitions (measureWays).
 SceneReport reportOf(const Problem& problem);
 
-/// A report for people: lines with a word for the topic in 11 columns, then numbers in SI units.
+/// Returns a report for the user. A line begins with a topic in 11 columns; numbers are in SI
+/// units.
 std::string sceneReportText(const SceneReport& report);
-/// A report as one JSON object on one line, lengths in metres.
+/// Returns a report as one JSON object on one line, lengths in metres.
 std::string sceneReportJson(const SceneReport& report);
 
 }  // namespace palpate

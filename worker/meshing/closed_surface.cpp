@@ -253,8 +253,7 @@ class SurfaceRepair {
     if (cut) note("triangles without area, by three corners on a line, are taken out");
   }
 
-  /// Cuts beside the flat triangles whose neighbours are still untouched. Returns false if there
-  /// are none.
+  /// Cuts beside each flat triangle with an untouched neighbour. Returns false if there are none.
   bool cutBesideOneEach() {
     std::int32_t first = 0;
     const auto last = static_cast<std::int32_t>(triangles_.size());

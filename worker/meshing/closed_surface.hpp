@@ -42,8 +42,8 @@ struct Fineness {
   std::optional<double> size = {};
 };
 
-/// Returns the edge length that gives a body of this volume and surface area roughly this number of
-/// nodes: sqrt 2 per cube of the edge inside, plus half a layer on the surface.
+/// Returns the edge length for roughly this number of nodes, in a body of this volume and surface
+/// area. Counts sqrt 2 nodes per cube of the edge inside, plus half a layer on the surface.
 double edgeFor(double volume, double area, double nodes);
 
 /// Makes a closed surface of triangles.

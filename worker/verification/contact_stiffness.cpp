@@ -1,6 +1,7 @@
-// Stiffness k(h) that four tools feel on a unit cube (bottom fixed, the middle of the top moved
-// up, linear law, nu = 0.3) against the element size h: of a single node proportional to h, without
-// a limit (a point load in three dimensions is singular); of patches of radius 1/8 convergent.
+// Stiffness k(h) of four tools on a unit cube against the element size h (bottom fixed, the middle
+// of the top moved up, linear law, nu = 0.3). For a single node it is proportional to h without a
+// limit, because a point load in three dimensions is singular. For patches of radius 1/8 it
+// converges.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,7 +18,7 @@ const Eigen::Vector3d middle(0.5, 0.5, 1);  ///< of the top
 const Material linear = {
     .law = LawName::linear, .young = tissue::young, .poisson = tissue::poisson};
 
-/// k/E, metres, of the body's tool moved along z.
+/// Returns k/E, metres, of the body's tool moved along z.
 double stiffness(const BodyModel& body) {
   Rig rig(body);
   const System& system = rig.system();
@@ -27,7 +28,7 @@ double stiffness(const BodyModel& body) {
   return result.residual.tool[2] / up[2] / tissue::young;
 }
 
-/// The nodes of the top within `radius` of its middle as one rigid tool, on a mesh of h =
+/// Returns k/E for the top nodes within `radius` of the middle as one rigid tool, with h =
 /// 1/elements.
 double discStiffness(DisplacementSpace displacement, int elements, double radius) {
   BodyModel body = bodyOf(cubeMesh(1, elements), {displacement, PressureSpace::none}, linear);
@@ -39,8 +40,8 @@ double discStiffness(DisplacementSpace displacement, int elements, double radius
   return stiffness(body);
 }
 
-/// The tool of a scene: it takes the nodes inside the body within the radius too, or weights those
-/// of the surface.
+/// Returns k/E of a scene's tool. A rigid one includes the nodes inside the body within the radius,
+/// a weighted one only nodes of the surface.
 double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind,
                       const Eigen::Vector3d& place = middle) {
   Scene scene;
@@ -62,24 +63,25 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
           discStiffness(displacement, elements, patch_radius), reference, 0.005, "m"};
 }
 
-/// k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 - (r/a)^2)^2
-/// has the Hankel transform 48 J3(z)/z^3, z = k a, and the half-space the compliance 2 (1 -
-/// nu^2)/(E k) (Johnson, Contact Mechanics, 1985), so that E a/k = (1 - nu^2)/pi * integral of (48
-/// J3/z^3)^2 dz, in gamma functions by Weber and Schafheitlin.
+/// Returns k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 -
+/// (r/a)^2)^2 has the Hankel transform 48 J3(z)/z^3, z = k a. The half-space has the compliance 2
+/// (1 - nu^2)/(E k) (Johnson, Contact Mechanics, 1985). So
+///   E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz,
+/// in gamma functions by Weber and Schafheitlin.
 double halfSpace() {
   const double integral = 48 * 48 * std::tgamma(6) * std::tgamma(0.5) /
                           (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
   return std::numbers::pi * patch_radius / ((1 - tissue::poisson * tissue::poisson) * integral);
 }
 
-/// The cube is a half-space to about 1 %, the rest is the mesh.
+/// The cube is a half-space to about 1 %; the rest of the deviation is due to the mesh.
 Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
   return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
           sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(),
           tolerance, "m"};
 }
 
-/// The same load by a finger whose centre is no node of any of these meshes, and near the middle.
+/// The same load by a finger. Its centre is near the middle, and not a node of any of these meshes.
 Row finger(DisplacementSpace displacement, int elements, double tolerance) {
   const Eigen::Vector3d beside(0.473, 0.519, 1);
   return {fmt::format("finger {}, h = 1/{}: k/E", word(displacement), elements),
@@ -87,7 +89,7 @@ Row finger(DisplacementSpace displacement, int elements, double tolerance) {
           "m"};
 }
 
-/// k of a mesh against k of one twice as fine.
+/// Compares k of a mesh with k of a mesh twice as fine.
 Row rigidPatch(int elements) {
   return {fmt::format("rigid patch P2, h = 1/{} as 1/{}: k/E", elements, 2 * elements),
           sceneStiffness(DisplacementSpace::p2, elements, ToolKind::rigid),

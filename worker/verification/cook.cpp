@@ -1,5 +1,5 @@
-// Cook's membrane: a tapered plate, clamped at the left, sheared at the right edge; plane strain by
-// one layer of tetrahedra that keeps its thickness.
+// Cook's membrane: a tapered plate, clamped at the left edge and sheared at the right one. Plane
+// strain, by one layer of tetrahedra of constant thickness.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ std::size_t nodeAt(const Mesh& mesh, const Eigen::Vector3d& X) {
   return std::ranges::min_element(mesh.nodes, {}, distance) - mesh.nodes.begin();
 }
 
-/// Upward displacement of the tip (48, 60) mm under `force` newtons per mm of thickness, mm.
+/// Returns the upward displacement of the tip (48, 60) mm under `force` newtons per mm of
+/// thickness, mm.
 double tipDisplacement(const Discretization& discretization, const Material& material, double force,
                        int n) {
   BodyModel body = bodyOf(cookMesh(n, thickness_of_plate), discretization, material);
@@ -39,7 +40,7 @@ Row incompressible(int n, double reference, double tolerance) {
           "mm"};
 }
 
-/// The data of deal.II's tutorial.
+/// Uses the data of deal.II's tutorial.
 Row compressible(int n, double tolerance) {
   constexpr double shear = 0.4225 * newton_per_mm2, poisson = 0.3;
   const Material material = neoHookean(shear, 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson)));
@@ -47,7 +48,7 @@ Row compressible(int n, double tolerance) {
           tipDisplacement(p2_displacement, material, 1, n), 13.772, tolerance, "mm"};
 }
 
-/// In plane strain with J = 1 both invariants are the same.
+/// In plane strain with J = 1 both invariants are equal.
 Row equalLaws(int n, double tolerance) {
   const Material shared = mooneyRivlin(0.3 * mu_of_plate / 2, 0.7 * mu_of_plate / 2);
   return {fmt::format("Mooney-Rivlin as neo-Hookean P2/P1, n = {}: tip", n),

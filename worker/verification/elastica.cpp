@@ -11,11 +11,12 @@ namespace {
 constexpr double length = 1, height = length / 50, modulus = 1e6;  ///< m, m, Pa
 constexpr double second_moment = height * height * height * height / 12;
 
-/// A place of the centre line, arc length 1: along, down, angle, curvature.
+/// A point of the centre line with arc length 1: along, down, angle, curvature.
 using Section = Eigen::Vector4d;
 
-/// The centre line at `stations` + 1 places, clamped at the first: angle'' = -load cos(angle), by
-/// Runge and Kutta, with the curvature at the clamp bisected for a tip without a moment.
+/// Returns the centre line at `stations` + 1 points, clamped at the first one. Integrates angle'' =
+/// -load cos(angle) by Runge and Kutta, and bisects the curvature at the clamp for zero moment at
+/// the tip.
 std::vector<Section> elastica(double load, int stations) {
   constexpr int substeps = 20;
   const double ds = 1.0 / (stations * substeps);
@@ -42,8 +43,9 @@ std::vector<Section> elastica(double load, int stations) {
   return shot(low);
 }
 
-/// Bernoulli's hypothesis: sections stay plane and normal to the centre line. Newton starts here,
-/// because from a straight beam the bending of one step is a stretch thousands of times as stiff.
+/// Returns a position by Bernoulli's hypothesis: sections stay plane and normal to the centre line.
+/// Newton starts here, because a step of bending from the straight beam stretches it, which is
+/// thousands of times stiffer.
 Eigen::Vector3d bentAlong(const std::vector<Section>& line, const Eigen::Vector3d& X) {
   const auto station =
       static_cast<std::size_t>(std::lround(X[0] / length * double(line.size() - 1)));
@@ -54,7 +56,7 @@ Eigen::Vector3d bentAlong(const std::vector<Section>& line, const Eigen::Vector3
 }
 
 struct Tip {
-  double down, back;  ///< of the length: v/L and u/L
+  double down, back;  ///< relative to the length: v/L and u/L
 };
 
 /// `load` is P L^2/(E I).

@@ -1,6 +1,6 @@
 // Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
-// reference forces were computed with GetFEM on the same meshes
-// (tests/worker/verification/hard_reference.py has all but skins, columns and the linear bone).
+// reference forces were computed with GetFEM on the same meshes. All are in
+// tests/worker/verification/hard_reference.py, except skins, columns and the linear bone.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,10 +13,10 @@
 namespace palpate::verification {
 namespace {
 
-/// A tool pushed into a body whose side zmin is fixed.
+/// A tool pushed into a body that is fixed at the side zmin.
 struct Push {
   std::string name;
-  Mesh mesh;  ///< "soft" and "stiff" are its element groups where there are two regions
+  Mesh mesh;  ///< with the element groups "soft" and "stiff" for two regions
   std::vector<Region> regions;
   Discretization discretization;
   Eigen::Vector3d near = {0.02, 0.02, 0.04};  ///< metres
@@ -36,7 +36,7 @@ Problem problemOf(const Push& push) {
   return resolve(std::move(scene), push.mesh);
 }
 
-/// The share of the way that the tool got; or, if it arrived, validity and force.
+/// Returns the share of the way that the tool got; if it arrived, validity and force.
 std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
   const Problem problem = problemOf(push);
   TransitionSolver solver(problem, chooseKernels());
@@ -55,14 +55,14 @@ std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
 
 constexpr double soft_mu = 3000, cube_edge = 0.04;
 
-/// Puts each element into one of the two regions.
+/// Assigns each element to one of the two regions.
 void divide(Mesh& mesh, const std::function<bool(const Eigen::Vector3d& X)>& isStiff) {
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     mesh.element_groups[isStiff(middleOf(mesh, e)) ? "stiff" : "soft"].push_back(
         static_cast<std::int32_t>(e));
 }
 
-/// A cube of 40 mm whose top quarter is stiffer.
+/// A cube of 40 mm with a stiffer top quarter.
 Push skin(const std::string& element, const Discretization& discretization, double contrast,
           int n) {
   Push push{.name = fmt::format("skin {} times stiffer, {}, n = {}", contrast, element, n),
@@ -75,7 +75,7 @@ Push skin(const std::string& element, const Discretization& discretization, doub
   return push;
 }
 
-/// The same cube whose top quarter is a capsule: collagen crosswise in it.
+/// The same cube with a top quarter of capsule: it contains crossed collagen.
 Push capsule(double depth) {
   Push push = skin("", taylor_hood, 1, 4);
   Material& collagen = push.regions[1].material;
@@ -88,7 +88,7 @@ Push capsule(double depth) {
   return push;
 }
 
-/// A cube of 60 mm of soft tissue with a cube of 20 mm of bone in it.
+/// A cube of 60 mm of soft tissue that contains a cube of 20 mm of bone.
 Push bone(double young, const Discretization& discretization = stabilized) {
   Push push{.name = fmt::format("bone of {:g} Pa in tissue of {:g}, {}", young, 3 * soft_mu,
                                 word(discretization.displacement)),
@@ -103,7 +103,7 @@ Push bone(double young, const Discretization& discretization = stabilized) {
   return push;
 }
 
-/// A column of 10 x 10 x 80 mm, pressed along itself by its whole top.
+/// A column of 10 x 10 x 80 mm, compressed along its length by its whole top.
 Push column(double depth) {
   return {.name = fmt::format("column, {} mm, Euler's load at 4.11 mm", 1e3 * depth),
           .mesh = boxMesh({0.01, 0.01, 0.08}, {2, 2, 16}),
@@ -114,8 +114,8 @@ Push column(double depth) {
           .displacement = {0, 0, -depth}};
 }
 
-/// A cube of 40 mm with fibres, pressed by `depth` metres: one family along x, or two, turned from
-/// x by `angle` degrees to both sides.
+/// A cube of 40 mm with fibres, pressed by `depth` metres. There is one fibre family along x, or
+/// two that are rotated from x by `angle` degrees to both sides.
 Push fibers(const std::string& what, Material material, double depth, double angle = 0) {
   const double turned = angle * std::numbers::pi / 180;
   material.law = LawName::holzapfel_gasser_ogden;
@@ -133,8 +133,8 @@ Push fibers(double stiffness, double depth) {
                 {.mu = soft_mu, .k1 = stiffness * soft_mu, .k2 = 0.84}, depth);
 }
 
-/// Carotid of a rabbit (Holzapfel, Gasser, Ogden 2000), iliac adventitia of a man (Gasser, Ogden,
-/// Holzapfel 2006).
+/// Carotid media of a rabbit (Holzapfel, Gasser, Ogden 2000), and iliac adventitia of a man
+/// (Gasser, Ogden, Holzapfel 2006).
 Push media(double depth) {
   return fibers("media", {.mu = 3000, .k1 = 2363.2, .k2 = 0.8393}, depth, 29);
 }
@@ -158,15 +158,15 @@ Push soft(const std::string& what, Mesh mesh, double radius, double depth) {
           .displacement = {0, 0, -depth}};
 }
 
-/// A compressible cube, pressed in by almost a third of its height.
+/// A compressible cube, pressed by almost a third of its height.
 Push compression() {
   Push push = soft("pressed in by 12 of 40 mm, nu = 0.49", cubeMesh(cube_edge, 4), 0.0101, 12e-3);
   push.regions[0].material.bulk = 149e3;
   return push;
 }
 
-/// A pyramid whose tip, a tenth as wide as its foot, is pressed down by almost a third of its
-/// height.
+/// A pyramid with a tip a tenth as wide as its base, pressed down at the tip by almost a third of
+/// its height.
 Push tip() {
   Mesh mesh = boxMesh({cube_edge, cube_edge, cube_edge}, {4, 4, 8});
   for (Eigen::Vector3d& node : mesh.nodes)

@@ -1,5 +1,5 @@
-// A box with distorted elements, pulled or sheared so that its strain is the same everywhere: any
-// element must find that state and its stress to rounding (patch test).
+// A box with distorted elements, pulled or sheared to a uniform strain. Any element must find that
+// state and its stress to round-off (patch test).
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -15,7 +15,7 @@ namespace {
 constexpr double edge = 0.1;  ///< metres
 constexpr double tolerance = 1e-9;
 
-/// A component of the mean nominal stress, or a combination, and what it should be.
+/// The expected value of a component of the mean nominal stress, or of a combination.
 struct Expected {
   std::string name;
   double (*measured)(const Eigen::Matrix3d& P, const Eigen::Matrix3d& cauchy);
@@ -28,12 +28,12 @@ using Held = std::pair<std::string, std::string>;
 struct Homogeneous {
   std::string name;
   Eigen::Matrix3d F;
-  std::vector<Held> held;  ///< where F puts them
+  std::vector<Held> held;  ///< at the positions given by F
   std::vector<Expected> expected;
 };
 
-/// Pulled along x, with these stretches across, which are kept on the sides that are `held` beside
-/// those of symmetry.
+/// A box pulled along x, with these lateral stretches. The sides in `held` keep their position, in
+/// addition to the symmetry planes.
 Homogeneous pulled(const char* name, double l, double y, double z, double stress,
                    std::vector<Held> held = {}) {
   held.insert(held.end(), {{"xmin", "x"}, {"ymin", "y"}, {"zmin", "z"}, {"xmax", "x"}});
@@ -43,13 +43,13 @@ Homogeneous pulled(const char* name, double l, double y, double z, double stress
           {{"", [](const auto& P, const auto&) { return P(0, 0); }, stress}}};
 }
 
-/// Pulled along x, free across: of an incompressible body, or of one with this lateral stretch.
+/// A box pulled along x, free laterally, with this lateral stretch.
 Homogeneous uniaxial(double l, double stress, double lateral) {
   return pulled("uniaxial", l, lateral, lateral, stress);
 }
 Homogeneous uniaxial(double l, double stress) { return uniaxial(l, stress, 1 / std::sqrt(l)); }
 
-/// Sheared by k in the plane of x and y, no stress along z.
+/// A box sheared by k in the plane of x and y, with no stress along z.
 Homogeneous simpleShear(double k, double mu, double c01) {
   Homogeneous state;
   state.name = fmt::format("simple shear {}", k);
@@ -65,11 +65,11 @@ Homogeneous simpleShear(double k, double mu, double c01) {
   return state;
 }
 
-/// This state with the free components off by up to 1 % of an element.
+/// Returns this state with the free components changed by up to 1 % of an element.
 State disturbed(State state, const BodyModel& body) {
   std::mt19937 random(7);
   for (std::size_t component = 0; component < state.u.size(); ++component) {
-    // Drawn for held components too, so that a start does not depend on what is held elsewhere.
+    // Drawn for held components too, so that a start does not depend on the other supports.
     const double off = 0.01 * edge / 3 * (2.0 * random() / 4294967295.0 - 1);
     if (!body.fixed[component]) state.u[component] += off;
   }
@@ -106,7 +106,8 @@ std::vector<Row> rowsOfStates(const std::string& material_name, const Material& 
 /// 1/(l y), free along z.
 using StressAlongX = std::function<double(double l, double y)>;
 
-/// Of an isotropic law whose derivatives by the two invariants are `slopes` (Rivlin 1948).
+/// Returns the stress of an isotropic law with the derivatives `slopes` by the two invariants
+/// (Rivlin 1948).
 StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>& slopes) {
   return [slopes](double l, double y) {
     const double z = 1 / (l * y);
@@ -115,7 +116,8 @@ StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>&
   };
 }
 
-/// Pulled along x and free across, pulled along x and y alike, and kept along y.
+/// Returns three states: pulled along x and free laterally, pulled equally along x and y, and held
+/// along y.
 std::vector<Homogeneous> statesOf(const StressAlongX& stress) {
   const auto free = [&](double l) { return uniaxial(l, stress(l, 1 / std::sqrt(l))); };
   const auto held = [&](const char* name, double l, double y) {
@@ -139,7 +141,7 @@ std::vector<Row> neoHookeanRows() {
     return std::pair{mu / 2, 0.0};
   }));
   states.push_back(simpleShear(0.5, mu, 0));
-  // Kept across, P = dW/dl of W(l) = mu/2 (l^(-2/3) (l^2 + 2) - 3) + U(l).
+  // Held laterally, P = dW/dl of W(l) = mu/2 (l^(-2/3) (l^2 + 2) - 3) + U(l).
   constexpr double l = 0.8;
   const double stress =
       mu / 2 * (4.0 / 3 * std::cbrt(l) - 4.0 / 3 * std::pow(l, -5.0 / 3)) + bulk / 2 * (l - 1 / l);
@@ -166,7 +168,7 @@ std::vector<Row> verondaWestmannRows() {
                       taylor_hood, statesOf(stressBy(slopes)));
 }
 
-/// P = sum of mu (l^alpha - z^alpha)/l, z the stretch of the free sides.
+/// P = sum of mu (l^alpha - z^alpha)/l, with z the stretch of the free sides.
 std::vector<Row> ogdenRows() {
   // Ogden 1972, rubber, in units of 0.01 kg/cm^2.
   const std::vector<OgdenTerm> terms = {{6300, 1.3}, {12, 5.0}, {-100, -2.0}};
@@ -180,7 +182,7 @@ std::vector<Row> ogdenRows() {
                       statesOf(stress));
 }
 
-/// One family along the pull, so that both sides shrink alike.
+/// One family along the pull, so that both sides contract equally.
 std::vector<Row> holzapfelGasserOgdenRows() {
   constexpr double mu = tissue::mu, k1 = 4000, k2 = 0.8, kappa = 0.1;
   const auto state = [](double l) {
@@ -207,7 +209,7 @@ std::vector<Row> stVenantKirchhoffRows() {
                       {state(0.8), state(1.2)});
 }
 
-/// P = dW/dl of W(l), W = lambda/2 (tr g)^2 + mu g:g with the lateral stretch l^(-1/2).
+/// Returns P = dW/dl of W(l) = lambda/2 (tr g)^2 + mu g:g, with the lateral stretch l^(-1/2).
 double modifiedStress(double l, double lambda, double mu) {
   const double trace = (l * l + 2 / l - 3) / 2;
   return lambda * trace * (l - 1 / (l * l)) + mu * (l * (l * l - 1) - (1 / l - 1) / (l * l));

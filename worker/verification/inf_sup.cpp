@@ -1,6 +1,6 @@
-// The discrete inf-sup constant: the square root of the smallest eigenvalue of B A^-1 B^T q =
-// beta^2 M q, with A the H1 seminorm of displacements, M the mass of pressures, and B from the
-// tangent of the system itself. Unit cube, clamped at the bottom (Chapelle and Bathe 1993).
+// The discrete inf-sup constant beta: the square root of the smallest eigenvalue of B A^-1 B^T q =
+// beta^2 M q. A is the H1 seminorm of displacements, M the mass matrix of pressures, and B is taken
+// from the system's tangent. Unit cube, clamped at the bottom (Chapelle and Bathe 1993).
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -14,8 +14,8 @@
 namespace palpate::verification {
 namespace {
 
-/// B, one row per pressure: what is left of the integral of p div v per component of the nodes,
-/// zero where they are held.
+/// Returns B with one row per pressure: the integral of p div v for each component of the nodes,
+/// zero at held nodes.
 std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes,
                                         Eigen::Index pressures) {
   std::vector<Dof> dof_of(system.unknowns());
@@ -41,8 +41,8 @@ std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes
   return B;
 }
 
-/// References published with three digits, on the same meshes: the constant, and how many pressures
-/// no displacement feels.
+/// The references were published with three digits, on the same meshes: the constant, and the
+/// number of pressure modes without an effect on any displacement.
 std::vector<Row> infSupRows(const char* element, const Discretization& discretization, int n,
                             int zero_modes, double beta) {
   BodyModel body = bodyOf(cubeMesh(1, n), discretization, mooneyRivlin());

@@ -1,6 +1,6 @@
-// A hollow sphere and a tube in plane strain whose inner wall is pushed outwards. The pressure that
-// this takes is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed
-// forms for Mooney-Rivlin).
+// A hollow sphere, and a tube in plane strain, with an inner wall that is pushed outwards. The
+// pressure is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed forms
+// for Mooney-Rivlin).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,10 +30,11 @@ double exactTube() {
   return 2 * (c10 + c01) * (std::log(a / b) - (1 / (a * a) - 1 / (b * b)) / 2);
 }
 
-/// The pressure that keeps the nodes of `wall` at `stretch` times where they were. `radial` has a 1
-/// for each coordinate that grows: d = 3 of a sphere, 2 of a tube. `hollow`: the volume inside at
-/// rest, which grows by d stretch^(d-1) of itself per unit of stretch. Newton starts at r^d = R^d +
-/// const, where volumes stay.
+/// Returns the pressure that keeps the nodes of `wall` at `stretch` times their rest position.
+///
+/// `radial` has a 1 for each coordinate that grows: d = 3 for a sphere, 2 for a tube. `hollow` is
+/// the volume inside at rest; it grows by the factor d stretch^(d-1) per unit of stretch. Newton
+/// starts at r^d = R^d + const, which preserves volumes.
 double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial,
                 double hollow) {
   const double d = radial.sum(), growth = (std::pow(stretch, d) - 1) * std::pow(inner, d);

@@ -1,6 +1,6 @@
-// Bodies of two incompressible materials: the pressure jumps at the interface. A laminate stretched
-// along its layers deforms homogeneously, with another pressure in each layer. The strain in a
-// stiff ball in soft tissue is uniform (Eshelby 1957).
+// Bodies of two incompressible materials, with a pressure jump at the interface. A laminate
+// stretched along its layers deforms homogeneously, with a different pressure in each layer. The
+// strain in a stiff ball in soft tissue is uniform (Eshelby 1957).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -12,8 +12,8 @@ namespace {
 
 constexpr double mu_of_soft = tissue::mu;
 
-/// Soft where `isSoft` says so of the middle of an element at rest, and `contrast` times stiffer
-/// elsewhere.
+/// Returns a body that is soft where `isSoft` holds for the middle of an element at rest, and
+/// `contrast` times stiffer elsewhere.
 BodyModel bodyOfTwo(Mesh mesh, const Discretization& discretization, double contrast,
                     const std::function<bool(const Eigen::Vector3d& X)>& isSoft) {
   BodyModel body = bodyOf(std::move(mesh), discretization, neoHookean(mu_of_soft));
@@ -49,12 +49,12 @@ Row laminateRow(const std::string& element, const Discretization& discretization
 constexpr double body_radius = 2, ball_radius = 1;  ///< metres
 const Eigen::Vector3d far_strain(1e-4, -0.5e-4, -0.5e-4);
 
-/// Part of the far strain that a ball `contrast` times stiffer than what is around it does not
-/// follow.
+/// Returns the share of the far strain that a ball `contrast` times stiffer than its surroundings
+/// does not follow.
 double keptOut(double contrast) { return 0.4 * (contrast - 1) / (1 + 0.4 * (contrast - 1)); }
 
-/// The displacement in an infinite body: uniform strain within the ball, and outside what makes the
-/// tractions on it agree.
+/// Returns the displacement in an infinite body. The strain is uniform within the ball; outside,
+/// the displacement balances the tractions on the ball.
 Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
   const Eigen::Vector3d far = far_strain.cwiseProduct(X);
   const double c = keptOut(contrast), q = ball_radius / std::max(X.norm(), ball_radius);
@@ -62,21 +62,21 @@ Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
          2.5 * c * (std::pow(q, 3) - std::pow(q, 5)) * (X.dot(far) / X.squaredNorm()) * X;
 }
 
-/// The strain of the ball along x, of the far strain, where the body's outside is put where it is
-/// in an infinite body.
+/// Returns the strain of the ball along x, relative to the far strain. The outside of the body has
+/// the displacement of an infinite body.
 double strainWithin(const Discretization& discretization, double contrast, int n) {
   BodyModel body = bodyOfTwo(ballOctantMesh(body_radius, n), discretization, contrast,
                              [](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
   holdSymmetryPlanes(body);
   hold(body, "outside", "xyz");
-  // The sphere is made of triangles: its displacement encloses a volume that is not quite the same.
+  // The sphere consists of triangles, so its displacement does not quite preserve the volume.
   for (Material& material : body.materials) material.bulk = 1e4 * mu_of_soft;
   Rig rig(body);
   const NewtonResult result =
       rig.equilibrium(displaced(rig.system(), [&](const Eigen::Vector3d& X) {
         return X.norm() > 0 ? exactAround(X, contrast) : X;
       }));
-  const std::int32_t on_axis = n / 2;  // of the lattice that the ball is made of
+  const std::int32_t on_axis = n / 2;  // of the lattice of the ball
   return ofNode(result.state.u, on_axis)[0] / (far_strain[0] * ball_radius);
 }
 

@@ -1,5 +1,5 @@
 // A St. Venant-Kirchhoff cube under a dead pressure reaches a limit point at stretch 1/sqrt(3),
-// where its tangent stops being positive definite; beyond the pressure E/(3 sqrt(3)) there is no
+// where its tangent is no longer positive definite. Beyond the pressure E/(3 sqrt(3)) there is no
 // equilibrium.
 #include <cmath>
 
@@ -11,7 +11,8 @@ namespace {
 constexpr double edge_of_cube = 0.1;  ///< metres
 const double exact_stretch = 1 / std::sqrt(3), exact_pressure = tissue::young / (3 * std::sqrt(3));
 
-/// On three planes of symmetry; a pressure of 1 Pa (of the area at rest) on the side xmax.
+/// Returns a cube on three symmetry planes, with a pressure of 1 Pa (per area at rest) on the side
+/// xmax.
 BodyModel cube() {
   BodyModel body = bodyOf(cubeMesh(edge_of_cube, 1), p1_displacement, stVenantKirchhoff());
   holdSymmetryPlanes(body);
@@ -21,8 +22,8 @@ BodyModel cube() {
   return body;
 }
 
-/// Equilibria with the side xmax held at `stretch`, on both sides of the limit point, reached in
-/// steps.
+/// Returns the equilibrium with the side xmax held at `stretch`, on either side of the limit point,
+/// reached in steps.
 State compressedTo(double stretch) {
   BodyModel body = cube();
   hold(body, "xmax", "x");
@@ -38,14 +39,14 @@ State compressedTo(double stretch) {
   return state;
 }
 
-/// Negative eigenvalues of the tangent with the side xmax free: where there are none, the state is
-/// stable under the load that keeps it.
+/// Returns the number of negative eigenvalues of the tangent with the side xmax free. Without any,
+/// the state is stable under the load that keeps it.
 int negativeUnderLoad(double stretch) {
   const State state = compressedTo(stretch);
   return Rig(cube()).negativeEigenvalues(state);
 }
 
-/// Bisects where the tangent loses definiteness.
+/// Finds by bisection where the tangent loses definiteness.
 double stretchOfLimitPoint() {
   double stable = 0.65, unstable = 0.5;
   while (stable - unstable > 1e-8) {
@@ -55,8 +56,7 @@ double stretchOfLimitPoint() {
   return stable;
 }
 
-/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, as far as there is
-/// one.
+/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, until there is none.
 std::vector<Row> rowsOfLastLoad() {
   Rig rig(cube());
   double reached = 0, step = 1000;

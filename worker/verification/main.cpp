@@ -20,7 +20,7 @@ struct VerifyOptions {
   bool json = false;
 };
 
-/// The cases to run. Error when a name is part of no case's.
+/// Returns the cases to run. Error if a name matches no case.
 std::vector<Case> chosenCases(const VerifyOptions& options) {
   std::vector<Case> chosen = options.hard ? verification::hardCases() : verification::cases();
   const auto has = [](const std::string& name) {
@@ -28,7 +28,7 @@ std::vector<Case> chosenCases(const VerifyOptions& options) {
       return std::string_view(problem.name).find(name) != std::string_view::npos;
     };
   };
-  // A misspelt name must not look like problems that are all solved.
+  // A misspelt name must not look like a successful run.
   for (const std::string& name : options.names)
     if (std::ranges::none_of(chosen, has(name)))
       throw badInput(
@@ -96,7 +96,7 @@ std::function<ExitCode()> prepareVerify(CLI::App& app) {
   return [options] { return verify(*options); };
 }
 
-/// `palpate verify [NAME...] [--all | --hard] [--json]`: exit 0 when all rows are within their
+/// `palpate verify [NAME...] [--all | --hard] [--json]`: exit 0 if all rows are within their
 /// tolerance, else 1.
 const Verb verify_verb = {
     "verify", "Solve problems whose solution is known; print computed, reference and deviation",

@@ -1,6 +1,6 @@
-// A displacement is chosen, the load that makes it an equilibrium computed from the law, and the
-// solution compared with it: the L2 error must fall with the square of the element size (P1) or its
-// cube (P2).
+// Manufactured solutions. A displacement is chosen, and the load that makes it an equilibrium is
+// computed from the law. The L2 error of the solution must fall with the square (P1) or the cube
+// (P2) of the element size.
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -26,7 +26,7 @@ Eigen::Matrix3d exactF(const Eigen::Vector3d& X) {
   return Eigen::Matrix3d::Identity() + slope.asDiagonal() * waves;
 }
 
-/// First Piola-Kirchhoff stress P = F S, Pa, written anew here.
+/// First Piola-Kirchhoff stress P = F S, Pa, programmed independently of the kernels.
 using Stress = Eigen::Matrix3d (*)(const Eigen::Matrix3d& F);
 
 Eigen::Matrix3d stVenantKirchhoffStress(const Eigen::Matrix3d& F) {
@@ -45,8 +45,8 @@ Eigen::Matrix3d neoHookeanStress(const Eigen::Matrix3d& F) {
          tissue::bulk / 2 * (J * J - 1) * F_inverse_T;
 }
 
-/// The load of the body force -Div P, on the nodes inside: integral of P : grad N, because N
-/// vanishes on the boundary. On the boundary, where everything is held, a load has no work to do.
+/// Returns the load of the body force -Div P on the inner nodes: integral of P : grad N, because N
+/// vanishes on the boundary. All nodes on the boundary are held, so their load does no work.
 std::vector<double> loadOf(const Mesh& mesh, Stress stress) {
   std::vector<double> load(3 * mesh.nodes.size(), 0.0);
   integrate(mesh, [&](const IntegrationPoint& point) {

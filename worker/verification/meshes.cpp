@@ -12,21 +12,22 @@
 namespace palpate::verification {
 namespace {
 
-/// The six orders in which a path from one corner of a brick to the opposite one can take the three
-/// axes; the last three are odd.
+/// The six orders of the axes along a path from one corner of a brick to the opposite one. The last
+/// three are odd permutations.
 constexpr std::array<std::array<int, 3>, 6> axis_orders = {
     {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
 
-/// The nodes along the path that takes the axes in this order, from `corner`.
+/// Returns the nodes along the path from `corner` that takes the axes in this order.
 Tetrahedron kuhnTetrahedron(std::int32_t corner, const std::array<int, 3>& strides, int order) {
   Tetrahedron nodes = {corner};
   for (int i = 0; i < 3; ++i) nodes[i + 1] = nodes[i] + strides[axis_orders[order][i]];
-  // The path of an odd order turns the other way round its tetrahedron.
+  // A path of odd order gives a tetrahedron of opposite orientation.
   if (order >= 3) std::swap(nodes[2], nodes[3]);
   return nodes;
 }
 
-/// The box before finishMesh, with its nodes on the unit lattice: node (i, j, k) is at (i, j, k).
+/// Returns the box before finishMesh, with nodes on the unit lattice: node (i, j, k) is at (i, j,
+/// k).
 Mesh latticeBox(const std::array<int, 3>& cells) {
   const std::array<int, 3> strides = {1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
   Mesh mesh;
@@ -48,8 +49,9 @@ Mesh latticeBox(const std::array<int, 3>& cells) {
   return mesh;
 }
 
-/// The prism over triangle (a, b, c), which must ascend, cut so that neighbours agree: every
-/// diagonal of a side face runs from its lower number below to its higher number above.
+/// Cuts the prism over triangle (a, b, c), with ascending a, b, c, into tetrahedra. Neighbours
+/// agree, because each diagonal of a side face joins the lower number below to the higher number
+/// above.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
   PALPATE_ASSERT(a < b && b < c, "neighbours agree on a diagonal by the order of their nodes");
@@ -58,14 +60,14 @@ void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron
   tetrahedra.push_back({a, a + above, b + above, c + above});
 }
 
-/// Triangles over numbered points of the plane.
+/// Triangles over numbered points of a plane.
 struct Grid {
   std::vector<Eigen::Vector2d> points;
   std::vector<Triangle> triangles;  ///< counter-clockwise
 };
 
-/// [0, 1]^2 cut into n x m cells of two triangles each, whose common edge runs from lower left to
-/// upper right.
+/// Returns [0, 1]^2 divided into n x m cells of two triangles each. Their common edge runs from
+/// lower left to upper right.
 Grid squareGrid(int n, int m) {
   Grid grid;
   for (int j = 0; j <= m; ++j)
@@ -79,7 +81,7 @@ Grid squareGrid(int n, int m) {
   return grid;
 }
 
-/// The triangle (0,0) (1,0) (0,1) cut into n^2 equal ones.
+/// Returns the triangle (0,0) (1,0) (0,1) divided into n^2 equal ones.
 Grid triangleGrid(int n) {
   Grid grid;
   const auto number = [n](int i, int j) { return i + j * (n + 1) - j * (j - 1) / 2; };
@@ -94,7 +96,7 @@ Grid triangleGrid(int n) {
   return grid;
 }
 
-/// The unit disc in n rings around the point 0, ring k of 6 k points.
+/// Returns the unit disc in n rings around point 0; ring k has 6 k points.
 Grid discGrid(int n) {
   const auto number = [](int ring, int place) {
     return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + place % (6 * ring);
@@ -119,8 +121,8 @@ Grid discGrid(int n) {
   return grid;
 }
 
-/// `grid` in `layers` layers of prisms, each cut into three tetrahedra. `position` maps (x, y, z),
-/// x and y of the grid and z in [0, 1] across the layers, to metres.
+/// Returns `grid` in `layers` layers of prisms, each cut into three tetrahedra. `position` maps (x,
+/// y, z), with x and y in the grid and z in [0, 1] across the layers, to metres.
 Mesh layeredMesh(const Grid& grid, int layers,
                  const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& position) {
   Mesh mesh;
@@ -139,7 +141,7 @@ Mesh layeredMesh(const Grid& grid, int layers,
       for (std::int32_t& node : triangle) node += layer * points;
       cutPrism(triangle, points, mesh.tetrahedra);
     }
-  // Sorting turned some of the triangles, and `position` may mirror all of them.
+  // Sorting reversed some of the triangles, and `position` may mirror all of them.
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     if (sixVolume(mesh, e) < 0) std::swap(mesh.tetrahedra[e][2], mesh.tetrahedra[e][3]);
   finishMesh(mesh, "a verification mesh made in code");
@@ -160,7 +162,7 @@ Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cel
   std::mt19937 random(1);
   for (Eigen::Vector3d& node : mesh.nodes)
     for (int axis = 0; axis < 3; ++axis) {
-      // Not uniform_real_distribution: its values differ between standard libraries.
+      // uniform_real_distribution gives different values in different standard libraries.
       const double move = amount * (2.0 * random() / 4294967295.0 - 1);
       const bool inner = (node.array() > 0.5 && node.array() < corner.array() - 0.5).all();
       if (inner) node[axis] += move;

@@ -1,6 +1,6 @@
 // A quarter of an incompressible block under a pressure on the middle of its top, up to 69 %
-// compression (Reese, Wriggers, Reddy 2000; p/p0 = 80). The top cannot move sideways, so the load
-// is dead and following at once.
+// compression (Reese, Wriggers, Reddy 2000; p/p0 = 80). The top cannot move sideways, so a dead
+// load and a follower load are the same.
 #include <fmt/format.h>
 
 #include "worker/verification/rig.hpp"
@@ -9,10 +9,10 @@ namespace palpate::verification {
 namespace {
 
 constexpr double mu_of_block = 80.194e6,
-                 p0 = 4e6;  ///< Pa; lengths in metres, ratios are what matters
+                 p0 = 4e6;  ///< Pa; lengths in metres, only ratios matter
 
-/// The planes of symmetry are x = 1 and y = 0, so that the diagonals of the top run towards its
-/// middle, (1, 0, 1). `load` is p/p0.
+/// Returns the block with the symmetry planes x = 1 and y = 0, so that the diagonals of the top run
+/// towards its middle, (1, 0, 1). `load` is p/p0.
 BodyModel block(const Discretization& discretization, int n, double load) {
   BodyModel body = bodyOf(cubeMesh(1, n), discretization, neoHookean(mu_of_block));
   hold(body, "xmax", "x");
@@ -26,7 +26,7 @@ BodyModel block(const Discretization& discretization, int n, double load) {
   return body;
 }
 
-/// How far the middle of the top goes down, of the block's height.
+/// Returns how far the middle of the top moves down, relative to the block's height.
 double depth(const Discretization& discretization, int n, double load, int steps) {
   const NewtonResult result = Rig(block(discretization, n, load)).loadInSteps(steps);
   const int middle_of_top = n + (n + 1) * (n + 1) * n;
@@ -44,7 +44,7 @@ Row sameFromSteps(const std::string& element, const Discretization& discretizati
           depth(discretization, n, 80, 16), depth(discretization, n, 80, 1), 1e-8};
 }
 
-/// Taylor-Hood against the limit of fine meshes at p/p0 = 20, 40, 60, 80, extrapolated.
+/// Compares Taylor-Hood with the extrapolated limit of fine meshes at p/p0 = 20, 40, 60, 80.
 std::vector<Row> rowsOfLimits(int n, double tolerance) {
   const auto row = [&](double load, double limit) {
     return depthRow("P2/P1", taylor_hood, n, load, limit, tolerance);

@@ -10,8 +10,8 @@
 namespace palpate::verification {
 namespace {
 
-/// Points and weights on [0, 1]. Golub and Welsch 1969: the points are the eigenvalues of the
-/// Jacobi matrix of the Legendre polynomials.
+/// Returns points and weights on [0, 1]. The points are the eigenvalues of the Jacobi matrix of the
+/// Legendre polynomials (Golub and Welsch 1969).
 std::pair<Eigen::VectorXd, Eigen::VectorXd> gaussLegendre(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = i / std::sqrt(4.0 * i * i - 1);
@@ -38,7 +38,7 @@ std::vector<ReferencePoint> collapsedRule() {
   return points;
 }
 
-/// The shape functions of all nodes and their gradients, from those of the vertices.
+/// Computes shape functions and gradients of all nodes from those of the vertices.
 void fillShapeFunctions(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>& gradients) {
   const auto& l = point.vertex_N;
   const bool quadratic = point.nodes == 10;

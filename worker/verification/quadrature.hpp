@@ -7,8 +7,8 @@
 
 namespace palpate::verification {
 
-/// A point of integration in an element, with the element's shape functions there. Written for
-/// verification alone, apart from the element kernels that it checks.
+/// An integration point in an element, with the element's shape functions there. Written only for
+/// verification, independently of the element kernels that it checks.
 struct IntegrationPoint {
   double weight;      ///< m^3
   Eigen::Vector3d X;  ///< metres, at rest

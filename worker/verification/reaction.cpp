@@ -1,5 +1,5 @@
-// What a tool feels: minus the gradient of the stored energy, with a symmetric derivative, and the
-// Lagrange multiplier of the paper.
+// The force on a tool is minus the gradient of the stored energy, has a symmetric derivative, and
+// is the paper's Lagrange multiplier.
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 namespace palpate::verification {
 namespace {
 
-/// A clamped box whose upper far edge is the tool.
+/// Returns a clamped box with its upper far edge as the tool.
 Problem clampedBox() {
   Scene scene;
   scene.name = "clamped box";
@@ -22,8 +22,8 @@ Problem clampedBox() {
 
 const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
 
-/// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a
-/// multiplier l: r_f = 0, r_a + l = 0, a - p = 0.
+/// Returns the tissue's force as a multiplier l. The tool's displacement a is an unknown, with a =
+/// p as a constraint: r_f = 0, r_a + l = 0, a - p = 0.
 Eigen::Vector3d multiplier(const System& system) {
   const int n = system.unknowns();
   State state = system.restState();
@@ -59,7 +59,7 @@ std::vector<Row> reactionRows() {
   Failure why_no_rest;
   const std::optional<Start> rest = solver.startAtRest(why_no_rest);
   if (!rest) throw failure("no rest state: {}", describe(why_no_rest));
-  // Each from rest, as a worker solves them.
+  // Each equilibrium starts from rest, as in a worker.
   const auto equilibriumAt = [&](const Eigen::Vector3d& p) {
     const Outcome outcome = solver.reach(*rest, p).outcome;
     if (!outcome.converged()) throw failure("no equilibrium: {}", describe(outcome.failure()));

@@ -7,51 +7,51 @@
 #include "worker/verification/case.hpp"
 #include "worker/verification/meshes.hpp"
 
-/// What problems are written with, and all that their files need to include: cases and rows, bodies
-/// with their materials, and what holds, loads, solves and measures them.
+/// Everything that a file with verification problems includes: cases and rows, bodies with
+/// materials, supports, loads, solving and measuring.
 namespace palpate::verification {
 
-/// One of the choices a scene has, as [discretization] would say it.
+/// Choices of a scene's [discretization].
 inline constexpr Discretization taylor_hood = {DisplacementSpace::p2, PressureSpace::p1};
 inline constexpr Discretization stabilized = {DisplacementSpace::p1, PressureSpace::p1_stabilized};
 inline constexpr Discretization equal_order = {DisplacementSpace::p1, PressureSpace::p1};
 inline constexpr Discretization p1_displacement = {DisplacementSpace::p1, PressureSpace::none};
 inline constexpr Discretization p2_displacement = {DisplacementSpace::p2, PressureSpace::none};
 
-/// The soft tissue that most problems are made of; c10 and c01 are the paper's.
+/// The soft tissue of most problems; c10 and c01 are the paper's.
 namespace tissue {
 inline constexpr double c10 = 1300, c01 = 1280;        ///< Pa, Mooney-Rivlin
 inline constexpr double mu = 5160, bulk = 20000;       ///< Pa, neo-Hookean
 inline constexpr double young = 15480, poisson = 0.3;  ///< Pa, -, St. Venant-Kirchhoff
 }  // namespace tissue
 
-/// Materials of three laws, in Pa; without `bulk` exactly incompressible.
+/// Return materials of three laws, in Pa; without `bulk` exactly incompressible.
 Material mooneyRivlin(double c10 = tissue::c10, double c01 = tissue::c01);
 Material neoHookean(double mu, std::optional<double> bulk = {});
 Material stVenantKirchhoff(double young = tissue::young, double poisson = tissue::poisson);
 
-/// A body of one material on a linear mesh, which gets its mid-edge nodes here when the
-/// displacement is P2. Nothing is held or loaded.
+/// Returns a body of one material, without supports or loads. `mesh` is linear; it gets its
+/// mid-edge nodes here if the displacement is P2.
 BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material& material);
 
-/// Holds the components of `axes` ("x", "yz", ...) of these nodes, or of a node group of the mesh,
-/// where the state has them.
+/// Hold the components `axes` ("x", "yz", ...) of these nodes, or of a node group of the mesh, at
+/// their value in the state.
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes);
 void hold(BodyModel& body, const std::string& group, std::string_view axes);
 
-/// Holds what lies in the planes x = 0, y = 0 and z = 0 there: the body is a part of a symmetric
-/// one.
+/// Holds the nodes in the planes x = 0, y = 0 and z = 0 within these planes: the body is a part of
+/// a symmetric one.
 void holdSymmetryPlanes(BodyModel& body);
 
-/// Sorted nodes, the mid-edge ones too, in the plane where coordinate `axis` is `value` (to 1e-9 of
-/// the body's size).
+/// Returns the nodes, including mid-edge ones, in the plane where coordinate `axis` is `value` (to
+/// 1e-9 of the body's size), sorted.
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value);
 
-/// The triangles of the surface whose nodes are all where `chosen` says (of their rest positions).
+/// Returns the surface triangles for which `chosen` accepts the rest positions of all nodes.
 std::vector<Triangle> facesWhere(const Mesh& mesh,
                                  const std::function<bool(const Eigen::Vector3d& X)>& chosen);
 
-/// The rest state of `system` with every node displaced by u(X), metres.
+/// Returns the rest state of `system` with every node displaced by u(X), metres.
 State displaced(const System& system,
                 const std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>& u);
 
@@ -66,17 +66,17 @@ class Rig {
   const System& system() const { return system_; }
   void setLoadFactor(double factor) { system_.setLoadFactor(factor); }
 
-  /// The equilibrium that Newton finds from `start`, which has the held components, and the tool if
-  /// there is one, where they are to be. What happened is in NewtonResult::cause.
+  /// Returns the equilibrium that Newton finds from `start`. `start` must have the held components,
+  /// and the tool if there is one, in place. NewtonResult::cause gives the reason of a failure.
   NewtonResult seek(State start, const Eigen::Vector3d& tool = Eigen::Vector3d::Zero());
-  /// The same; Error when it does not converge.
+  /// As seek(); Error if it does not converge.
   NewtonResult equilibrium(State start, const Eigen::Vector3d& tool = Eigen::Vector3d::Zero());
 
-  /// The equilibrium from rest with the loads in `steps` equal parts, each from the one before.
-  /// Error when one of them does not converge.
+  /// Returns the equilibrium from rest with the loads in `steps` equal parts, each started from the
+  /// previous one. Error if one of them does not converge.
   NewtonResult loadInSteps(int steps);
 
-  /// MUMPS's count of negative eigenvalues of the tangent at `state`.
+  /// Returns MUMPS's count of negative eigenvalues of the tangent at `state`.
   std::int32_t negativeEigenvalues(const State& state);
 
   NewtonOptions options = {.max_iterations = 200,
@@ -89,11 +89,12 @@ class Rig {
   TangentSolver solver_;
 };
 
-/// What must be exerted on each node to keep `body` in this state, whoever does it, supports or
-/// loads: the derivative of the stored energy. Zero to the tolerance where the body is free.
+/// Returns the force on each node that keeps `body` in this state, from supports and loads
+/// together: the derivative of the stored energy. Zero to the tolerance where the body is free.
 NodalForces nodalForces(const BodyModel& body, const State& state);
 
-/// Mean of the nominal stress P = F S over the body, Pa: sum over the nodes of f X^T / volume.
+/// Returns the mean of the nominal stress P = F S over the body, Pa: sum over the nodes of f X^T /
+/// volume.
 Eigen::Matrix3d meanStress(const BodyModel& body, const State& state);
 
 }  // namespace palpate::verification

@@ -1,5 +1,5 @@
-// A cylinder whose ends turn against each other and keep their distance. The axial force that this
-// takes (Poynting's effect) tells C10 from C01, the torque does not (Rivlin 1949).
+// A cylinder with ends that rotate against each other at a constant distance. The axial force
+// (Poynting's effect) distinguishes C10 from C01, the torque does not (Rivlin 1949).
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -16,14 +16,14 @@ using tissue::c01, tissue::c10;
 constexpr double radius = 0.01, height_of_bar = 0.01, twist = 50;  ///< m, m, rad/m
 constexpr double R4 = radius * radius * radius * radius;
 constexpr double exact_torque = pi * (c10 + c01) * twist * R4;  ///< N m
-/// N, negative: it presses.
+/// N; negative, because it presses.
 constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;
 
 struct Reaction {
-  double torque = 0, axial = 0;  ///< on the end z = height_of_bar
+  double torque = 0, axial = 0;  ///< at the end z = height_of_bar
 };
 
-/// Where a point of the bar is put.
+/// Returns the position of a point of the twisted bar.
 Eigen::Vector3d turned(const Eigen::Vector3d& X) {
   return Eigen::AngleAxisd(twist * X[2], Eigen::Vector3d::UnitZ()) * X;
 }
