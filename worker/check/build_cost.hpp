@@ -21,7 +21,7 @@ struct BuildCost {
   /// Expected share of the lattice points that are reached; the others fail or lie beyond
   /// max_force.
   double reached = 1;
-  /// Distance in metres that half of the ways reached, in whole lattice spacings.
+  /// Distance that half of the ways reached, m, rounded down to whole lattice spacings.
   double usual_reach = 0;
 };
 
