@@ -34,8 +34,7 @@ constexpr int pressureNodes(PressureSpace space) {
 /// Local unknowns: displacement component i of node a at 3 a + i, then the scaled pressures q with
 /// p = scale q.
 inline constexpr int most_local_unknowns = 40;
-/// Entries of the upper triangle of the local tangent, row by row: (0,0) (0,1) ... (0,n-1) (1,1)
-/// ...
+/// Entries of the upper triangle of the local tangent, row by row: (0,0) ... (0,n-1) (1,1) ...
 constexpr int localEntries(int unknowns) { return unknowns * (unknowns + 1) / 2; }
 
 struct alignas(64) BatchGeometry {
@@ -80,10 +79,10 @@ struct alignas(64) BatchTangent {
 
 /// The kernel of one CPU family.
 ///
-/// u: nNodes x 3 displacements, metres; q: scaled pressures by slot (ignored without a pressure);
-/// the tangent may be nullptr and is then not computed. With ln det F or a volumetric energy, an
-/// element with det F <= 0 at a quadrature point gets NaN or infinity. Stateless; may run on any
-/// thread.
+/// `u` has nNodes x 3 displacements, metres, and `q` the scaled pressures by slot (ignored without
+/// a pressure). The tangent may be nullptr and is then not computed. With ln det F or a volumetric
+/// energy, an element with det F <= 0 at a quadrature point gets NaN or infinity. Stateless; may
+/// run on any thread.
 struct ElementKernels {
   const char* family;  ///< "avx512", "avx2" or "baseline"
   void (*evaluate)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,

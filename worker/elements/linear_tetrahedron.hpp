@@ -50,8 +50,8 @@ PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool 
       for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
-/// Computes the derivatives by d of weight * (an energy density with stress S): P grad x_b, with P
-/// = F S the first Piola-Kirchhoff stress.
+/// Computes the derivatives by d of weight * (an energy density with stress S). They are
+/// P grad x_b, with P = F S the first Piola-Kirchhoff stress.
 PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, const Voigt& S,
                                  Pack weight, PerVertex& force) {
   for (int i = 0; i < 3; ++i) {

@@ -4,8 +4,8 @@
 
 /// Laws that are sums of functions of one isochoric invariant each, W = sum of f_k(j_k).
 ///
-/// An invariant I(C), homogeneous of degree m, has the isochoric form j = J^(-2m/3) I. With N =
-/// dI/dC,
+/// An invariant I(C), homogeneous of degree m, has the isochoric form j = J^(-2m/3) I.
+/// With N = dI/dC,
 ///
 ///   dj/dC   = J^(-2m/3) (N - m/3 I C^-1)
 ///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1

@@ -1,8 +1,8 @@
 #pragma once
 
-/// Strain energies W(gamma) with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent D
-/// = dS/dgamma. gamma = (F^T F - I)/2 is the Green strain; for linear elasticity the small strain.
-/// Moduli in Pa. Conventions are in worker/laws/strain.hpp, derivations in
+/// Strain energies W(gamma) with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent
+/// D = dS/dgamma. gamma = (F^T F - I)/2 is the Green strain, or for linear elasticity the small
+/// strain. Moduli in Pa. Conventions are in worker/laws/strain.hpp, derivations in
 /// worker/laws/invariants.hpp and worker/laws/ogden.hpp.
 ///
 /// A law is a class with

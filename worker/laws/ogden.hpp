@@ -56,8 +56,8 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
 /// of mu alpha/2.
 ///
 /// Computed in principal directions as in Simo and Taylor 1991. Let c_i, n_i be the eigenvalues and
-/// eigenvectors of C, y_i = ln l_i, b_i = sum of mu l_i^alpha, and the Kirchhoff stresses tau_i =
-/// b_i - mean of b. Then
+/// eigenvectors of C, y_i = ln l_i and b_i = sum of mu l_i^alpha.
+/// With the Kirchhoff stresses tau_i = b_i - mean of b,
 ///
 ///   S = sum of tau_i/c_i n_i (x) n_i
 ///   D = sum over i, j of d_ij n_i (x) n_i (x) n_j (x) n_j

@@ -48,18 +48,22 @@ double edgeFor(double volume, double area, double nodes);
 
 /// Makes a closed surface of triangles.
 ///
-/// Corrections, each with a note: - Corners within 1e-6 of the bounding box's diagonal of each
-/// other are merged. - Corners at open edges are merged within 1e-4 of the diagonal, if that closes
-/// edges. - Triangles with two equal corners, and repeated triangles, are dropped. - Triangles are
-/// reversed until neighbours face the same side and all face outward.
+/// Corrections, each with a note:
+/// - Corners within 1e-6 of the bounding box's diagonal of each other are merged.
+/// - Corners at open edges are merged within 1e-4 of the diagonal, if that closes edges.
+/// - Triangles with two equal corners, and repeated triangles, are dropped.
+/// - Triangles are reversed until neighbours face the same side and all face outward.
 ///
 /// A shell inside a body is a cavity. A cavity narrower than an element edge of this `fineness` is
 /// filled.
 ///
 /// Error (bad input), which begins with `source` and gives the count, the first place and the
-/// remedy, for: - no triangles, or far too large coordinates; - edges with one triangle (open) or
-/// with more than two; - a one-sided surface, or no volume; - several bodies (with their sizes); -
-/// intersecting triangles (self_intersections.hpp).
+/// remedy, for:
+/// - no triangles, or far too large coordinates;
+/// - edges with one triangle (open) or with more than two;
+/// - a one-sided surface, or no volume;
+/// - several bodies (with their sizes);
+/// - intersecting triangles (self_intersections.hpp).
 ///
 /// Error with the exit code of an interrupt if this process is interrupted.
 ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies,

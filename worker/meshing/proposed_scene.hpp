@@ -20,8 +20,9 @@ struct ProposedScene {
 /// with `unit`).
 ///
 /// Fixed is a group with a telling name, or else the broader end along the longest axis. A finger
-/// touches all of the rest; its radius is the first of several sizes without a warning. The
-/// workspace is as deep as the device's force reaches in soft tissue.
+/// touches all of the rest. Its radius is the first of several sizes that causes no avoidable
+/// warning, or else the one with the fewest. The workspace is as deep as the device's force reaches
+/// in soft tissue.
 ///
 /// `mesh_file` is the name of the mesh beside the scene, `doubt` the uncertainty of the unit (or
 /// empty). Error (bad input), as from resolve(), if the mesh allows no scene.

@@ -34,8 +34,8 @@ struct Residual {
   double norm = 0;
 };
 
-/// The tangent at one state, for one tool. With a weighted tool the matrix of a Newton step is [K
-/// border; border^T 0].
+/// The tangent at one state, for one tool. With a weighted tool, the matrix of a Newton step is
+/// [K border; border^T 0].
 struct Tangent {
   std::vector<double> values;  ///< K by System::pattern(); held rows are rows of the identity
   Eigen::MatrixXd border;      ///< unknowns() x multipliers(), -B^T

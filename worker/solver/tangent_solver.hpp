@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Factors of a tangent with its border (Tangent). Solves for this tangent and for those near it.
 ///
-/// The border of a weighted tool is eliminated: K is factorised alone, and the 3 x 3 complement S =
+/// The border of a weighted tool is eliminated: K is factorised alone, and the 3 x 3 complement
 /// border^T K^-1 border closes the system. Vectors have System::unknowns() + multipliers() rows.
 ///
 /// Factors are in single precision if the pressure is stabilised or absent. Unstabilised pairs have

@@ -20,9 +20,9 @@ struct TransitionOptions {
   /// that.
   int max_factorizations = 8;
   int easy_factorizations = 1;  ///< a step with at most this many makes the next step longer
-  /// N. A finger's transition is abandoned (Cause::beyond_force) if the force on the way exceeds
-  /// this, or if the start's stiffness predicts more at the target. A transition that converges in
-  /// one step is kept, however strong the force.
+  /// N. A finger's transition is abandoned (Cause::beyond_force) if the start's stiffness predicts
+  /// a larger force at the target, or if the force after an intermediate step is larger. A
+  /// transition that converges in one step is kept, however strong the force.
   double largest_force = std::numeric_limits<double>::infinity();
 };
 

@@ -28,8 +28,7 @@ double stiffness(const BodyModel& body) {
   return result.residual.tool[2] / up[2] / tissue::young;
 }
 
-/// Returns k/E for the top nodes within `radius` of the middle as one rigid tool, with h =
-/// 1/elements.
+/// Returns k/E for the top nodes within `radius` of the middle as one rigid tool. h is 1/elements.
 double discStiffness(DisplacementSpace displacement, int elements, double radius) {
   BodyModel body = bodyOf(cubeMesh(1, elements), {displacement, PressureSpace::none}, linear);
   hold(body, "zmin", "xyz");
@@ -63,9 +62,11 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
           discStiffness(displacement, elements, patch_radius), reference, 0.005, "m"};
 }
 
-/// Returns k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 -
-/// (r/a)^2)^2 has the Hankel transform 48 J3(z)/z^3, z = k a. The half-space has the compliance 2
-/// (1 - nu^2)/(E k) (Johnson, Contact Mechanics, 1985). So
+/// Returns k/E of the weighted average on a half-space.
+///
+/// The normal load is p(r) = 3/(pi a^2) (1 - (r/a)^2)^2. Its Hankel transform is 48 J3(z)/z^3 with
+/// z = k a. The half-space has the compliance 2 (1 - nu^2)/(E k) (Johnson, Contact Mechanics,
+/// 1985). So
 ///   E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz,
 /// in gamma functions by Weber and Schafheitlin.
 double halfSpace() {

@@ -14,9 +14,9 @@ constexpr double second_moment = height * height * height * height / 12;
 /// A point of the centre line with arc length 1: along, down, angle, curvature.
 using Section = Eigen::Vector4d;
 
-/// Returns the centre line at `stations` + 1 points, clamped at the first one. Integrates angle'' =
-/// -load cos(angle) by Runge and Kutta, and bisects the curvature at the clamp for zero moment at
-/// the tip.
+/// Returns the centre line at `stations` + 1 points, clamped at the first one.
+/// Integrates angle'' = -load cos(angle) by Runge and Kutta, and bisects the curvature at the clamp
+/// for zero moment at the tip.
 std::vector<Section> elastica(double load, int stations) {
   constexpr int substeps = 20;
   const double ds = 1.0 / (stations * substeps);

@@ -102,8 +102,8 @@ std::vector<Row> rowsOfStates(const std::string& material_name, const Material& 
   return rows;
 }
 
-/// Nominal stress along x of an incompressible body with the stretches l along x, y along y and z =
-/// 1/(l y), free along z.
+/// Nominal stress along x of an incompressible body, free along z. Its stretches are l along x, y
+/// along y, and 1/(l y) along z.
 using StressAlongX = std::function<double(double l, double y)>;
 
 /// Returns the stress of an isotropic law with the derivatives `slopes` by the two invariants

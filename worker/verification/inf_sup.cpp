@@ -1,6 +1,7 @@
-// The discrete inf-sup constant beta: the square root of the smallest eigenvalue of B A^-1 B^T q =
-// beta^2 M q. A is the H1 seminorm of displacements, M the mass matrix of pressures, and B is taken
-// from the system's tangent. Unit cube, clamped at the bottom (Chapelle and Bathe 1993).
+// The discrete inf-sup constant beta, from the smallest eigenvalue beta^2 of the problem
+// B A^-1 B^T q = beta^2 M q. A is the H1 seminorm of displacements, M the mass matrix of pressures,
+// and B is taken from the system's tangent. Unit cube, clamped at the bottom (Chapelle and Bathe
+// 1993).
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>

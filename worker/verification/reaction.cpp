@@ -22,8 +22,8 @@ Problem clampedBox() {
 
 const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
 
-/// Returns the tissue's force as a multiplier l. The tool's displacement a is an unknown, with a =
-/// p as a constraint: r_f = 0, r_a + l = 0, a - p = 0.
+/// Returns the tissue's force as a multiplier l. The tool's displacement is an unknown a,
+/// constrained to p: r_f = 0, r_a + l = 0, a - p = 0.
 Eigen::Vector3d multiplier(const System& system) {
   const int n = system.unknowns();
   State state = system.restState();

@@ -93,8 +93,8 @@ class Rig {
 /// together: the derivative of the stored energy. Zero to the tolerance where the body is free.
 NodalForces nodalForces(const BodyModel& body, const State& state);
 
-/// Returns the mean of the nominal stress P = F S over the body, Pa: sum over the nodes of f X^T /
-/// volume.
+/// Returns the mean of the nominal stress P = F S over the body, Pa.
+/// It is the sum over the nodes of f X^T / volume.
 Eigen::Matrix3d meanStress(const BodyModel& body, const State& state);
 
 }  // namespace palpate::verification
