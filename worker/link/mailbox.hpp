@@ -42,8 +42,7 @@ class Mailbox {
   /// Drops the queued jobs and the rest of the current one. The target in work is finished and
   /// reported.
   void forgetJobs();
-  /// Ends the stream of jobs: next() returns nothing once the queue is empty, or after forgetJobs()
-  /// once the current target is done.
+  /// Announces that no more jobs will come: next() returns nothing once the queue is empty.
   void close();
   /// Returns and removes the finished targets, in order.
   std::vector<FinishedTarget> takeFinished();

@@ -22,7 +22,8 @@ struct TransitionOptions {
   int easy_factorizations = 1;  ///< a step with at most this many makes the next step longer
   /// N. A finger's transition is abandoned (Cause::beyond_force) if the start's stiffness predicts
   /// a larger force at the target, or if the force after an intermediate step is larger. A
-  /// transition that converges in one step is kept, however strong the force.
+  /// transition that passes the prediction and converges in one step is kept, however strong the
+  /// force.
   double largest_force = std::numeric_limits<double>::infinity();
 };
 
