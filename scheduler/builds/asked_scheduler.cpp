@@ -13,7 +13,8 @@
 namespace palpate {
 namespace {
 
-/// What the tables of a directory are about; nothing when they cannot be read.
+/// Returns the build id in the tables of a directory; nothing (and a warning) if they cannot be
+/// read.
 std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
   try {
     return StoredTables(directory).build().build;
@@ -54,13 +55,13 @@ std::optional<Reachable> schedulerOf(const Asked& asked) {
 
 namespace {
 
-/// Asks one thing and waits for the answer.
+/// Sends one question and waits for the answer.
 wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   const std::string& endpoint = scheduler.endpoint;
   constexpr std::chrono::duration<double> patience{5};
   zmq::context_t context;
   zmq::socket_t socket = makeDealer(context);
-  // The question waits until there is a connection.
+  // Queue the question until the connection is established.
   socket.set(zmq::sockopt::immediate, false);
   if (scheduler.keys) proveAsClient(socket, *scheduler.keys, endpoint);
   HandshakeWatch handshakes(context, socket);
@@ -84,7 +85,8 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
                 patience.count());
 }
 
-/// Error when `where` is a state directory, and the scheduler is one of another build.
+/// Asks for the status. Throws Error if `where` is a state directory and the scheduler belongs to
+/// another build.
 wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   const std::string& endpoint = scheduler.endpoint;
   wire::Message question;
@@ -104,12 +106,12 @@ wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   return status;
 }
 
-/// Of a directory in which nobody works.
+/// Builds the status from a state directory in which no scheduler runs.
 wire::Status storedStatus(const std::filesystem::path& directory) {
   wire::Status status = progressIn(directory);
   StoredTables tables(directory);
   std::vector<wire::WorkerStatus> servers = tables.servers();
-  // What the tables last said; no scheduler runs that they could be idle or busy for.
+  // The tables hold the last known states. Without a scheduler no worker is idle or busy.
   for (wire::WorkerStatus& row : servers)
     if (row.state() != "lost") row.set_state("left");
   addServers(status, servers, tables.counters());
@@ -132,7 +134,7 @@ wire::Status statusAt(const Asked& asked) {
     try {
       return askStatus(*scheduler, asked.where);
     } catch (const Error&) {
-      // It may have ended since: then its directory knows the rest.
+      // If the scheduler has ended meanwhile, read its directory instead.
       if (schedulerOf(asked)) throw;
     }
   }

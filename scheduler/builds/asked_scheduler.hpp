@@ -8,40 +8,43 @@
 
 namespace palpate {
 
-/// Who is asked: a scheduler, or a state directory, and with which keys.
+/// Command-line options that name a scheduler or a state directory, and the keys to use.
 struct Asked {
   std::string where = default_endpoint;
   KeyOptions keys;
 
-  /// WHERE, --keys and --insecure.
+  /// Declares WHERE, --keys and --insecure.
   void addTo(CLI::App& app);
 };
 
-/// Where a scheduler listens, and the keys to ask it with; nothing: it asks for none.
+/// Address of a scheduler, and the keys to connect with (none: the scheduler asks for none).
 struct Reachable {
   std::string endpoint;
   std::optional<KeyFolder> keys;
 };
 
-/// A process works in a state directory and cannot be asked: it is starting, and reads or seals
-/// what is recorded.
+/// Thrown when a process holds the state directory but does not listen yet: it is still reading the
+/// recorded results.
 class NotListening : public Error {
  public:
   NotListening(const std::string& directory, const std::string& process);
 };
 
-/// The scheduler that is meant: that at tcp:// or ipc://, else the one which now works in the state
-/// directory, with the keys that it says; nothing when none does. NotListening when it does not
-/// listen yet. Error (bad input) when it is neither.
+/// Resolves `asked.where`. Returns a tcp:// or ipc:// endpoint as it is. For a state directory,
+/// returns the address and keys that its scheduler announced, or nothing if none runs. Throws
+/// NotListening if that scheduler does not listen yet, and Error (bad input) if `where` is neither
+/// an endpoint nor a directory.
 std::optional<Reachable> schedulerOf(const Asked& asked);
 
-// Both wait 5 s for an answer. Error when none comes, the scheduler does not let this key ask that,
-// or one of another build took over the endpoint that the state directory names.
+// Both functions wait 5 s for each answer. They throw Error if no answer comes or if the scheduler
+// refuses the request for this key. They also throw if a scheduler of another build now answers at
+// the endpoint that the state directory names.
 
-/// How far the build there is: as its scheduler says, or "complete" or "stopped" as a directory
-/// says in which none works.
+/// Returns the status of the build: from its scheduler, or, if none runs, from the state directory
+/// ("complete" or "stopped").
 wire::Status statusAt(const Asked& asked);
-/// Tells the scheduler what to do. Its answer, of this kind; nothing when none works there.
+/// Sends an order to the scheduler and returns its reply, which is of kind `answer`; nothing if no
+/// scheduler runs there.
 std::optional<wire::Message> order(const Asked& asked, const wire::Message& what,
                                    wire::Message::BodyCase answer);
 

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-/// Of the transition that solved a point.
+/// Returns the record of the transition that solved a point.
 JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, std::int32_t point,
                        const RecordSource& find) {
   const Lattice& positions = plans[space].positions();
@@ -29,7 +29,7 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
                  "what is recorded names spaces by their numbers in the scene");
 }
 
-/// Before anybody works for it.
+/// Checks the kernels before any worker is admitted.
 const CoordinatorSettings& Build::checked(const CoordinatorSettings& settings) const {
   const std::string& begun_with = store_.kernelFamily();
   if (settings.kernel_family.empty() || begun_with.empty() || settings.kernel_family == begun_with)
@@ -47,7 +47,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool re
   try {
     const Dataset dataset(file);
     if (dataset.buildId() == build) {
-      // A damaged file is no finished work: it would be found out only when somebody touches it.
+      // Verify now: damage would otherwise be found only when the dataset is used.
       dataset.verifyAll();
       return !dataset.isPartial() && dataset.scene().storage == problem.scene.storage;
     }
@@ -55,7 +55,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool re
         fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
                     dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
   } catch (const Error& error) {
-    // It may be whole: replacing it is no remedy.
+    // A file that is open for writing may be intact, so do not advise --replace.
     if (!replace && hdf5::isOpenForWriting(file)) throw;
     what = fmt::format("exists and is not a usable dataset ({})", error.what());
   }

@@ -7,16 +7,16 @@
 
 namespace palpate {
 
-/// A recorded result; nothing when there is none with this key.
+/// Looks up a recorded result by key; nothing if none has this key.
 using RecordSource = std::function<std::optional<JournalRecord>(const ResultKey&)>;
 
-/// Everything one scheduler process has of a build. Holding it means holding the lock of the state
-/// directory.
+/// The problem, state directory, journal and coordinator of one build. Holds the lock of the state
+/// directory for its lifetime.
 class Build {
  public:
-  /// Opens or makes the state of this problem in `state`, and goes on where the last run was. `now`
-  /// is of the clock that the coordinator is told later. Error (bad input) when what is recorded
-  /// was computed with other kernels than these settings want.
+  /// Opens or creates the state of this problem in `state` and resumes where the last run ended.
+  /// `now` is on the clock used for later calls of the coordinator. Throws Error (bad input) if the
+  /// recorded results were computed with kernels other than `settings` asks for.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
         const CoordinatorSettings& settings = {},
         std::uint64_t segment_bytes = Journal::default_segment_bytes);
@@ -26,14 +26,16 @@ class Build {
   const Problem& problem() const { return problem_; }
   Coordinator& coordinator() { return coordinator_; }
   const StateDirectory& directory() const { return directory_; }
-  /// Reads every record that the dataset of a complete build is made of. DamagedRecord when one is
-  /// not what was written.
+  /// Reads every record that the dataset of a complete build needs. Throws DamagedRecord if one is
+  /// corrupt.
   void verify() const;
-  /// Marks a damaged record: the next Build in this directory computes it again.
+  /// Drops a damaged record; the next Build in this directory computes it again.
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
-  /// Keeps these workers out: the next Build in this directory computes again what they gave.
+  /// Excludes these workers, machines or keys; the next Build in this directory computes their
+  /// results again.
   void keepOut(const std::vector<KeptOut>& liars) { store_.keepOut(liars); }
-  /// Writes the dataset of a complete build; returns its rows, which are there as long as this is.
+  /// Writes the dataset of a complete build. Returns its rows, valid for the lifetime of this
+  /// Build.
   SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
@@ -47,19 +49,20 @@ class Build {
   Coordinator coordinator_;
 };
 
-/// True when `file` is the whole dataset of this build already, false when there is no such file,
-/// or when it is that but partial or with another Storage than asked for. Error (bad input) when it
-/// is anything else, unless `replace`.
+/// Returns true if `file` already is the complete dataset of this build. Returns false if the file
+/// does not exist, or is a partial dataset of this build or one with another Storage. Otherwise
+/// throws Error (bad input), or with `replace` returns false.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
-/// Writes the dataset of what these plans have, whose results `find` gives; returns its rows.
-/// `partial`: they are not complete, or what others check is not decided.
+/// Writes the dataset of these plans, with the results that `find` returns; returns its rows.
+/// `partial` marks the dataset as unfinished: a plan is incomplete or a check is still open.
 SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& problem,
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         const RecordSource& find, bool partial);
 
-/// done, or partly_failed when a point failed that was tried. Unreachable ones lie beyond max_force
-/// by design, or behind points that did fail. Probes do not count.
+/// Returns partly_failed if the solve of some point failed, else done. Failed points with the cause
+/// `unreachable` or `beyond_force` do not count, nor do probes. Unreachable points lie beyond
+/// max_force or behind points that failed.
 ExitCode exitCodeOf(const SpaceRowsList& spaces);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// "liver.h5" beside which there is no file, with the build in its name.
+/// Returns an unused name for `out` that contains the build id: "liver.<build>.h5".
 std::filesystem::path nameAside(const std::filesystem::path& out, const ContentId& build) {
   std::filesystem::path aside;
   for (int n = 1; n == 1 || std::filesystem::exists(aside) ||
@@ -35,12 +35,12 @@ std::optional<ContentId> buildOfDataset(const std::filesystem::path& file) {
   try {
     if (std::filesystem::exists(file)) return Dataset(file).buildId();
   } catch (const Error&) {
-    // No dataset, or a damaged one: isSealed() says which.
+    // Not a dataset, or a damaged one: isSealed() reports which.
   }
   return std::nullopt;
 }
 
-/// The folder is locked by who asks.
+/// The caller holds the lock of the directory.
 std::optional<ContentId> buildOfState(const std::filesystem::path& state) {
   try {
     return StoredTables(state, Database::Access::read_only).build().build;

@@ -6,13 +6,13 @@
 
 namespace palpate {
 
-/// Keeps what was computed for a scene that has changed since: the dataset `out` of another build
-/// becomes OUT.<build>.h5, and an unfinished one in `state`, where that is the folder beside `out`,
-/// OUT.<build>.h5.state, so that the old scene goes on with -o OUT.<build>.h5. Says so in one
-/// sentence (log). Leaves what is no sound dataset, or no state that can be read; with `replace`
-/// the dataset too, which is then written over.
+/// Preserves earlier results when the scene has changed. If the dataset `out` belongs to another
+/// build, renames it to OUT.<build>.h5. If `state` is the default directory beside `out` and holds
+/// unfinished work of another build, renames it to OUT.<build>.h5.state, so that the old scene can
+/// be resumed with -o OUT.<build>.h5. Logs one sentence about it. Leaves unreadable datasets and
+/// states untouched; with `replace`, also leaves the dataset, which is overwritten later.
 ///
-/// Error when a scheduler works in `state`, or when a file cannot be renamed.
+/// Throws Error if a scheduler runs in `state` or a file cannot be renamed.
 void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
                                   const std::filesystem::path& state, const Problem& problem,
                                   bool replace);

@@ -20,9 +20,9 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
                            tables_->progress().value_or(Progress()).recorded);
     for (const std::string& damage : found_->recorded.damage)
       spdlog::warn("{}; what was recorded there will be computed again", damage);
-    // A scheduler notes a check before its result is in the journal. So tables that are opened
-    // after the journal was read hold every check of what was found, and who was found out
-    // meanwhile.
+    // A scheduler stores a check in the tables before its result enters the journal. Tables opened
+    // after the journal was read therefore hold every check of the results found, and every
+    // exclusion made meanwhile.
     tables_.emplace(directory_);
   } while (tables_->keptOut() != liars);
   PALPATE_ASSERT(plans().size() == problem_.active.size(),
@@ -51,7 +51,7 @@ wire::Status progressIn(const std::filesystem::path& directory) {
   if (const auto kept = StoredTables(directory).progress()) try {
       return statusFromJson(kept->status);
     } catch (const Error&) {
-      // Damaged: the journal tells it as well.
+      // The stored status is damaged: compute it from the journal.
     }
   RecordedBuild build(directory);
   return progressOf(build.problem(), build.tables().build().build, build.plans(),

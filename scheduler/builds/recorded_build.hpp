@@ -4,27 +4,26 @@
 
 namespace palpate {
 
-/// What a state directory holds of a build as of now, only read: whether a scheduler works in it or
-/// not. Results of workers that are kept out are left out, and no open check of a result is missed,
-/// whatever a scheduler writes meanwhile. One thread.
+/// Read-only snapshot of the build in a state directory, whether or not a scheduler runs there.
+/// Omits results of excluded workers. Includes every open check of the results in the snapshot,
+/// even while a scheduler writes. One thread.
 class RecordedBuild {
  public:
-  /// Error (bad input) when it is no state directory, or one of another version; what is damaged in
-  /// it is told (log).
+  /// Throws Error (bad input) if this is not a state directory of this version. Logs any damage.
   explicit RecordedBuild(std::filesystem::path directory);
   RecordedBuild(const RecordedBuild&) = delete;
   RecordedBuild& operator=(const RecordedBuild&) = delete;
 
   const Problem& problem() const { return problem_; }
   StoredTables& tables() { return *tables_; }
-  /// One per active node.
+  /// One plan per active node.
   const std::vector<SpacePlan>& plans() const { return found_->replay.plans; }
-  /// Of every result; empty before the first.
+  /// Kernel family of all results; empty before the first result.
   const std::string& kernelFamily() const { return found_->kernel_family; }
-  /// Every space is complete, and no check is open.
+  /// Returns true if every space is complete and no check is open.
   bool complete();
-  /// Writes its dataset, partial unless it is complete; returns the rows. Error when nothing is
-  /// recorded yet; DamagedRecord when a result cannot be read (any more).
+  /// Writes the dataset, marked as partial unless the build is complete; returns the rows. Throws
+  /// Error if no result is recorded yet, and DamagedRecord if a result cannot be read.
   SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
@@ -32,14 +31,14 @@ class RecordedBuild {
 
   const std::filesystem::path directory_;
   JournalReader journal_;
-  std::optional<StoredTables> tables_;  ///< read after the journal
+  std::optional<StoredTables> tables_;  ///< opened after the journal
   const Problem problem_;
   std::optional<ReplayedJournal> found_;
 };
 
-/// How far the build in `directory` is, as its last scheduler said (progressOf); if that did not,
-/// from the journal, which takes the time and memory of a start there. Error (bad input) when it is
-/// no state directory, or one of another version.
+/// Returns the status that the last scheduler in `directory` stored (progressOf). If it is missing
+/// or unreadable, computes the status from the journal, which takes the time and memory of a
+/// scheduler's start. Throws Error (bad input) if this is not a state directory of this version.
 wire::Status progressIn(const std::filesystem::path& directory);
 
 }  // namespace palpate
