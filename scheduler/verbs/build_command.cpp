@@ -8,19 +8,19 @@
 #include "scheduler/verbs/served_build.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate build`: a scheduler with worker processes of its own.
+// `palpate build`: runs a scheduler with worker processes of its own.
 
 namespace palpate {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// So many workers may end in a row without one new result. A target that kills its workers is
-/// given up after fewer.
+/// Give up after this many workers in a row ended without a new result. A target that kills its
+/// workers is set aside after fewer.
 constexpr int deaths_without_progress = 20;
-/// So many when none of them ever said hello: then it is not the work, it is the program.
+/// Give up after this many if no worker ever connected: the program itself fails.
 constexpr int deaths_at_the_start = 3;
-/// When none of them said hello by then, the program hangs.
+/// Give up after this time if no worker ever connected: the program hangs.
 constexpr std::chrono::minutes first_word_limit{2};
 
 struct BuildOptions {
@@ -28,7 +28,7 @@ struct BuildOptions {
   int workers = static_cast<int>(coreCount());
 };
 
-/// Processes on this machine; one that ends is replaced.
+/// Worker processes on this machine. Replaces those that end.
 class LocalWorkers : public Crew {
  public:
   LocalWorkers(const Server& server, Build& build, int workers)

@@ -17,7 +17,7 @@ ExitCode checkState(const CheckStateOptions& options) {
   Inspection found = inspect(std::filesystem::path(options.directory));
   std::vector<std::string> repaired;
   if (options.repair) {
-    // It was looked at first: what is no state directory must not become one.
+    // inspect() came first, because the constructor would make a state directory of any other.
     const StateDirectory held(options.directory);
     found = inspect(held);
     if (!options.json) fmt::print("{}", describe(found, options.directory));

@@ -9,7 +9,7 @@
 #include "scheduler/state/state_directory.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate events`: what happened in a state directory, and what happens there now.
+// `palpate events`: lists the past events of a state directory, and follows new ones.
 
 namespace palpate {
 namespace {
@@ -25,7 +25,7 @@ struct EventsOptions {
 
 void printLine(std::string_view line) { fmt::print("{}\n", line); }
 
-/// What there is by now: all of it, or the last so many.
+/// Prints all past events, or only the last few.
 void showPast(EventReader& reader, const std::optional<std::uint32_t>& last) {
   if (!last) return reader.readOn(printLine);
   std::deque<std::string> kept;
@@ -37,7 +37,7 @@ void showPast(EventReader& reader, const std::optional<std::uint32_t>& last) {
 }
 
 ExitCode showEvents(const EventsOptions& options) {
-  // What is no state directory has no events, and never will.
+  // Anything else than a state directory has no events and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
     throw badInput("\"{}\" is no state directory: that is OUT.h5.state, or what --state said",

@@ -5,7 +5,7 @@
 #include "scheduler/verbs/explanation.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate explain`: how a lattice point was reached, or why not.
+// `palpate explain`: shows how a lattice point was reached, or why not.
 
 namespace palpate {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 struct ExplainOptions {
   std::string where;
   std::string active;
-  std::vector<double> at;                           ///< metres; none or three
+  std::vector<double> at;                           ///< metres; empty or three
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
 };

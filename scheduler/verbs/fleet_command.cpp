@@ -9,7 +9,7 @@
 #include "scheduler/state/tables.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate fleet`: as many workers as a build can use, from an engine that owns the machines.
+// `palpate fleet`: starts as many workers as a build can use, through Slurm or ssh.
 
 namespace palpate {
 namespace {
@@ -19,19 +19,20 @@ using Clock = std::chrono::steady_clock;
 struct SshFleetOptions : FleetOptions {
   SshOptions ssh;
   std::vector<std::string> hosts;
-  std::string program = "palpate-worker";  ///< as a shell there finds it
+  std::string program = "palpate-worker";  ///< as the remote shell finds it
 };
 
-/// A job that is cancelled is killed half a minute later (Slurm's KillWait), unless somebody
-/// changed that.
+/// Time for a worker to deliver its results. Slurm kills a cancelled job after 30 s (KillWait) by
+/// default.
 constexpr int seconds_to_deliver = 25;
 
-/// What the scheduler says, and where nodes reach it. Error when it cannot be asked.
+/// Returns the scheduler's status and sets the endpoint that nodes connect to. Throws Error if the
+/// scheduler does not answer.
 wire::Status meet(FleetOptions& options) {
   const auto status = FleetWatch(options).look();
   if (!status && interrupted()) throw Error(ExitCode::interrupted, "interrupted");
   if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
-  // Then nobody is there to be reached, and nobody needs to.
+  // A complete build needs no workers, and its scheduler may be gone.
   if (status->state() == "complete") return *status;
   if (options.endpoint.empty()) {
     const auto scheduler = schedulerOf(options.asked);
@@ -44,7 +45,7 @@ wire::Status meet(FleetOptions& options) {
   return *status;
 }
 
-/// What a node runs.
+/// Returns the command that a node runs.
 std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
   std::vector<std::string> words = {programBeside("palpate-worker").string(),
                                     "work",
@@ -61,7 +62,8 @@ std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
   return words;
 }
 
-/// Whose jobs are meant. To end them nobody need be there any more: the directory tells it too.
+/// Returns the id of the build. Cancelling its jobs needs no scheduler: the state directory names
+/// the build too.
 std::string buildOf(SlurmFleetOptions& options) {
   const std::filesystem::path state = options.asked.where;
   if (options.cancel && std::filesystem::is_directory(state))
@@ -84,7 +86,7 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
 // ---- ssh ----
 
 ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
-  // Theirs, and what a connection takes.
+  // The workers' time to deliver, and 5 s for the connection.
   constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
   FleetWatch watch(options);
   for (Clock::time_point next_look;;) {
@@ -107,7 +109,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
-  // They were told too.
+  // The scheduler told the workers to leave as well.
   for (const auto until = Clock::now() + grace; hosts.running() > 0 && Clock::now() < until;) {
     hosts.keep(Clock::now());
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -134,7 +136,7 @@ ExitCode runSsh(SshFleetOptions& options) {
   return ExitCode::done;
 }
 
-// ---- The command line ----
+// ---- Command line ----
 
 void addTo(CLI::App& app, FleetOptions& options) {
   options.asked.addTo(app);

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// More of one kind are only counted.
+/// Entries listed of each kind; the rest are only counted.
 constexpr std::size_t most_told = 20;
 
 std::string sizeText(std::uint64_t bytes) {
@@ -19,7 +19,7 @@ std::string sizeText(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-/// A line for each, the first of many.
+/// Returns one line for each of the first `most_told` places, and the number of others.
 std::string linesOf(std::string_view kind, const std::vector<JournalDamage>& places) {
   std::string lines;
   for (std::size_t n = 0; n < std::min(places.size(), most_told); ++n)
@@ -144,7 +144,7 @@ std::string inspectionJson(const Inspection& found, const std::filesystem::path&
       {"spare_results", found.spare},
       {"leftovers", found.leftovers},
       {"repaired", repaired}};
-  // Names of files need not be UTF-8.
+  // File names need not be UTF-8.
   return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -4,9 +4,10 @@
 
 namespace palpate {
 
-/// What was found in a state directory as a page of text for people, with a line feed at the end.
+/// Formats an inspection as a page of text that ends with a line feed.
 std::string describe(const Inspection& found, const std::filesystem::path& directory);
-/// The same as one JSON object (docs/commands.md). `repaired`: what repair() did.
+/// Formats an inspection as one JSON object (docs/commands.md). `repaired` is the result of
+/// repair().
 std::string inspectionJson(const Inspection& found, const std::filesystem::path& directory,
                            const std::vector<std::string>& repaired);
 

@@ -4,7 +4,7 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate key`: the keys of this user, and whom they let in.
+// `palpate key`: manages the keys of this user and those of allowed peers.
 
 namespace palpate {
 namespace {

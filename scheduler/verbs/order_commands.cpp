@@ -7,7 +7,7 @@
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// What a scheduler is told, or the directory where the next one works: `palpate stop`, `pause`,
+// Orders to a scheduler, or to a state directory for the next one: `palpate stop`, `pause`,
 // `resume`, `priority` and `retry`.
 
 namespace palpate {
@@ -35,7 +35,7 @@ ExitCode setPaused(const Asked& asked, bool paused) {
   question.mutable_pause_request()->set_paused(paused);
   const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
   if (!works) {
-    // What is no state directory is refused before one is made of it.
+    // Refuse other directories before StateDirectory would make a state directory of them.
     const StoredTables there{std::filesystem::path(asked.where)};
     Tables(StateDirectory(asked.where)).writePaused(paused);
   }
@@ -62,7 +62,7 @@ struct PriorityOptions {
   std::int32_t priority = 0;
 };
 
-/// Of a directory in which nobody works.
+/// Sets the priority in a state directory in which no scheduler runs.
 void setStoredPriority(const PriorityOptions& options) {
   std::vector<std::string> names;
   const wire::Status status = progressIn(options.asked.where);
@@ -101,12 +101,12 @@ std::function<ExitCode()> preparePriority(CLI::App& app) {
 
 struct RetryOptions {
   Asked asked;
-  std::string failed;  ///< name of a cause; empty: what is set aside
+  std::string failed;  ///< name of a cause; empty: transitions that are set aside
 };
 
-/// Of a directory in which nobody works.
+/// Retries in a state directory in which no scheduler runs. Returns the number of transitions.
 std::int64_t retryStored(const RetryOptions& options) {
-  // What is no state directory is refused before one is made of it.
+  // Refuse other directories before StateDirectory would make a state directory of them.
   const StoredTables there{std::filesystem::path(options.asked.where)};
   const StateDirectory directory(options.asked.where);
   const RecordedBuild build(options.asked.where);

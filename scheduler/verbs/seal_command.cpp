@@ -6,12 +6,13 @@
 #include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate seal`: a dataset of what a state directory holds by now, whoever works in it.
+// `palpate seal`: writes a dataset of the results in a state directory, whether or not a scheduler
+// runs there.
 
 namespace palpate {
 namespace {
 
-/// What a dataset lacks whose build goes on.
+/// Describes the shortcoming of a partial dataset.
 const char* whatIsMissing(const SpaceRowsList& spaces) {
   for (const auto& space : spaces)
     for (std::int32_t n = 0; n < space->points(); ++n)

@@ -9,15 +9,15 @@
 #include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate serve`: a scheduler for workers that connect from anywhere.
+// `palpate serve`: runs a scheduler for workers that connect from anywhere.
 
 namespace palpate {
 namespace {
 
-/// What a service manager is told that reading of results, or sealing, may take: no turn is made
+/// Time limit for reading results or sealing, announced to the service manager: no turns run
 /// meanwhile.
 constexpr std::chrono::hours longest_pause{1};
-/// Before a build that begins anew.
+/// Status text before a build restarts from its records.
 constexpr const char* going_over = "going over what is recorded";
 
 struct ServeOptions {
@@ -27,7 +27,7 @@ struct ServeOptions {
   PageOptions pages;
 };
 
-/// Whoever connects; the service manager and the pages are told how far they are.
+/// Workers that connect from anywhere. Keeps the service manager and the pages up to date.
 class RemoteWorkers : public Crew {
  public:
   RemoteWorkers(const Server& server, Build& build, ServiceManager& manager, ServedPages& pages)
@@ -73,7 +73,7 @@ ExitCode serve(const ServeOptions& options) {
     return std::make_unique<RemoteWorkers>(server, build, manager, pages);
   };
   const ExitCode code = serveBuild(options.order, std::move(serving));
-  // Else it would count as failed: there was nothing to do.
+  // Without READY, a start with nothing to do would count as failed.
   manager.ready();
   manager.stopping();
   return code;

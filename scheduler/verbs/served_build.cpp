@@ -22,13 +22,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// ---- What is told ----
+// ---- Output ----
 
 constexpr std::chrono::milliseconds redraw_every{200};
-/// Into a file: a night of work is a thousand lines.
+/// Interval of progress lines in a file: a thousand lines a night.
 constexpr std::chrono::milliseconds line_every{30000};
 
-/// For people, or, where programs read the log, a line of it.
+/// Prints a message for the user, or logs a warning if the log is JSON.
 template <class... Args>
 void tellOrLog(fmt::format_string<Args...> text, Args&&... args) {
   const std::string line = fmt::format(text, std::forward<Args>(args)...);
@@ -38,12 +38,12 @@ void tellOrLog(fmt::format_string<Args...> text, Args&&... args) {
     tell("{}\n", line);
 }
 
-/// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
-/// line every half minute. Nothing when only warnings are wanted (--quiet).
+/// Shows progress on stderr: a bar in one row of a terminal, else a line every 30 s. Shows nothing
+/// with --quiet.
 class ShownProgress {
  public:
   ShownProgress() {
-    // Log lines would tear the bar apart.
+    // Log lines would break up the bar.
     if (wanted_ && terminal_ && spdlog::get_level() == spdlog::level::info)
       spdlog::set_level(spdlog::level::warn);
   }
@@ -62,7 +62,7 @@ class ShownProgress {
     drawn_ = terminal_;
   }
 
-  /// Ends the bar's line.
+  /// Ends the line of the bar.
   void end() const {
     if (drawn_) tell("\n");
   }
@@ -74,7 +74,8 @@ class ShownProgress {
   Clock::time_point next_ = Clock::now();
 };
 
-/// What can be asked of a space: half a spacing along x, or into the surface under a finger.
+/// Returns the arguments of an example query: half a spacing along x, or into the surface under a
+/// finger.
 std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   std::string what = patch.name;
@@ -88,7 +89,8 @@ std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
                      vectorText(scene.workspace.spacing / 2 * direction, 3, " "));
 }
 
-/// Why a build in the directory `state` ended without a dataset, and how it goes on.
+/// Tells the user why the build in the directory `state` ended without a dataset, and how to resume
+/// it.
 void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) {
   if (!coordinator.stuck())
     return tellOrLog(
@@ -107,9 +109,9 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
         coordinator.asideCount(), shellWord(state), shellWord(state));
 }
 
-// ---- What is done ----
+// ---- The build ----
 
-/// Long enough to rest, short enough for the signals of a terminal.
+/// Bounds both the load of idle turns and the delay of terminal signals.
 constexpr std::chrono::milliseconds longest_turn{50};
 
 std::vector<std::string> namesOfFamilies() {
@@ -118,11 +120,12 @@ std::vector<std::string> namesOfFamilies() {
   return names;
 }
 
-/// As results name it, and says what that means; empty: nobody chose.
+/// Returns the family of `kernels` as results name it, and logs the consequence for workers; empty
+/// if no family was chosen.
 std::string chosenKernels(const std::string& kernels) {
   for (const CpuFamily family : all_cpu_families) {
     if (name(family) != kernels) continue;
-    // Times: docs/performance.md.
+    // The factors are measured in docs/performance.md.
     constexpr std::array who = {
         "every worker may come; those with AVX2 or more take about 1.3 times as long as they could",
         "workers without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as they "
@@ -135,14 +138,15 @@ std::string chosenKernels(const std::string& kernels) {
   return "";
 }
 
-/// The tables of a dataset, of places where areas are measured too.
+/// Returns the tables of a dataset, including the places where areas are measured.
 std::vector<SpaceTable> spacesAndProbes(const Dataset& dataset) {
   std::vector<SpaceTable> all = dataset.spaces();
   all.insert(all.end(), dataset.probePlaces().begin(), dataset.probePlaces().end());
   return all;
 }
 
-/// Every peer takes a descriptor, and the usual limit is 1024.
+/// Raises the limit of open files to its maximum: every peer needs a descriptor, and the usual
+/// limit is 1024.
 void allowAsManyPeers() {
   struct rlimit limit {};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
@@ -162,7 +166,8 @@ Event startedEvent(Build& build) {
       .with("paused", coordinator.paused());
 }
 
-/// Opens what is recorded, serves it to workers, seals the dataset and lets the workers leave.
+/// Opens the recorded results, serves the build to workers, seals the dataset and lets the workers
+/// leave.
 class ServedBuild {
  public:
   ServedBuild(const BuildOrder& order, Serving serving)
@@ -180,7 +185,7 @@ class ServedBuild {
     if (isSealed(out_, problem_, order_.replace))
       return sealed(rowsOf(spacesAndProbes(Dataset(out_))),
                     "is already the dataset of this scene; nothing to do");
-    // Before the state directory is made, and before hours of work.
+    // Check now, before creating the state directory and computing for hours.
     refuseUnwritable(out_, "-o");
     catchInterrupts();
     for (const CoordinatorSettings all = settings();; serving_.anew())
@@ -199,7 +204,7 @@ class ServedBuild {
     return settings;
   }
 
-  /// Nothing: it is to begin anew.
+  /// Runs the build once; nothing if it must restart from the recorded results.
   std::optional<ExitCode> attempt(const CoordinatorSettings& settings) {
     Build build(problem_, state_, Clock::now(), settings);
     Coordinator& coordinator = build.coordinator();
@@ -227,7 +232,7 @@ class ServedBuild {
     return std::nullopt;
   }
 
-  /// The rows of the dataset; none when the build was stopped, is stuck, or is to begin anew.
+  /// Returns the rows of the dataset; none if the build was stopped, is stuck, or must restart.
   SpaceRowsList serve(Build& build) {
     Coordinator& coordinator = build.coordinator();
     zmq::context_t context;
@@ -241,7 +246,7 @@ class ServedBuild {
     return rows;
   }
 
-  /// A server at the endpoint, which gets the port that was chosen.
+  /// Opens a server at the endpoint, and stores the chosen port in the endpoint.
   std::unique_ptr<Server> open(zmq::context_t& context, Build& build) {
     const Coordinator& coordinator = build.coordinator();
     if (coordinator.found() > 0)
@@ -252,7 +257,7 @@ class ServedBuild {
     allowAsManyPeers();
     if (serving_.own_keys) {
       serving_.keys = KeyFolder(build.directory().keys());
-      // Of this run alone: a damaged one keeps nobody from going on.
+      // These keys last for one run, so a damaged key file does not stop it.
       serving_.keys->replaceOwn();
     }
     auto server =
@@ -263,8 +268,8 @@ class ServedBuild {
     return server;
   }
 
-  /// Answers messages and shows progress until the build is complete, stuck or stopped, by a
-  /// message or a signal, or is to begin anew.
+  /// Answers messages and shows progress until the build is complete, is stuck, is stopped by a
+  /// message or a signal, or must restart.
   void work(Server& server, Coordinator& coordinator, Crew& crew) {
     ShownProgress progress;
     while (coordinator.next() == Next::go_on) {
@@ -279,15 +284,15 @@ class ServedBuild {
   }
 
   SpaceRowsList seal(Server& server, Build& build) {
-    // As long as there are workers that could compute it again.
+    // Verify while workers are available to compute a damaged result again.
     build.verify();
     build.coordinator().dismiss();
-    // A message of this turn may want failures tried again.
+    // A message in this turn may ask to retry failures.
     if (server.turn(build.coordinator(), std::chrono::milliseconds(0)) == Next::anew) return {};
     return build.seal(out_);
   }
 
-  /// Workers finish what they hold, and leave. Whoever begins anew waits for none of them.
+  /// Lets workers finish their jobs and leave. Before a restart it does not wait.
   void drain(Server& server, Coordinator& coordinator, Crew& crew) {
     const auto deadline = Clock::now() + serving_.drain_limit;
     while (coordinator.next() != Next::anew && crew.isThere() && Clock::now() < deadline)
@@ -321,7 +326,7 @@ class ServedBuild {
   const std::string state_;
   EventLog events_;
   const Clock::time_point began_ = Clock::now();
-  bool stopping_ = false;  ///< whoever was told so had to begin anew before it had
+  bool stopping_ = false;  ///< a stop requested before a restart still applies after it
 };
 
 }  // namespace

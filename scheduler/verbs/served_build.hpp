@@ -8,22 +8,23 @@
 
 namespace palpate {
 
-/// What `build` and `serve` are asked for alike.
+/// Command-line options that `build` and `serve` share.
 struct BuildOrder {
-  std::string scene;                     ///< a TOML file
-  std::string out;                       ///< the dataset; empty: NAME.h5 in the current directory
-  std::string state;                     ///< the state directory; empty: OUT.state
-  bool replace = false;                  ///< replace `out` when it holds something else
-  std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
-  double spot_checks_percent = 0;        ///< of all results, solved again by other machines
-  std::string kernels;  ///< name of a CpuFamily; empty: those of the first result decide
+  std::string scene;     ///< TOML file
+  std::string out;       ///< dataset; empty: NAME.h5 in the current directory
+  std::string state;     ///< state directory; empty: OUT.state
+  bool replace = false;  ///< replace `out` if it holds something else
+  std::optional<unsigned>
+      hung_after_s;  ///< time limit of a solve; nothing: derived from the solves so far
+  double spot_checks_percent = 0;  ///< share of the results that another machine solves again
+  std::string kernels;             ///< name of a CpuFamily; empty: that of the first result
 
-  /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, which must not
-  /// outlive this.
+  /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, whose lifetime
+  /// must not exceed that of this object.
   void addTo(CLI::App& app);
 };
 
-/// Who works for a build, from when its server listens until it does no more.
+/// The workers of a build, from the time its server listens until it stops.
 class Crew {
  public:
   Crew() = default;
@@ -31,31 +32,33 @@ class Crew {
   Crew& operator=(const Crew&) = delete;
   virtual ~Crew() = default;
 
-  /// In every turn, a few times a second at least.
+  /// Called in every turn, at least a few times a second.
   virtual void look() = 0;
-  /// The build is complete, stuck, stopped or to begin anew, and no turn is made for a while.
+  /// Called before a long time without turns: the build is complete, stuck, stopped or must
+  /// restart.
   virtual void pause(Next) {}
-  /// Whether somebody has not left yet; asked in every turn.
+  /// Returns true while some worker has not left; called in every turn of the shutdown.
   virtual bool isThere() = 0;
-  /// Nobody waits for those who have not left.
+  /// Ends the remaining workers; nothing waits for them any more.
   virtual void end() {}
 };
 
-/// How `build` and `serve` differ.
+/// Settings in which `build` and `serve` differ.
 struct Serving {
-  std::string endpoint;           ///< where to listen
-  bool own_keys = false;          ///< those of the state directory, which the server's workers get
-  std::optional<KeyFolder> keys;  ///< else; nothing: for everybody
+  std::string endpoint;           ///< address to listen on
+  bool own_keys = false;          ///< use the keys in the state directory, as the local workers do
+  std::optional<KeyFolder> keys;  ///< keys otherwise; nothing: no authentication
   std::function<std::unique_ptr<Crew>(Server&, Build&)> crew;
-  std::chrono::seconds drain_limit{30};           ///< workers may take so long to finish and leave
-  std::function<void()> anew = [] {};             ///< what is recorded is read once more
-  ExitCode when_stopped = ExitCode::interrupted;  ///< by palpate stop
+  std::chrono::seconds drain_limit{30};           ///< time for workers to finish and leave
+  std::function<void()> anew = [] {};             ///< called before the records are read again
+  ExitCode when_stopped = ExitCode::interrupted;  ///< exit code after palpate stop
 };
 
-/// From the scene to the sealed dataset, which is what stdout then tells; nothing to do when the
-/// file is that already. Begins anew when a record is damaged, a worker is found to lie, or
-/// failures are to be tried again. Error before anything is computed when the scene is wrong, the
-/// file holds something else, or its folder is not there.
+/// Runs a build from the scene to the sealed dataset, and prints the summary to stdout. Does
+/// nothing if the file already is that dataset. Restarts from the recorded results when a record is
+/// damaged, a worker's result is found wrong, or failures are to be tried again. Before computing
+/// anything, throws Error if the scene is invalid, the file holds something else, or its directory
+/// is missing.
 ExitCode serveBuild(const BuildOrder& order, Serving serving);
 
 }  // namespace palpate

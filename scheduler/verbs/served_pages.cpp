@@ -17,10 +17,11 @@
 namespace palpate {
 namespace {
 
-/// A scheduler that reads or seals has no time for longer: then its last word is given.
+/// Longest wait for a fresh status. A scheduler that reads or seals takes longer; then the last
+/// status is used.
 constexpr std::chrono::milliseconds patience{2000};
 constexpr std::size_t most_events = 1000, usual_events = 100;
-/// A point takes about a kilobyte and a few microseconds, in the scheduler's own process.
+/// Bounds the cost in the scheduler's own process: about 1 kB and a few microseconds a point.
 constexpr std::int64_t most_points_explained = 100'000;
 
 std::string valueIn(const HttpQuery& query, const char* name) {
@@ -125,7 +126,7 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
                          "palpate explain {} --active {} {:g} {:g} {:g}",
                          points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
                          point[0], point[1], point[2]));
-  // It takes as long as a start, and as much memory: one at a time.
+  // This takes the time and memory of a scheduler's start, so only one request at a time runs it.
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return httpError(503, "something else is being read: ask again");
   const KnownSpaces known = spacesIn(state_.string());

@@ -15,26 +15,26 @@ class App;
 
 namespace palpate {
 
-/// What `serve` offers over HTTP, and where; nothing unless it is asked for.
+/// Addresses of the pages that `serve` offers over HTTP; none by default.
 struct PageOptions {
-  std::string metrics;    ///< an HttpAddress; empty: nowhere
-  std::string dashboard;  ///< a port of 127.0.0.1; "0": the system chooses; empty: nowhere
+  std::string metrics;    ///< an HttpAddress; empty: off
+  std::string dashboard;  ///< port on 127.0.0.1; "0": chosen by the system; empty: off
 
-  /// --metrics and --dashboard.
+  /// Declares --metrics and --dashboard.
   void addTo(CLI::App& app);
 };
 
-/// The pages of a scheduler: metrics for Prometheus, and on this machine the dashboard with what it
-/// asks for. They are answered in threads of their own, from the status that the scheduler's thread
-/// offers and from what lies in its state directory, which is read as `events` and `explain` do.
+/// The pages of a scheduler: metrics for Prometheus, and the dashboard with its data, on this
+/// machine only. Threads of their own answer them, from the status that the scheduler's thread
+/// offers and from the state directory, which they read as `events` and `explain` do.
 class ServedPages {
  public:
-  /// Listens, and says where (log). Error when it cannot.
+  /// Listens and logs the addresses. Throws Error if it cannot listen.
   ServedPages(const PageOptions& options, std::filesystem::path state);
   ServedPages(const ServedPages&) = delete;
   ServedPages& operator=(const ServedPages&) = delete;
 
-  /// In every turn, by the thread of the coordinator.
+  /// Offers the current status. Call in every turn, on the coordinator's thread.
   void offer(const Coordinator& coordinator);
 
  private:
@@ -46,8 +46,8 @@ class ServedPages {
 
   std::filesystem::path state_;
   StatusBoard board_;
-  std::mutex reading_;             ///< of the state directory: by one at a time
-  std::list<HttpServer> servers_;  ///< the last member: their threads use the others
+  std::mutex reading_;             ///< lets one request at a time read the state directory
+  std::list<HttpServer> servers_;  ///< last member: its threads use the others
 };
 
 }  // namespace palpate

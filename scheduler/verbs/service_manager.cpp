@@ -33,7 +33,7 @@ std::string takeVariable(const char* name) {
 ServiceManager::ServiceManager() : socket_(takeVariable("NOTIFY_SOCKET")) {
   const std::int64_t pid = numberIn<std::int64_t>(takeVariable("WATCHDOG_PID")).value_or(0);
   const microseconds watchdog(numberIn<std::int64_t>(takeVariable("WATCHDOG_USEC")).value_or(0));
-  // It may be meant for a parent of this process.
+  // The watchdog may be meant for a parent of this process.
   if (pid == 0 || pid == getpid()) watchdog_ = std::max(watchdog, microseconds(0));
 }
 
@@ -44,7 +44,7 @@ void ServiceManager::mayTake(std::chrono::seconds longest, const std::string& wh
 
 void ServiceManager::ready() { sendAndWatch("READY=1", watchdog_); }
 
-/// From now on it is alive as long as it says so within this time.
+/// Sends `lines`, and sets the watchdog interval to `longest`.
 void ServiceManager::sendAndWatch(const std::string& lines, microseconds longest) {
   send(watchdog_.count() > 0 ? fmt::format("{}\nWATCHDOG_USEC={}", lines, longest.count()) : lines);
 }
@@ -71,7 +71,7 @@ void ServiceManager::send(const std::string& lines) {
     failed_ = true;
   } else {
     std::ranges::copy(socket_, address.sun_path);
-    // A name, and no path.
+    // An abstract socket name.
     if (socket_.front() == '@') address.sun_path[0] = '\0';
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_.size());
     const FileDescriptor from(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));

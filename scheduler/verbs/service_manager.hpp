@@ -6,23 +6,26 @@
 
 namespace palpate {
 
-/// Who started this process and watches it: systemd, or whoever speaks as it does (sd_notify(3), a
-/// datagram to the socket that $NOTIFY_SOCKET names). Without one nothing happens. A message that
-/// cannot be sent is told once (log), and the work goes on. One thread.
+/// Reports to the service manager that started this process: systemd, or another that follows
+/// sd_notify(3) (a datagram to the socket named by $NOTIFY_SOCKET). Does nothing without one. If a
+/// message cannot be sent, warns once (log) and sends no more. One thread.
 class ServiceManager {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// From the environment, out of which it is taken: processes that are started are not this one.
+  /// Reads the variables of sd_notify and removes them from the environment, so that child
+  /// processes do not report.
   ServiceManager();
 
   bool isThere() const { return !socket_.empty(); }
-  /// The start, or what is done now, may take so long before the next word.
+  /// Announces that the start or the current operation, `what`, may take up to `longest` without
+  /// another message.
   void mayTake(std::chrono::seconds longest, const std::string& what);
-  /// From now on it serves, and mayTake() is over. To be said also when there is nothing to do.
+  /// Reports that the service is ready, and ends mayTake(). Call it even if there is nothing to
+  /// serve.
   void ready();
-  /// Call in every turn: says that the process lives as often as it is to (half of $WATCHDOG_USEC),
-  /// and every five seconds how far it is.
+  /// Call in every turn. Sends a watchdog message every half $WATCHDOG_USEC, and a status text
+  /// every five seconds.
   void alive(Clock::time_point now, const std::function<std::string()>& status);
   void stopping();
 
@@ -30,8 +33,9 @@ class ServiceManager {
   void sendAndWatch(const std::string& lines, std::chrono::microseconds longest);
   void send(const std::string& lines);
 
-  std::string socket_;                     ///< a path, or a name that begins with @; empty: nobody
-  std::chrono::microseconds watchdog_{0};  ///< 0: nobody waits for a sign of life
+  std::string
+      socket_;  ///< a path, or an abstract name that begins with @; empty: no service manager
+  std::chrono::microseconds watchdog_{0};  ///< interval of the watchdog; 0: none
   Clock::time_point next_sign_, next_status_;
   bool failed_ = false;
 };

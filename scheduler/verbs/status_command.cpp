@@ -10,7 +10,7 @@
 #include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate status`: how far a build is.
+// `palpate status`: shows the progress of a build.
 
 namespace palpate {
 namespace {
@@ -23,7 +23,7 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// The status, and as a page for people.
+/// Returns the status, and the same as a page of text.
 std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
   wire::Status status;
   try {

@@ -15,20 +15,20 @@ namespace {
 
 constexpr std::size_t longest_bar = 28, shortest_bar = 8;
 
-/// Nothing while nothing can be said.
+/// Returns the text for the time left; empty if there is no estimate.
 std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
   if (status.paused()) return "paused";
-  // Every point has a configuration, and some are solved again from other neighbours: nobody knows
-  // how often.
+  // All points have a configuration, but some are solved again from other neighbours, an unknown
+  // number of times.
   if (all.unknown() == 0 && status.state() == "running") return "solving branches";
   if (!status.has_eta_seconds()) return "";
-  // Nothing takes 0 s as long as it is not done.
+  // Unfinished work never takes 0 s.
   return (status.may_grow() ? "about " : "") + durationText(std::max(1.0, status.eta_seconds())) +
          " left";
 }
 
-/// Of many spaces those that tell something, as far as they fit on a screen, and a sum: first those
-/// that are being worked on, then those with most failed points.
+/// Selects the spaces to show. Of more than 24, returns the first 24 that are in progress or have
+/// failed points, and a sum. Those in progress come first, then those with most failed points.
 std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   constexpr std::size_t most = 24;
   std::vector<wire::SpaceStatus> spaces(status.spaces().begin(), status.spaces().end());
@@ -42,14 +42,14 @@ std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   });
   std::ranges::stable_sort(spaces, {},
                            [&](const auto& s) { return std::pair(done(s), -s.failed()); });
-  // The ones that tell most come first, so the rest may go.
+  // The most informative spaces come first.
   if (spaces.size() > most) spaces.resize(most);
   spaces.push_back(sum);
   return spaces;
 }
 
-/// Points by tag, a row for each active node; of more than 24 those that tell most, and a sum.
-/// `with_stages`: and what each is working on.
+/// Formats the points by tag, one row for each space of spacesToShow(). `with_stages` adds a column
+/// with the stage of each.
 std::string pointTable(const wire::Status& status, bool with_stages) {
   const auto row = [&](const auto&... cells) {
     return fmt::format(fmt::runtime(with_stages ? "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n"
@@ -64,21 +64,21 @@ std::string pointTable(const wire::Status& status, bool with_stages) {
   return text;
 }
 
-/// "1 step_budget, 11 unreachable", in the order of the words.
+/// Formats counts as "1 step_budget, 11 unreachable", sorted by word.
 std::string countsText(const std::map<std::string, std::int32_t>& counts) {
   std::vector<std::string> parts;
   for (const auto& [word, count] : counts) parts.push_back(fmt::format("{} {}", count, word));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// "TITLE: 1 step_budget, 11 unreachable" and a line feed; nothing when there is none.
+/// Formats "TITLE: 1 step_budget, 11 unreachable" and a line feed; empty if there are no causes.
 std::string causesLine(const char* title,
                        const google::protobuf::Map<std::string, std::int32_t>& causes) {
   if (causes.empty()) return "";
   return fmt::format("{}: {}\n", title, countsText({causes.begin(), causes.end()}));
 }
 
-/// "kept out: the machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
+/// Formats "kept out: the machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
 std::string keptOutLine(const wire::KeptOut& who) {
   std::string text = fmt::format("kept out: the {}", who.kind());
   if (!who.worker().empty()) text += fmt::format(" {} on", who.worker().substr(0, 8));
@@ -111,7 +111,7 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   std::string least_name;
   for (const auto& space : spaces) {
     if (space->patch().probe) continue;
-    // Nothing can be refined around an origin that failed, and nothing estimated.
+    // An origin that failed has no refinement and no error estimate.
     if (!isSolved(space->tag(0))) continue;
     const Refinement state = nextRefinement(tableOf(*space), scene);
     PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
@@ -148,7 +148,7 @@ std::string durationText(double seconds) {
 std::string progressLine(const wire::Status& status, std::size_t columns) {
   const wire::SpaceStatus all = sumOf(status);
   std::string line = fmt::format("{}/{} points", all.points() - all.unknown(), all.points());
-  // What people look for first, first: the last ones go when the line is too long.
+  // Most wanted first: the last parts are dropped if the line is too long.
   for (const std::string& part :
        {timeLeft(status, all), fmt::format("{:.1f}/s", status.configurations_per_second()),
         counted(status.workers_size(), "worker"), fmt::format("frontier {}", status.ready())}) {
@@ -164,7 +164,7 @@ std::string pointText(const LatticePoint& p, std::int32_t divisions) {
 }
 
 std::string progressBar(const wire::Status& status, std::size_t columns) {
-  const std::size_t brackets = 3;  // and a space
+  const std::size_t brackets = 3;  // "[", "]" and a space
   const std::size_t room = std::max<std::size_t>(columns, 1) - 1;
   const bool with_bar = room >= 2 * (shortest_bar + brackets);
   const std::string line = progressLine(status, with_bar ? room - shortest_bar - brackets : room);
@@ -181,7 +181,7 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
 std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool partial) {
   wire::Status status;
   for (const auto& space : spaces) {
-    if (space->patch().probe) continue;  // told by probesOf
+    if (space->patch().probe) continue;  // reported by probesOf()
     wire::SpaceStatus& row = *status.add_spaces();
     row.set_name(space->patch().name);
     row.set_stage(std::string(name(Stage::complete)));
@@ -194,7 +194,7 @@ std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool part
 
 namespace {
 
-/// "priority: tip 3, dome -1"; empty where all are alike.
+/// Formats "priority: tip 3, dome -1"; empty if all priorities are 0.
 std::string prioritiesLine(const wire::Status& status) {
   std::vector<std::string> parts;
   for (const wire::SpaceStatus& row : status.spaces())
@@ -202,7 +202,7 @@ std::string prioritiesLine(const wire::Status& status) {
   return parts.empty() ? "" : fmt::format("priority: {}\n", fmt::join(parts, ", "));
 }
 
-/// One by one as long as a person would read that, else by machine.
+/// Lists the workers one by one if they are few, else counts them by machine.
 std::string workersOf(const wire::Status& status) {
   constexpr int most_lines = 8;
   std::string text;
@@ -213,7 +213,7 @@ std::string workersOf(const wire::Status& status) {
     return text;
   }
   struct Machine {
-    std::map<std::string, std::int32_t> workers;  // by state
+    std::map<std::string, std::int32_t> workers;  // count by state
     std::int64_t results = 0;
   };
   std::map<std::string, Machine> machines;
@@ -227,7 +227,7 @@ std::string workersOf(const wire::Status& status) {
   return text;
 }
 
-/// "TITLE: COUNT" where something is to be looked at.
+/// Returns a line "COUNTER: COUNT" for each alarming counter above 0.
 std::string alarmsOf(const wire::Status& status) {
   std::string text;
   for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
@@ -244,7 +244,7 @@ std::string describe(const wire::Status& status) {
   std::string text =
       fmt::format("scene {}, build {}: {}{}\n\n", status.scene(), status.build().substr(0, 12),
                   status.state(), status.paused() ? ", paused: palpate resume goes on" : "");
-  // What does not fit into a window is at the end.
+  // The most important lines come first, in case the window is short.
   if (status.state() == "running" || status.state() == "stopping")
     text += progressLine(status) + "\n\n";
   text += pointTable(status, true) + '\n' + prioritiesLine(status);

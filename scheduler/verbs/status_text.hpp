@@ -6,27 +6,28 @@
 
 namespace palpate {
 
-/// A finished build: counts per tag of each space (the ones with most failures and the sum, when
-/// there are many), failures by cause, and, unless the dataset is partial, how far an adaptive
-/// scene's accuracy was reached. Line feed at the end.
+/// Summarises a finished build; ends with a line feed. Lists the points per tag of each space (of
+/// many spaces, those with most failures and the sum) and the failures by cause. Unless the dataset
+/// is partial, also gives the share of the workspace within an adaptive scene's accuracy.
 std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool partial = false);
 
-/// The status as a page of text for people, with a line feed at the end.
+/// Formats the status as a page of text that ends with a line feed.
 std::string describe(const wire::Status& status);
 
-/// How far a build is, in one line: "312/515 points, 7 s left, 28.1/s, 2 workers, frontier 40". In
-/// at most `columns`, what matters least goes first; the points are always there.
+/// Formats the progress of a build in one line: "312/515 points, 7 s left, 28.1/s, 2 workers,
+/// frontier 40". Drops parts from the end that do not fit in `columns`, but always keeps the
+/// points.
 std::string progressLine(const wire::Status& status, std::size_t columns = std::string::npos);
 
-/// The same behind a bar, to be drawn again and again on a terminal of so many columns: it never
-/// fills the last one, where some terminals begin a new row.
+/// Formats the progress line behind a bar, to be redrawn on a terminal of `columns` columns. Never
+/// fills the last column, where some terminals start a new row.
 std::string progressBar(const wire::Status& status, std::size_t columns);
 
-/// A point of a lattice whose coordinates count in 1/divisions of a spacing, in spacings:
-/// "(1, 0.5, 0)".
+/// Formats a lattice point in spacings, "(1, 0.5, 0)". Its coordinates count in 1/divisions of a
+/// spacing.
 std::string pointText(const LatticePoint& point, std::int32_t divisions);
 
-/// "7 s", "12 min", "3 h 20 min".
+/// Formats a duration: "7 s", "12 min", "3 h 20 min".
 std::string durationText(double seconds);
 
 }  // namespace palpate
