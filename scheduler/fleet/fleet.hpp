@@ -9,26 +9,27 @@
 
 namespace palpate {
 
-/// What a fleet of any engine is told.
+/// Options of a fleet, for every engine.
 struct FleetOptions {
   Asked asked;
-  std::string endpoint;  ///< of the scheduler, as nodes reach it
+  std::string endpoint;  ///< the scheduler's, as nodes reach it
   int every_s = 30;
   int give_up_s = 900;
   bool dry_run = false;
 };
 
-/// A scheduler that a fleet works for, which may be restarted meanwhile. One thread.
+/// Watches the scheduler that a fleet works for, across restarts. One thread.
 class FleetWatch {
  public:
   /// `options` must outlive it.
   explicit FleetWatch(const FleetOptions& options) : options_(options) {}
 
-  /// What it says by now; of a directory in which nobody works any more that it is complete, when
-  /// it is. Nothing when nobody answers, which is told once (log), or a signal came first
-  /// (interrupted()). Error (bad input) when it makes no sense to ask there, and never did.
+  /// Returns the scheduler's status. If no scheduler runs but the build in the state directory is
+  /// complete, returns its status. Returns nothing if no scheduler answers, with one log line per
+  /// reason, or if a signal comes first (interrupted()). Throws Error (bad input) if the address is
+  /// invalid and no scheduler ever answered there.
   std::optional<wire::Status> look();
-  /// It was silent for give_up_s.
+  /// Returns true if the scheduler has been silent for give_up_s.
   bool gaveUp() const { return Clock::now() - heard_ > std::chrono::seconds(options_.give_up_s); }
 
  private:
@@ -36,28 +37,28 @@ class FleetWatch {
 
   const FleetOptions& options_;
   Clock::time_point heard_ = Clock::now();
-  bool answered_ = false;  ///< once
+  bool answered_ = false;  ///< at least once
   std::string told_;
 };
 
-/// What a fleet sees when it decides.
+/// The numbers that a fleet's decision depends on.
 struct FleetView {
   std::int64_t ready = 0;  ///< transitions that could be solved now
-  int queued = 0;          ///< workers that the engine was asked for and has not started
-  int running = 0;         ///< those that it runs
+  int queued = 0;          ///< workers requested from the engine and not started
+  int running = 0;         ///< workers that the engine runs
   bool hands_out = true;   ///< the scheduler is neither paused nor about to end
 };
 
 struct FleetLimits {
   int most = 64;             ///< workers, queued ones included
-  int most_queued = 16;      ///< at once: a queue that is full of them helps nobody
-  int transitions_each = 2;  ///< a worker is worth its start when so many wait for it
+  int most_queued = 16;      ///< at a time: a longer queue gains nothing
+  int transitions_each = 2;  ///< ready transitions that justify one more worker
 };
 
-/// How many workers more to ask for; negative: so many queued ones are not needed any more, because
-/// the frontier became narrow, and are to be cancelled. Those that run leave by themselves when
-/// they have nothing to do. After HyperQueue's automatic allocation (backlog, most workers, least
-/// use), with the frontier in the place of its queue of tasks.
+/// Returns the number of workers to request, or, if the frontier has become narrow, minus the
+/// number of queued workers to cancel. Running workers leave by themselves when they are idle.
+/// Follows HyperQueue's automatic allocation (backlog, most workers, least use), with the frontier
+/// in place of its task queue.
 int moreWorkers(const FleetView& view, const FleetLimits& limits);
 
 }  // namespace palpate

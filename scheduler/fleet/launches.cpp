@@ -31,12 +31,12 @@ Launches::Change Launches::see(const std::vector<Ended>& ended, const std::vecto
   return change;
 }
 
-/// True when one of them failed early that was not seen before, on a node that is not left out.
+/// Counts the new ends. Returns true if a job failed early on a node that is not excluded.
 bool Launches::countNew(const std::vector<Ended>& ended, Time now) {
   std::set<std::string> seen;
   bool failed = false;
   for (const Ended& end : ended) {
-    // A job that is requeued ends again under its id.
+    // A requeued job ends again under the same id.
     const std::string name = end.id + ' ' + end.when;
     seen.insert(name);
     if (seen_.contains(name) || bad_nodes_.contains(end.node)) continue;
@@ -62,7 +62,7 @@ bool Launches::works(const Running& job) const {
   return job.age >= early && !bad_nodes_.contains(job.node);
 }
 
-/// One that began behind the last failure and lives: what failed is mended.
+/// Resets the failures if a job that started after the last one survives: the cause is fixed.
 void Launches::believe(const std::vector<Running>& running, Time now) {
   for (const Running& job : running) {
     if (!works(job) || now - job.age <= last_failure_) continue;

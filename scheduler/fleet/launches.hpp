@@ -10,15 +10,15 @@
 
 namespace palpate {
 
-/// Later and later, as long as something fails. One thread.
+/// Exponential backoff between attempts. One thread.
 class Backoff {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   explicit Backoff(std::chrono::seconds first_pause) : first_(first_pause) {}
 
-  /// It failed: nothing before pause() is over, the first after one failure, and twice as long with
-  /// each more, 32 times at most.
+  /// Records a failure: over() is false until pause() has passed. The pause doubles with each
+  /// failure in a row, up to 32 times the first.
   void failed(Time now);
   void succeeded() { failures_ = 0; }
   bool over(Time now) const { return failures_ == 0 || now >= until_; }
@@ -26,22 +26,23 @@ class Backoff {
 
  private:
   std::chrono::seconds first_;
-  int failures_ = 0;  ///< in a row
+  int failures_ = 0;  ///< in a row; counts up to 6
   Time until_;
 };
 
-/// Judges by how the jobs fared that an engine started how many more may be asked for, and where.
+/// Decides, from the outcome of earlier jobs, how many more to request and on which nodes.
 ///
-/// A job that fails within seconds of its start would be replaced for ever: its program is not
-/// there, or a library, its CPU is too old, its key is not let in. After some in a row one job at a
-/// time is tried, later and later, until one lives (HyperQueue pauses such a queue). A node that
-/// fails jobs while others work is empty soonest, and would get all of them: it is left out.
+/// A job that fails within seconds of its start would be replaced for ever. Its program or a
+/// library may be missing, its CPU too old, or its key not allowed. After several such failures in
+/// a row, one job at a time is tried, with growing pauses, until one survives (HyperQueue pauses
+/// such a queue). A node that fails jobs while others work is idle soonest and would attract every
+/// job, so it is excluded.
 ///
-/// Knows no engine and no clock but the one that it is told. One thread.
+/// Independent of the engine; time comes from the caller. One thread.
 class Launches {
  public:
   using Time = Backoff::Time;
-  /// A job that fails sooner never worked; one that is older does.
+  /// A job that fails sooner never worked; one that is older counts as working.
   static constexpr std::chrono::seconds early{30};
   static constexpr int most_in_a_row = 5, most_on_a_node = 3;
 
@@ -54,27 +55,26 @@ class Launches {
     std::string id, node;
     How how{};
     std::string words;           ///< "exit code 127"
-    std::chrono::seconds age{};  ///< that it reached
-    std::string when;            ///< of the engine's clock: only compared with others of it
+    std::chrono::seconds age{};  ///< at its end
+    std::string when;            ///< on the engine's clock; only compared with its other times
   };
-  /// What changed.
+  /// The changes that a call of see() made.
   struct Change {
-    bool held = false;                  ///< for pause() from now on: again, or for the first time
+    bool held = false;                  ///< newly or again on hold, for pause()
     std::vector<std::string> left_out;  ///< nodes
   };
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
 
-  /// What there is by now; `ended` in order, those that were seen before too, for as long as the
-  /// engine tells them.
+  /// Takes the current jobs. `ended` is in order of time and may repeat jobs of earlier calls.
   Change see(const std::vector<Ended>& ended, const std::vector<Running>& running, Time now);
 
-  /// So many failed in a row that one at a time is tried.
+  /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.
   bool held() const { return in_a_row_ >= most_in_a_row; }
-  /// How many may be queued, or younger than `early`, at a time.
+  /// Returns the number of jobs that may be queued or younger than `early` at a time.
   int mostUnproven(Time now) const;
   std::chrono::seconds pause() const { return backoff_.pause(); }
-  /// The latest that failed early in a row, at most most_in_a_row, the latest last.
+  /// The last early failures in a row, at most most_in_a_row, oldest first.
   const std::deque<Ended>& failures() const { return last_failures_; }
   const std::set<std::string>& badNodes() const { return bad_nodes_; }
 
@@ -85,9 +85,9 @@ class Launches {
   std::vector<std::string> leaveOut(const std::vector<Running>& running);
 
   Backoff backoff_;
-  std::set<std::string> seen_;            ///< ends that the engine still tells
-  int in_a_row_ = 0;                      ///< failed early, without those on bad nodes
-  std::map<std::string, int> on_a_node_;  ///< the same of each
+  std::set<std::string> seen_;            ///< ends that the engine still lists
+  int in_a_row_ = 0;                      ///< early failures, except on bad nodes
+  std::map<std::string, int> on_a_node_;  ///< early failures of each node
   std::set<std::string> bad_nodes_;
   std::deque<Ended> last_failures_;
   Time last_failure_;

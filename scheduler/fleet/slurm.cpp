@@ -18,23 +18,25 @@
 namespace palpate {
 namespace {
 
-/// A command line has an end, and so has the patience of slurmctld.
+/// Ids per call of scancel: limits the command line and the load of slurmctld.
 constexpr std::size_t cancelled_at_once = 500;
-/// In front of the endpoint, in the comment of a job.
+/// Prefix of the endpoint in the comment of a job.
 constexpr std::string_view comment_prefix = "palpate at ";
 
-/// Slurm may come a minute early, and short jobs are to work too.
+/// Returns how long before the time limit SIGTERM is sent. Slurm may send it up to a minute early,
+/// and short jobs need time to work too.
 int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
-/// Whether sbatch says the same until an option is changed.
+/// Returns true if sbatch will refuse again until an option is changed.
 bool isLasting(const Ran& refusal) {
-  constexpr int not_understood = 255;  // of a command line, whatever the word
+  constexpr int not_understood =
+      255;  // exit code for an invalid command line, whatever the message
   const auto says = [&](const char* word) { return refusal.err.find(word) != std::string::npos; };
   const bool passes = says("nvalid authentication") || says("nvalid argument");
   return refusal.exit_code == not_understood || (says("nvalid") && !passes);
 }
 
-/// Ran well, or said no.
+/// Runs a command and returns its output. Throws Error if it refuses.
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
   Ran ran = runToItsEnd({.words = words, .package = "slurm-client", .input = input});
   if (ran.exit_code == 0) return std::move(ran.out);
@@ -43,21 +45,21 @@ std::string orders(const std::vector<std::string>& words, const std::string& inp
               fmt::format("{} says no (exit code {}): {}", words[0], ran.exit_code, said));
 }
 
-/// As a shell reads it back.
+/// Quotes a word for the shell.
 std::string quoted(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";
 }
 
-// ---- What squeue writes ----
+// ---- Output of squeue ----
 
-/// As wide as they may be: what is longer is cut off.
+/// A column of the output. squeue cuts off longer values.
 struct Column {
   const char* name;
   std::size_t width;
 };
-// Of old versions too; the rest of a line is the last.
+// Columns that old versions know too. The last one takes the rest of the line.
 constexpr std::array columns = {Column{"State", 20},     Column{"JobArrayID", 40},
                                 Column{"NodeList", 100}, Column{"exit_code", 12},
                                 Column{"TimeUsed", 20},  Column{"EndTime", 24},
@@ -81,7 +83,7 @@ std::array<std::string, columns.size()> cellsOf(std::string_view line) {
   return cells;
 }
 
-/// "[days-][[hours:]minutes:]seconds"; what is none of that lasted no time.
+/// Parses "[days-][[hours:]minutes:]seconds"; anything else counts as zero.
 std::chrono::seconds elapsedOf(std::string_view text) {
   std::int64_t days = 0, seconds = 0;
   if (const auto dash = text.find('-'); dash != std::string_view::npos) {
@@ -107,7 +109,7 @@ constexpr std::array running_states = {"RUNNING",  "CONFIGURING", "SUSPENDED", "
 constexpr std::array failed_states = {"FAILED", "BOOT_FAIL", "OUT_OF_MEMORY"};
 constexpr std::array well_states = {"COMPLETED", "TIMEOUT"};
 
-/// The status as wait() has it.
+/// Classifies the end of a job. `status` is an exit status as of wait().
 Launches::Ended endOf(const std::string& state, std::string_view status,
                       const std::string& reason) {
   using How = Launches::Ended::How;
@@ -170,13 +172,13 @@ std::string Slurm::script(int workers, const std::set<std::string>& but_on) cons
   option(fmt::format("--array=1-{}", workers));
   option("--ntasks=1 --cpus-per-task=1");
   option(fmt::format("--time={}", options_.minutes));
-  // B: the shell, whose place the worker takes.
+  // B: signals the batch shell, which the worker replaces by exec.
   option(fmt::format("--signal=B:TERM@{}", secondsToLeave(options_.minutes)));
   option("--requeue --open-mode=append");
   option("--output=" + options_.log);
   option(fmt::format("--comment=\"{}{}\"", comment_prefix, options_.endpoint));
   if (!options_.constraint.empty()) option("--constraint=" + options_.constraint);
-  // Of two such options the later one counts.
+  // The later of two --exclude options wins, so merge them.
   std::vector<std::string> excluded(but_on.begin(), but_on.end());
   for (const std::string& words : options_.more) {
     constexpr std::string_view exclude = "--exclude=";
@@ -203,7 +205,7 @@ void Slurm::submit(int workers, const std::set<std::string>& but_on) {
       orders({"sbatch", "--parsable"}, script(some, but_on));
       workers -= some;
     } catch (const Error& error) {
-      // MaxArraySize is whatever somebody wrote into slurm.conf.
+      // MaxArraySize is configurable, so halve the arrays until sbatch accepts them.
       if (some == 1 ||
           std::string_view(error.what()).find("array specification") == std::string_view::npos)
         throw;

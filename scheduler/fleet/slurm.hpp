@@ -9,59 +9,61 @@
 
 namespace palpate {
 
-/// How workers are asked of Slurm.
+/// Options of the jobs that run workers under Slurm.
 struct SlurmOptions {
-  std::string name;                  ///< of the jobs: the build's, so that they are found again
-  std::vector<std::string> command;  ///< one worker, as it runs on a node
-  std::string endpoint;              ///< where that finds its scheduler
-  /// Each may run at most so long; a minute before that, or of short ones in the last quarter, it
-  /// is told to end (SIGTERM).
+  std::string name;  ///< name of the jobs, derived from the build so that they are found again
+  std::vector<std::string> command;  ///< command of one worker on a node
+  std::string endpoint;              ///< address of its scheduler
+  /// Time limit of each job. It gets SIGTERM one minute before, or, if the job is short, a quarter
+  /// of the limit before.
   int minutes = 60;
   std::string constraint;         ///< features of nodes; empty: any
-  std::string log = "/dev/null";  ///< a file name as sbatch --output takes it
-  std::vector<std::string> more;  ///< options of sbatch, as they are
+  std::string log = "/dev/null";  ///< file name, in the syntax of sbatch --output
+  std::vector<std::string> more;  ///< further options of sbatch, unchanged
 };
 
-/// What Slurm has of one name. A job that it ended and still cleans up after is in none of it.
+/// Slurm's jobs of one name. Excludes jobs that have ended and that Slurm still cleans up.
 struct SlurmJobs {
   struct Queued {
-    std::string id, reason;  ///< in Slurm's words
+    std::string id, reason;  ///< reason in Slurm's words
   };
-  std::vector<Queued> queued;              ///< elements of arrays that have not started
-  std::vector<Launches::Running> running;  ///< those that started and have not ended
-  std::vector<Launches::Ended> ended;      ///< the first first; as long as Slurm remembers them
-  std::vector<std::string> elsewhere;      ///< queued or running, of another endpoint: their ids
+  std::vector<Queued> queued;              ///< array elements that have not started
+  std::vector<Launches::Running> running;  ///< array elements that have started and not ended
+  std::vector<Launches::Ended> ended;      ///< oldest first; as long as Slurm remembers them
+  std::vector<std::string> elsewhere;      ///< ids of jobs, queued or running, for another endpoint
 
-  /// Of the queued ones, by reason.
+  /// Returns the number of queued jobs by reason.
   std::map<std::string, int> reasons() const;
-  /// `text` as Slurm::jobs() has squeue write it. Lines that make no sense are passed over.
+  /// Parses `text`, the output of squeue in the format that Slurm::jobs() asks for. Skips invalid
+  /// lines.
   static SlurmJobs parsed(const std::string& text, const std::string& endpoint);
 };
 
-/// Workers as elements of array jobs of one name, by the programs of Slurm: sbatch, squeue and
-/// scancel. Nothing that matters is remembered: whoever makes another of the same name goes on with
-/// its jobs. Error when a program cannot be run or says no, with what it said; bad input when it
-/// will say so until an option is changed.
+/// Runs workers as elements of array jobs of one name, through sbatch, squeue and scancel. Keeps no
+/// essential state: a new object of the same name takes over its jobs. Functions throw Error, with
+/// the program's message, if a program cannot run or refuses; bad input if it would refuse until an
+/// option is changed.
 class Slurm {
  public:
   explicit Slurm(SlurmOptions options) : options_(std::move(options)) {}
 
   SlurmJobs jobs() const;
-  /// More workers of one core each, on no node of `but_on`. Arrays are as long as Slurm takes them.
+  /// Submits workers of one core each, on no node of `but_on`. Uses the longest arrays that Slurm
+  /// accepts.
   void submit(int workers, const std::set<std::string>& but_on = {});
-  /// These elements. Those that run are told to end and have their time for it.
+  /// Cancels these array elements. Running ones get SIGTERM and their time to finish.
   void cancel(const std::vector<std::string>& ids) const;
-  /// Everything of this name.
+  /// Cancels all jobs of this name.
   void cancelAll() const;
 
-  /// The batch script of so many workers, in the words of sbatch.
+  /// Returns the batch script for this number of workers.
   std::string script(int workers, const std::set<std::string>& but_on = {}) const;
-  /// The file that this element writes to.
+  /// Returns the log file of this array element.
   std::string logOf(const std::string& id) const;
 
  private:
   SlurmOptions options_;
-  int longest_array_ = 1000;  ///< Slurm's MaxArraySize is 1001 unless somebody changed it
+  int longest_array_ = 1000;  ///< Slurm's default MaxArraySize is 1001
 };
 
 }  // namespace palpate

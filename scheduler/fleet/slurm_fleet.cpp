@@ -16,10 +16,10 @@ namespace {
 
 using std::chrono::seconds;
 
-/// A worker that its scheduler has not heard of after so long does not reach it.
+/// A job older than this without a connected worker probably cannot reach the scheduler.
 constexpr seconds long_unheard{60};
 
-/// Queued, or started a moment ago.
+/// Returns the number of jobs that are queued or have just started.
 int unproven(const SlurmJobs& jobs) {
   return static_cast<int>(jobs.queued.size()) +
          static_cast<int>(std::ranges::count_if(
@@ -39,7 +39,7 @@ std::string reasonsOf(const SlurmJobs& jobs) {
   return text.empty() ? "" : text + ")";
 }
 
-/// For people; empty when there is none, or it cannot be read here.
+/// Returns the last line of a file, made printable; empty if it cannot be read here.
 std::string lastLineOf(const std::string& path) {
   constexpr std::streamoff most = 4096;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -51,7 +51,7 @@ std::string lastLineOf(const std::string& path) {
   return printable(last, longest_reason);
 }
 
-/// Where it is told why a job failed, and what was.
+/// Describes where the log is, and quotes its last line.
 std::string wroteOf(const std::string& log) {
   if (log == "/dev/null") return "--log FILE keeps what they write";
   const std::string line = lastLineOf(log);
@@ -94,9 +94,9 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   taken_ = taken_ || !jobs.queued.empty() || !jobs.running.empty();
   const Launches::Change change = launches_.see(jobs.ended, jobs.running, Clock::now());
   tellLaunches(change);
-  // What is left is looked at in the next turn.
+  // The next turn sees the remaining jobs.
   if (!options_.dry_run && cancelUnwanted(jobs, !change.left_out.empty())) return;
-  // Who cannot be asked may be back in a moment: what runs, and what is queued, stays.
+  // The scheduler may soon be back, so keep running and queued jobs.
   if (!status) return tell(jobs, 0, "the scheduler does not answer");
   const int more = moreFor(jobs, *status);
   tell(jobs, more, fmt::format("{} transitions could be solved now", status->ready()));
@@ -112,12 +112,12 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   spdlog::warn("{}", error.what());
 }
 
-/// Nothing is left behind, and nobody reads all night that it was in vain.
+/// Returns true if the error is permanent and no job would be left behind.
 bool SlurmFleet::endsIt(const Error& error) const {
   return error.exitCode() == ExitCode::usage && !taken_;
 }
 
-/// A queue that says no says so for a while.
+/// Submits jobs. After a refusal, waits longer each time.
 void SlurmFleet::submit(int more) try {
   engine_.submit(more, launches_.badNodes());
   taken_ = true;
@@ -139,7 +139,7 @@ int SlurmFleet::moreFor(const SlurmJobs& jobs, const wire::Status& status) {
   return std::clamp(launches_.mostUnproven(Clock::now()) - unproven(jobs), 0, more);
 }
 
-/// Jobs run, and none of their workers came to the scheduler: more would come no nearer.
+/// Returns true if jobs run but no worker has connected: more jobs would not help.
 bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
   const auto isOld = [](const Launches::Running& job) { return job.age >= long_unheard; };
   const bool unheard = status.workers().empty() && std::ranges::any_of(jobs.running, isOld) &&
@@ -154,13 +154,14 @@ bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
   return unheard;
 }
 
-/// Jobs that could only fail, or wait for nobody. False when there are none.
+/// Cancels jobs for another endpoint. Also cancels the queued jobs if nodes were excluded since, or
+/// if no job may start now. Returns false if there was nothing to cancel.
 bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
   std::vector<std::string> ids = jobs.elsewhere;
   if (!ids.empty())
     spdlog::warn("{} jobs look for the scheduler elsewhere than at {}: they are cancelled",
                  ids.size(), options_.endpoint);
-  // Where those may run that are queued was said when they were asked for.
+  // A queued job keeps the list of excluded nodes with which it was submitted.
   if (nodes_changed || launches_.mostUnproven(Clock::now()) == 0)
     std::ranges::copy(idsOf(jobs.queued), std::back_inserter(ids));
   engine_.cancel(ids);
@@ -209,7 +210,7 @@ void SlurmFleet::end() {
   const auto until = Clock::now() + seconds(options_.give_up_s);
   for (std::string told;;) {
     std::string left;
-    bool refused = false;  // for good
+    bool refused = false;  // permanently
     try {
       engine_.cancelAll();
       const SlurmJobs jobs = engine_.jobs();

@@ -14,18 +14,18 @@ struct SlurmFleetOptions : FleetOptions {
   bool cancel = false;
 };
 
-/// Keeps as many workers of Slurm as a build can use, as long as it goes on. One thread.
+/// Keeps as many Slurm workers as the build can use until it ends. One thread.
 class SlurmFleet {
  public:
-  /// `options` must outlive it.
+  /// `options` must outlive this object.
   explicit SlurmFleet(const SlurmFleetOptions& options);
 
-  /// Until the build is complete (done), the scheduler says nothing any more (failed), or a signal
-  /// comes (interrupted): then the jobs stay. Error (bad input) when Slurm takes no job of these
-  /// options, and has none.
+  /// Runs until the build is complete (done), the scheduler is silent for give_up_s (failed), or a
+  /// signal comes (interrupted; the jobs stay). Throws Error (bad input) if Slurm refuses these
+  /// options and has no job of the build.
   ExitCode run();
-  /// Cancels all jobs of the build and waits until they are gone; tries again while Slurm does not
-  /// answer. Error when they are not gone in FleetOptions::give_up_s.
+  /// Cancels all jobs of the build and waits until they are gone. Retries while Slurm does not
+  /// answer. Throws Error if jobs are left after FleetOptions::give_up_s.
   void end();
 
  private:
@@ -47,7 +47,7 @@ class SlurmFleet {
   FleetWatch watch_;
   Launches launches_;
   Backoff refused_;
-  bool taken_ = false;  ///< Slurm took a job, or has some
+  bool taken_ = false;  ///< Slurm has accepted a job or has some
   std::string told_;
   bool told_unheard_ = false;
 };

@@ -13,12 +13,12 @@
 namespace palpate {
 namespace {
 
-/// A connection that lasted so long was a good one.
+/// A connection that lasted this long counts as a success.
 constexpr std::chrono::minutes long_enough{2};
 
 struct HostWords {
   std::string name;
-  std::string workers;  ///< a number, or what the shell there makes one of
+  std::string workers;  ///< a number, or a shell expression that gives one
 };
 
 HostWords parsed(const std::string& host) {
@@ -29,7 +29,7 @@ HostWords parsed(const std::string& host) {
       throw badInput("{}: behind the colon stands the number of workers", host);
     words = {host.substr(0, colon), number};
   }
-  // A word that begins with a dash would be an option of ssh.
+  // ssh would take a word that begins with a dash as an option.
   if (words.name.empty() || words.name.front() == '-')
     throw badInput("\"{}\" is no machine: give HOST, USER@HOST or HOST:WORKERS", host);
   return words;
@@ -37,7 +37,7 @@ HostWords parsed(const std::string& host) {
 
 std::vector<std::string> wordsFor(const SshOptions& options, const std::string& host) {
   const HostWords words = parsed(host);
-  // A terminal there, though nobody types: what runs in it is told when the connection is gone.
+  // -tt: with a terminal, the remote programs get a signal when the connection is lost.
   std::vector<std::string> command = {
       "/usr/bin/env", "ssh", "-n", "-tt", "-o", "BatchMode=yes", "-o", "ServerAliveInterval=15"};
   command.insert(command.end(), options.more.begin(), options.more.end());
@@ -46,7 +46,7 @@ std::vector<std::string> wordsFor(const SshOptions& options, const std::string& 
   return command;
 }
 
-/// In front of what ssh, the shell there, or the workers said.
+/// Returns the likely cause of an exit code, as a prefix for the log.
 const char* meaningOf(const std::string& how) {
   if (how == "exit code 255") return "it does not get through; ";
   if (how == "exit code 127") return "--program is not there, or a library of it; ";

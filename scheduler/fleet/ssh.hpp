@@ -9,35 +9,35 @@
 
 namespace palpate {
 
-/// How workers are started on machines that ssh reaches.
+/// Options of workers on machines that ssh reaches.
 struct SshOptions {
-  std::vector<std::string> command;  ///< the workers of one machine, as its shell reads the words
-  std::vector<std::string> more;     ///< options of ssh, as they are
+  std::vector<std::string> command;  ///< command for one machine's workers, in shell syntax
+  std::vector<std::string> more;     ///< further options of ssh, unchanged
 };
 
-/// Workers on a room of workstations: one `ssh HOST` each, which is begun anew, later and later, as
-/// long as it fails. What runs there ends with the connection, within its time for that. One
-/// thread.
+/// Runs workers on a set of workstations through one `ssh HOST` each. A connection that fails is
+/// retried with growing pauses. The remote workers end with the connection, after their time to
+/// deliver results. One thread.
 class SshHosts {
  public:
   using Time = Backoff::Time;
 
-  /// `hosts` as ssh takes them, "node1" or "me@node1", or "node1:4" for four workers instead of one
-  /// a core: all passed checkHost().
+  /// `hosts` in the syntax of ssh, "node1" or "me@node1", with one worker per core; "node1:4" for
+  /// four workers. All must have passed checkHost().
   SshHosts(const SshOptions& options, const std::vector<std::string>& hosts);
 
-  /// Begins what is due, and tells (log) what ended. Call a few times a second.
+  /// Starts connections that are due, and logs ended connections. Call a few times a second.
   void keep(Time now);
-  /// Connections that are there.
+  /// Returns the number of open connections.
   std::size_t running() const;
-  /// Every host had workers that came to their end, because there is no more work.
+  /// Returns true if the workers of every host have ended because no work is left.
   bool done() const;
-  /// Ends all connections. Workers have `grace` to deliver what they hold.
+  /// Ends all connections. Workers have `grace` to deliver their results.
   void terminate(std::chrono::milliseconds grace);
 
-  /// Error (bad input) when it is no host.
+  /// Throws Error (bad input) if the syntax of `host` is invalid.
   static void checkHost(const std::string& host);
-  /// What is run for a host, for people.
+  /// Returns the command line for a host, as text for users.
   static std::string told(const SshOptions& options, const std::string& host);
 
  private:
@@ -50,7 +50,7 @@ class SshHosts {
     Backoff retry{std::chrono::seconds(5)};
     bool done = false;
   };
-  std::deque<Host> hosts_;  // a pool cannot be moved
+  std::deque<Host> hosts_;  // a deque, because a pool cannot be moved
 };
 
 }  // namespace palpate

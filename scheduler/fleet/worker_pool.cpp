@@ -19,10 +19,10 @@ std::string describeStatus(int status) {
   return fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
-/// Between fork and exec: only calls that are safe there.
+/// Runs in the child between fork and exec, so it makes only async-signal-safe calls.
 [[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  // Ctrl-C reaches the scheduler alone, which lets the workers finish what they hold.
+  // Keep Ctrl-C from the workers: the scheduler handles it and lets them finish their jobs.
   setpgid(0, 0);
   execv(arguments[0], arguments);
   _exit(127);
@@ -32,7 +32,7 @@ std::string describeStatus(int status) {
 
 void WorkerPool::start() {
   PALPATE_ASSERT(!command_.empty(), "the first word is the program");
-  // Before fork(): memory may not be allocated behind it.
+  // Allocate before fork(): the child must not.
   std::vector<char*> arguments;
   for (std::string& argument : command_) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
@@ -63,7 +63,7 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
   const auto deadline = std::chrono::steady_clock::now() + grace;
   while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  // Waited for without an end: nothing survives this signal.
+  // Wait without a time limit: no process survives SIGKILL.
   signalAll(SIGKILL);
   for (const pid_t pid : running_)
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {

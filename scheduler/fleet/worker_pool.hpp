@@ -8,9 +8,8 @@
 
 namespace palpate {
 
-/// The local `palpate-worker` processes of `build`. They die with this process, even when it is
-/// killed. One thread, the one that constructed it (the kernel ties a child's life to the thread
-/// that forked it).
+/// Local worker or ssh processes. They die with this process, even if it is killed. Use from the
+/// constructing thread only: the kernel ties a child's life to the thread that forked it.
 class WorkerPool {
  public:
   struct Ended {
@@ -20,17 +19,18 @@ class WorkerPool {
 
   /// `command` is the program and its arguments. Starts nothing yet.
   explicit WorkerPool(std::vector<std::string> command) : command_(std::move(command)) {}
-  /// Terminates and reaps what still runs.
+  /// Terminates and reaps the processes that still run.
   ~WorkerPool() { terminate(std::chrono::milliseconds(0)); }
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// Starts one more process. Error when that is impossible.
+  /// Starts one more process. Throws Error if that fails.
   void start();
-  /// Those that ended since the last call.
+  /// Returns the processes that ended since the last call.
   std::vector<Ended> reap();
   std::size_t running() const { return running_.size(); }
-  /// SIGTERM, and SIGKILL to those that still run after `grace`. Returns when none is left.
+  /// Sends SIGTERM, and SIGKILL to processes that still run after `grace`. Returns when none is
+  /// left.
   void terminate(std::chrono::milliseconds grace);
 
  private:
