@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The page (dashboard.html), whole: it asks for status.json, events.json and explain.json beside
-/// it, and for nothing else. Its browser runs no script but the page's own, and shows it in no
-/// frame.
+/// Returns the self-contained page dashboard.html, which requests only status.json, events.json and
+/// explain.json beside it. Its content security policy allows no scripts but its own, and no frames
+/// around it.
 HttpAnswer dashboardPage();
 
 }  // namespace palpate

@@ -20,21 +20,21 @@
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
 
-#undef _res  // a macro of <resolv.h>, and a name of Eigen's, which others of this batch include
+#undef _res  // a macro of <resolv.h>; Eigen, in other files of this unity build, uses the name
 
 namespace palpate {
 namespace {
 
-/// Behind the scheduler, which may have the only processor.
+/// Lets the scheduler run first if there is only one core.
 constexpr int niceness = 10;
 
-/// A thread that sees no signals: they are for the main thread.
+/// Starts a thread with all signals blocked, since the main thread handles them.
 std::thread quietThread(std::function<void()> run) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   std::thread thread([run = std::move(run)] {
-    // Of this thread alone, on Linux. Without it the work is done all the same.
+    // On Linux this affects only this thread. A failure does not matter.
     static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness));
     run();
   });
@@ -42,12 +42,12 @@ std::thread quietThread(std::function<void()> run) {
   return thread;
 }
 
-/// Connections that were taken: when as many wait as are in work, the next is not taken. One that
-/// was is never dropped, since it would stay open. Made by the listener, its threads see no signals
-/// either, and are as nice.
+/// Thread pool with a bounded queue. When as many connections wait as are being answered, enqueue()
+/// blocks, so that the listener accepts no more. It never drops an accepted connection, which would
+/// stay open. The listener creates the pool, so its threads inherit the signal mask and niceness.
 class BoundedPool : public httplib::TaskQueue {
  public:
-  /// Nothing, or in newer versions of cpp-httplib whether the task was taken.
+  /// void, or bool in newer versions of cpp-httplib (true: accepted).
   using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
   Taken enqueue(std::function<void()> task) override {
     std::unique_lock lock(mutex_);
@@ -69,7 +69,7 @@ class BoundedPool : public httplib::TaskQueue {
   httplib::ThreadPool pool_{HttpServer::threads};
 };
 
-/// Of a name or a number, that of IPv6 without brackets.
+/// Returns true if a name or an IP address (IPv6 without brackets) is loopback.
 bool namesLoopback(std::string name) {
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   in_addr number{};
@@ -77,7 +77,8 @@ bool namesLoopback(std::string name) {
          (name.starts_with("127.") && inet_pton(AF_INET, name.c_str(), &number) == 1);
 }
 
-/// What a request calls the server: "localhost:80", "[::1]". Empty when that is no name.
+/// Returns the name in a Host header: "localhost:80" gives "localhost", "[::1]" gives "::1". Empty
+/// if the header is invalid.
 std::string nameIn(const std::string& host) {
   const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
   if (bracket == std::string::npos) return "";
@@ -144,7 +145,7 @@ struct HttpServer::Parts {
   std::thread listener;
   std::atomic<bool> ended = false;
 
-  /// Why this request gets no answer; empty when it does.
+  /// Returns the reason to refuse this request; empty if it is allowed.
   std::string objectionTo(const httplib::Request& request) const {
     if (request.method != "GET") return "only GET is answered here";
     if (address.isLoopback() && !namesLoopback(nameIn(request.get_header_value("Host"))))
@@ -170,7 +171,7 @@ void HttpServer::Parts::limit() {
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},
                               {"Cross-Origin-Resource-Policy", "same-origin"}});
-  // The library would share the port with whoever else listens there.
+  // The library's default (SO_REUSEPORT) would share the port with another listener.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -218,7 +219,7 @@ HttpServer::HttpServer(const HttpAddress& address,
     parts->server.listen_after_bind();
     parts->ended = true;
   });
-  // Before that, stop() would do nothing.
+  // Wait, because stop() does nothing before the server runs.
   while (!parts_->server.is_running() && !parts_->ended)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

@@ -9,14 +9,15 @@
 
 namespace palpate {
 
-/// Where to listen.
+/// Address to listen on.
 struct HttpAddress {
-  std::string host = "127.0.0.1";  ///< a name or a number; that of IPv6 without brackets
-  int port = 0;                    ///< 0: the system chooses
+  std::string host = "127.0.0.1";  ///< a name or an IP address; IPv6 without brackets
+  int port = 0;                    ///< 0: chosen by the system
 
-  /// "PORT", "HOST:PORT" or "[IPV6]:PORT". Error (bad input) that names `option` when it is none.
+  /// Parses "PORT", "HOST:PORT" or "[IPV6]:PORT". Throws Error (bad input), naming `option`, if the
+  /// text is none of these.
   static HttpAddress parse(const std::string& text, const char* option);
-  /// Whether nobody but this machine reaches it.
+  /// Returns true if only this machine can reach the address.
   bool isLoopback() const;
   std::string text() const;
 };
@@ -28,35 +29,37 @@ struct HttpAnswer {
   std::vector<std::pair<std::string, std::string>> headers;
 };
 using HttpQuery = std::map<std::string, std::string>;
-/// From what follows the ? of the address. Called by several threads at a time. What it throws
-/// becomes an answer of status 400 (Error of bad input) or 500 with the message.
+/// Answers a request from its parsed query string. Called by several threads at a time. An
+/// exception becomes an answer with its message, of status 400 (Error of bad input) or 500.
 using HttpHandler = std::function<HttpAnswer(const HttpQuery&)>;
 
-/// An object with the field "error".
+/// Returns a JSON object with the field "error".
 HttpAnswer httpError(int status, const std::string& what);
 
-/// Answers GET in threads of its own, which see no signals and stand behind other work (nice).
+/// Answers GET requests in threads of its own, with signals blocked and low priority (nice).
 ///
-/// A scheduler is not to suffer from who asks: at most `threads` requests are in work, as many
-/// more connections are taken and wait, and others wait in the kernel; each is closed after its
-/// answer, and given up when it says nothing for 5 s. What follows a header, and lines of it beyond
-/// 8 KiB, are refused. On a loopback address only requests that name this machine in their Host are
-/// answered, so that no page of the web reaches it by a name of its own (DNS rebinding); requests
-/// that a browser sends for a page of another origin are refused.
+/// Limits protect the scheduler from its clients:
+/// - At most `threads` requests run at a time. As many more connections are accepted and wait, and
+///   the rest wait in the kernel.
+/// - Each connection is closed after its answer, or after 5 s of silence.
+/// - Request bodies, and header lines beyond 8 KiB, are refused.
+/// - On a loopback address the Host header must name this machine, so that no web page reaches the
+///   server through a host name of its own (DNS rebinding).
+/// - Requests that a browser sends for a page of another origin are refused.
 class HttpServer {
  public:
   static constexpr std::size_t threads = 4;
 
-  /// Listens from now on. `handlers` by path, "/metrics". Error when the address is in use or none
-  /// of this machine's; it names `option`.
+  /// Starts to listen. `handlers` are keyed by path, "/metrics". Throws Error, naming `option`, if
+  /// the address is in use or does not belong to this machine.
   HttpServer(const HttpAddress& address, const std::map<std::string, HttpHandler>& handlers,
              const char* option);
-  /// Ends the threads; waits for those that answer.
+  /// Stops listening, waits for the running handlers, and ends the threads.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// With the port that was chosen.
+  /// Returns the address, with the port that was chosen.
   const HttpAddress& address() const;
   std::string url() const { return "http://" + address().text() + "/"; }
 

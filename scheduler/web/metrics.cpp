@@ -16,21 +16,22 @@
 namespace palpate {
 namespace {
 
-/// A series for each tag of each space: of more spaces, one for all of them.
+/// With more spaces than this, the series of points cover all spaces together.
 constexpr int most_spaces = 100;
 
 using Labels = std::vector<std::pair<std::string_view, std::string>>;
-/// The values of one metric by their labels, in order.
+/// The values of one metric, sorted by labels.
 using Series = std::map<Labels, double>;
 
-/// A metric that is one number.
+/// A metric with a single value.
 struct Gauge {
   const char* name;
   const char* help;
-  std::optional<double> value;  ///< nothing: cannot be told
+  std::optional<double> value;  ///< nothing: unknown
 };
 
-/// Of docs/state.md, 0 where nothing of the kind ever happened: palpate_NAME_total, and its help.
+/// The counters of docs/state.md, exported as palpate_NAME_total with their help; 0 if the counter
+/// is missing.
 constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
      {"lost_workers", "Workers that went without a word."},

@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// A status in Prometheus' text format 0.0.4, the names and labels of docs/metrics.md. `age`: s,
-/// since it was made.
+/// Formats a status in Prometheus' text format 0.0.4, with the names and labels of docs/metrics.md.
+/// `age` is the time since the status was made, s.
 std::string metricsOf(const wire::Status& status, double age);
 
-/// As the format wants it between the quotes of a label.
+/// Escapes the value of a label as the format requires between quotes.
 std::string escapedLabel(std::string_view value);
 
 }  // namespace palpate

@@ -12,9 +12,9 @@
 
 namespace palpate {
 
-/// Where the scheduler's thread leaves its status for other threads. They cost it nothing while
-/// nobody asks; then a status a second at most, and at most a hundredth of its time, however large
-/// the build is.
+/// Passes the status from the scheduler's thread to other threads. Costs the scheduler nothing
+/// while no thread asks. Otherwise it makes at most one status a second, in at most 1 % of its time
+/// for any size of build.
 class StatusBoard {
  public:
   using Clock = std::chrono::steady_clock;
@@ -22,14 +22,14 @@ class StatusBoard {
   static constexpr int times_its_cost = 100;
 
   struct Snapshot {
-    std::shared_ptr<const wire::Status> status;  ///< nobody changes it any more
+    std::shared_ptr<const wire::Status> status;  ///< immutable
     std::chrono::duration<double> age{};
   };
-  /// The latest status, a new one if it is old; waits so long at most for that, and then gives the
-  /// old one. Nothing when there never was one. Any thread.
+  /// Returns the latest status. If that is old, waits up to `patience` for a new one, then returns
+  /// the old one. Nothing if there never was one. Any thread.
   std::optional<Snapshot> ask(std::chrono::milliseconds patience);
 
-  /// To be called in every turn. Calls `make` when somebody asks and the last status is old. The
+  /// Calls `make` if a thread asks and the last status is old. Call in every turn, on the
   /// scheduler's thread.
   void offer(const std::function<wire::Status()>& make);
 
@@ -39,7 +39,7 @@ class StatusBoard {
   std::atomic<bool> asked_ = false;
   std::mutex mutex_;
   std::condition_variable made_;
-  // Under the mutex.
+  // Guarded by the mutex.
   std::shared_ptr<const wire::Status> status_;
   Clock::time_point made_at_, good_until_;
 };
