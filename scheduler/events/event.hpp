@@ -10,30 +10,30 @@
 
 namespace palpate {
 
-/// What can happen in a build: the closed list, as it stands in the files. docs/commands.md says of
-/// each which fields it has.
+/// The closed list of events in a build, in the spelling of the files. docs/commands.md lists the
+/// fields of each.
 inline constexpr auto event_words = std::to_array<std::string_view>({
-    "started",         // a scheduler begins, or goes over what is recorded once more
-    "stopped",         // and ends before the dataset is there
+    "started",         // a scheduler starts, or reads the records again
+    "stopped",         // a scheduler ends without a dataset
     "completed",       // everything is computed and checked
     "sealed",          // the dataset is written
     "stage",           // a space enters a stage
     "failed_attempt",  // a transition found no equilibrium
-    "set_aside",       // a transition is handed out no more: workers ended on it
-    "retried",         // what was set aside, or failed, is handed out again
-    "priority",        // a space is computed before others, or not any more
+    "set_aside",       // a transition is no longer handed out: workers died on it
+    "retried",         // transitions that were set aside or failed are handed out again
+    "priority",        // the priority of a space changed
     "paused",         "resumed",
     "disputed",  // two workers found different bits
-    "kept_out",  // whose results were wrong
+    "kept_out",  // a worker, machine or key is excluded: its results were wrong
     "damaged",   // a record cannot be read any more
     "worker_joined",  "worker_left",
-    "worker_lost",     // it went without a word
+    "worker_lost",     // it fell silent
     "worker_ended",    // its process ended by itself
     "worker_refused",  // it may not join
-    "left_out",        // so many events were not kept: too many at once, or no room for them
+    "left_out",        // events were lost: too many at once, or no room on the disk
 });
 
-/// One of event_words, which the compiler checks.
+/// One of event_words, checked at compile time.
 class EventWord {
  public:
   consteval EventWord(const char* word) : word_(word) {
@@ -45,26 +45,26 @@ class EventWord {
   std::string_view word_;
 };
 
-/// One thing that happened, and its fields in the order in which they were added. No clock: whoever
-/// keeps it says when it was.
+/// An event and its fields, in the order in which they were added. Has no clock: the caller of
+/// line() gives the time.
 class Event {
  public:
   explicit Event(EventWord word) : word_(word) {}
 
-  /// Text that is not UTF-8 is kept as far as it is.
+  /// Invalid UTF-8 is replaced by U+FFFD.
   Event& with(std::string_view field, std::string_view text);
-  /// What is not finite becomes null.
+  /// Numbers that are not finite become null.
   Event& with(std::string_view field, double number);
-  /// A place in a lattice, in spacings, as `palpate explain` takes it.
+  /// A lattice point, in spacings, as `palpate explain` takes it.
   Event& with(std::string_view field, const std::array<double, 3>& place);
-  /// A whole number, or true and false.
+  /// An integer or a boolean.
   template <std::integral Number>
   Event& with(std::string_view field, Number number) {
     if constexpr (std::same_as<Number, bool>) return addJson(field, number ? "true" : "false");
     return addJson(field, std::to_string(number));
   }
 
-  /// One JSON object in one line, without the line feed. The time as utcText.
+  /// Returns one JSON object on one line, without a line feed. The time is formatted by utcText().
   std::string line(std::chrono::system_clock::time_point when) const;
 
  private:

@@ -17,10 +17,10 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view event_file_prefix = "events-", event_file_suffix = ".jsonl";
-/// Bytes that wait at most, whatever the turns are.
+/// Most bytes that wait for a flush(), however long a turn lasts.
 constexpr std::size_t most_waiting = 64 << 10;
 
-/// Of a file of events; nothing: it is none.
+/// Returns the number in the name of an event file; nothing for other files.
 std::optional<std::uint32_t> numberOfFile(std::string_view name) {
   if (!name.starts_with(event_file_prefix) || !name.ends_with(event_file_suffix)) return {};
   name.remove_prefix(event_file_prefix.size());
@@ -72,7 +72,7 @@ void EventLog::flush() {
   lines_ = 0;
 }
 
-/// The last file that is there, to go on with it.
+/// Opens the last existing file to append to it.
 bool EventLog::open() {
   const std::vector<std::uint32_t> numbers = eventFiles(directory_);
   return beginFile(numbers.empty() ? 1 : numbers.back());
@@ -101,7 +101,7 @@ void EventLog::prune() const {
   }
 }
 
-/// Into the file that is open; a half line that is there already is ended.
+/// Writes the waiting lines to the open file, after completing a partial line there.
 bool EventLog::writeWaiting() {
   if (half_line_) waiting_.insert(0, 1, '\n');
   for (std::string_view rest = waiting_; !rest.empty();) {

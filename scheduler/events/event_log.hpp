@@ -10,36 +10,41 @@
 
 namespace palpate {
 
-/// The file of events with this number: DIRECTORY/events-000001.jsonl.
+/// Returns the path of the event file with this number: DIRECTORY/events-000001.jsonl.
 std::filesystem::path eventFile(const std::filesystem::path& directory, std::uint32_t number);
-/// The numbers of those that are there, in order.
+/// Returns the numbers of the existing event files, in order.
 std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory);
 
-/// Appends events to the files of a state directory, whose lock its owner holds as soon as there is
-/// something to keep.
+/// Appends events to the files of a state directory. Its owner holds the lock of the directory
+/// before the first write.
 ///
-/// Events tell people and programs what happened; nothing rests on them. So nothing here throws or
-/// waits: lines are not synced, and where they cannot be written (a full disk) that is told once
-/// (log), the build goes on, and how many were lost is an event of its own once there is room
-/// again. A crash costs the lines of a turn, and leaves half a line at most, which readers skip.
-/// Files are cut off at `file_bytes`, and of the oldest so many are removed that `most_files` stay.
+/// Events inform users and programs; no decision depends on them, so nothing here throws or blocks:
+/// - Lines are not synced. A crash loses the lines of one turn and leaves at most one partial
+///  line,
+///   which readers skip.
+/// - If lines cannot be written (a full disk), that is logged once and the build goes on. Once
+///  there is
+///   room again, an event gives the number of lost lines.
+/// - A file ends at `file_bytes`; the oldest files are removed, so that `most_files` remain.
+///
 /// One thread.
 class EventLog {
  public:
-  /// Together 32 MiB, some 150000 events: a night of failures, and nothing beside a journal.
+  /// Together 32 MiB, some 150,000 events: enough for a night of failures, and small beside a
+  /// journal.
   static constexpr std::uint64_t usual_file_bytes = 4 << 20;
   static constexpr std::uint32_t usual_files = 8;
 
-  /// Touches nothing yet.
+  /// Opens no file yet.
   explicit EventLog(std::filesystem::path directory, std::uint64_t file_bytes = usual_file_bytes,
                     std::uint32_t most_files = usual_files);
   ~EventLog() { flush(); }
   EventLog(const EventLog&) = delete;
   EventLog& operator=(const EventLog&) = delete;
 
-  /// It happened now. Written with the next flush(), or when a lot waits.
+  /// Adds an event with the current time. The next flush() writes it, or this call if much waits.
   void add(const Event& event);
-  /// Writes what waits. Cheap when nothing does: call it in every turn.
+  /// Writes the waiting lines. Cheap if there are none: call it in every turn.
   void flush();
 
  private:
@@ -53,12 +58,12 @@ class EventLog {
   std::uint64_t file_bytes_;
   std::uint32_t most_files_;
   FileDescriptor file_;
-  std::uint32_t number_ = 0;   ///< of the file that is open
-  std::uint64_t written_ = 0;  ///< bytes of it
-  bool half_line_ = false;     ///< at its end
-  std::string waiting_;        ///< whole lines
-  std::int64_t lines_ = 0;     ///< in it, without what says how many were lost
-  std::int64_t lost_ = 0;      ///< lines, since the last that was kept
+  std::uint32_t number_ = 0;   ///< of the open file
+  std::uint64_t written_ = 0;  ///< size of the open file
+  bool half_line_ = false;     ///< the open file ends in a partial line
+  std::string waiting_;        ///< complete lines, not yet written
+  std::int64_t lines_ = 0;     ///< events in waiting_, except "left_out"
+  std::int64_t lost_ = 0;      ///< events lost since the last successful write
   bool told_ = false;
 };
 

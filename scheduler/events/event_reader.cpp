@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// As Event::line() writes it, whole, and one of those that are wanted.
+/// Returns true if `line` is a complete line of Event::line() with a wanted event.
 bool isWanted(std::string_view line, const WantedEvents& wanted) {
   constexpr std::string_view first = R"({"time":")", second = R"(","event":")";
   const std::size_t at = line.find(second);
@@ -19,8 +19,8 @@ bool isWanted(std::string_view line, const WantedEvents& wanted) {
          nlohmann::json::accept(line);
 }
 
-/// Gives the lines of a file from `offset` on that are wanted; returns the offset behind the last
-/// line feed. One that is removed meanwhile is empty.
+/// Passes the wanted lines of a file from `offset` on to `take`. Returns the offset after the last
+/// line feed. A file that was removed meanwhile counts as empty.
 std::uint64_t readLines(const std::filesystem::path& path, std::uint64_t offset,
                         const WantedEvents& wanted,
                         const std::function<void(std::string_view line)>& take) {
@@ -28,7 +28,7 @@ std::uint64_t readLines(const std::filesystem::path& path, std::uint64_t offset,
   if (!file && std::filesystem::exists(path))
     throw failure("{}: cannot be read: {}", path.string(), errnoText());
   file.seekg(static_cast<std::streamoff>(offset));
-  // At the end of the file there is half a line, or none.
+  // Skip a partial line at the end of the file.
   for (std::string line; std::getline(file, line) && !file.eof();) {
     offset += line.size() + 1;
     if (isWanted(line, wanted)) take(line);

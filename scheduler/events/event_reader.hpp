@@ -10,30 +10,30 @@
 
 namespace palpate {
 
-/// Which events are wanted, by event_words; empty: all.
+/// The wanted events, from event_words; empty: all.
 using WantedEvents = std::set<std::string>;
 
-/// The last `most` that are wanted, the latest last. Reads no more files than it needs.
+/// Returns the last `most` wanted events, latest last. Reads only the files needed.
 std::vector<std::string> lastEvents(const std::filesystem::path& directory,
                                     const WantedEvents& wanted, std::size_t most);
 
-/// Reads the events of a state directory from the oldest on, whoever writes there meanwhile. One
+/// Reads the events of a state directory, oldest first, even while a scheduler writes them. One
 /// thread.
 class EventReader {
  public:
-  /// A directory without any is one in which nothing happened.
+  /// A directory without event files has no events.
   explicit EventReader(std::filesystem::path directory, WantedEvents wanted = {})
       : directory_(std::move(directory)), wanted_(std::move(wanted)) {}
 
-  /// Gives those behind the ones that were given before, in order, without line feeds. Passes over
-  /// lines that are no events. Error when a file is there and cannot be read.
+  /// Passes the events since the last call to `take`, in order, without line feeds. Skips lines
+  /// that are not events. Throws Error if a file exists but cannot be read.
   void readOn(const std::function<void(std::string_view line)>& take);
 
  private:
   std::filesystem::path directory_;
   WantedEvents wanted_;
-  std::uint32_t number_ = 0;  ///< of the file that is read; 0: none yet
-  std::uint64_t offset_ = 0;  ///< behind the last line feed
+  std::uint32_t number_ = 0;  ///< of the current file; 0: none yet
+  std::uint64_t offset_ = 0;  ///< in the current file, after the last line feed
 };
 
 }  // namespace palpate
