@@ -4,7 +4,7 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate key`: manages the keys of this user and those of allowed peers.
+// `palpate key`: manages this user's keys, and the keys that servers allow.
 
 namespace palpate {
 namespace {

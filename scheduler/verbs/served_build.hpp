@@ -19,8 +19,8 @@ struct BuildOrder {
   double spot_checks_percent = 0;  ///< share of the results that another machine solves again
   std::string kernels;             ///< name of a CpuFamily; empty: that of the first result
 
-  /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, whose lifetime
-  /// must not exceed that of this object.
+  /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, which must not
+  /// outlive this object.
   void addTo(CLI::App& app);
 };
 

@@ -28,7 +28,8 @@ std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
 }
 
 /// Selects the spaces to show. Of more than 24, returns the first 24 that are in progress or have
-/// failed points, and a sum. Those in progress come first, then those with most failed points.
+/// failed points, and a sum. Spaces in progress come first, then the spaces with most failed
+/// points.
 std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   constexpr std::size_t most = 24;
   std::vector<wire::SpaceStatus> spaces(status.spaces().begin(), status.spaces().end());
