@@ -10,45 +10,45 @@ namespace palpate {
 
 class HapticModel;
 
-/// What a device is opened for.
+/// The loop and the body that a device is opened for.
 struct DeviceContext {
-  /// What is touched: gives the virtual hand its default path and the mouse its place. May be null;
-  /// then those two cannot be had.
+  /// The body: gives the virtual hand its default path and the mouse its target. If null, neither
+  /// of the two can be opened.
   const HapticModel* model = nullptr;
-  double period = 1e-3;  ///< s, of the loop that reads the device
-  /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device
-  /// until it told its own.
+  double period = 1e-3;  ///< s; period of the loop that reads the device
+  /// Limits of devices without their own (virtual hand, mouse), and of a network device until it
+  /// reports its own.
   DeviceProfile profile = device_profiles.front();
   KeyOptions keys = {};    ///< for a device on the network
-  bool real_time = false;  ///< as NetworkDeviceOptions::real_time
+  bool real_time = false;  ///< see NetworkDeviceOptions::real_time
 };
 
-/// The word of --device when there is none: in a window that follows the clock, and else.
+/// Defaults of --device: for a window that runs in real time, and for other runs.
 inline constexpr const char *window_device = "mouse", *default_device = "virtual";
 
-/// The words that --device can be, for people; without a body there are fewer.
+/// Returns the valid words for --device, as text for users. Without a body there are fewer.
 std::string deviceHelp(bool with_body);
 
-/// Error (bad input) for a word that no device of a body has, which lists them, or that lacks a
-/// part. Opens
-/// nothing: whether the device is there shows in openDevice().
+/// Throws Error (bad input), listing the valid words, if no device of a body has this word or if a
+/// part of it is missing. Opens nothing; openDevice() finds out whether the device is available.
 void checkDeviceWord(const std::string& word);
 
-/// A device by its word:
-///   virtual             a scripted hand that explores what can be touched (touchPath)
-///   virtual:FILE        one that follows the path in FILE (readHandPath)
-///   mouse               the mouse and the keys of the picture (MouseDevice)
+/// Opens a device by its word:
+///   virtual             a scripted hand that explores the touchable surface (touchPath)
+///   virtual:FILE        a hand that follows the path in FILE (readHandPath)
+///   mouse               the mouse and keys of the picture (MouseDevice)
 ///   replay:FILE         a recorded run
 ///   tcp://HOST:PORT     a device that `palpate device` lends (also ipc://PATH)
 ///   haply, haply:ID     a Haply Inverse3 through its service on this machine
 ///   plugin:LIB[:ID[:OPTIONS]]  a device of a plug-in (palpate_device.h); LIB without a colon
-/// Error (bad input) as of checkDeviceWord(); else what the device's constructor throws.
+/// Throws Error (bad input) as checkDeviceWord() does, and the errors of the device's constructor.
 std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceContext& context);
 
-/// The smaller force, stiffness and workspace of two; the name of the first.
+/// Returns the smaller force, stiffness and workspace radius of two profiles, with the name of the
+/// first.
 DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second);
-/// What no haptic device has, as a sentence: more than 100 N, or a workspace of less than 5 mm or
-/// more than 2 m. Empty as a rule.
+/// Returns a warning, as a sentence, if the limits fit no haptic device: more than 100 N, or a
+/// workspace radius below 5 mm or above 2 m. Usually empty.
 std::string doubtsOf(const DeviceProfile& profile);
 
 }  // namespace palpate

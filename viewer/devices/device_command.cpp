@@ -19,13 +19,13 @@ using namespace std::chrono_literals;
 
 constexpr auto look_interval = 100ms;
 
-/// What of a lent device was told last.
+/// The state of a lent device that was last logged.
 struct Told {
   DeviceServer::State state;
   std::string trouble;
 };
 
-/// Tells what changed since it last looked.
+/// Logs the changes since the last call.
 void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
   const DeviceServer::State state = server.state(), last = std::exchange(told.state, state);
   if (!state.fault.empty()) throw failure("lending the device ended: {}", state.fault);
@@ -49,7 +49,7 @@ void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
 ExitCode serveDevice(const DeviceCommandOptions& options) {
   checkEndpoint(options.endpoint);
   const std::optional<KeyFolder> keys = options.keys.keys();
-  // Before the device is opened: Ctrl-C must not end us with a force on.
+  // Catch Ctrl-C before opening the device, so that the program never ends with a force applied.
   catchInterrupts();
   DeviceContext context;
   context.period = 1 / options.rate;

@@ -7,17 +7,17 @@
 namespace palpate {
 
 struct DeviceCommandOptions {
-  std::string endpoint;          ///< where to listen
-  std::string device = "haply";  ///< openDevice()
+  std::string endpoint;          ///< address to listen on
+  std::string device = "haply";  ///< word for openDevice()
   double rate = 1000;            ///< Hz
   KeyOptions keys = {};
 };
 
-/// `palpate device`: lends a device of this machine to a simulator on another (DeviceServer), until
-/// it is interrupted. Error (bad input) for a wrong word or endpoint, or keys that cannot be read.
+/// Runs `palpate device`: lends a local device to a simulator on another machine (DeviceServer)
+/// until interrupted. Throws Error (bad input) for an invalid word or endpoint, or unreadable keys.
 ExitCode serveDevice(const DeviceCommandOptions& options);
 
-/// The verb `device` of palpate-viewer.
+/// Returns the verb `device` of palpate-viewer.
 Verb deviceVerb();
 
 }  // namespace palpate

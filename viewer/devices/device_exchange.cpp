@@ -14,7 +14,8 @@ double inSeconds(DeviceExchange::Clock::duration time) {
 
 }  // namespace
 
-/// s, from a reading to the force that is written now: the device takes it at its next turn.
+/// Returns the time from a reading to the effect of a force written now, s: the device takes the
+/// force at its next turn.
 double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) noexcept {
   const double age = inSeconds(now - arrival.time), turn = inSeconds(arrival.turn),
                offset = inSeconds(arrival.offset);
@@ -24,7 +25,8 @@ double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) no
 
 DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
   const Arrival arrival = readings_.read();
-  const std::uint64_t unseen = arrival.number - seen_.number;  // this one, and those before it
+  const std::uint64_t unseen =
+      arrival.number - seen_.number;  // readings since the last seen one, including this one
   DeviceReading reading = arrival.reading;
   const std::uint64_t oldest = std::min(arrival.oldest, unseen == 2  ? arrival.before
                                                         : unseen > 2 ? seen_.newest
@@ -55,19 +57,19 @@ void DeviceExchange::deliver(const DeviceReading& reading, Clock::time_point now
 }
 
 Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
-  constexpr int share = 64;          // of the longest turn that is forgotten in each
-  constexpr double at_once = 0.125;  // of a turn: less is taken for none
+  constexpr int share = 64;          // 1/share of the longest turn is forgotten per turn
+  constexpr double at_once = 0.125;  // fraction of a turn: a shorter delay counts as none
   if (taken_ != Clock::time_point{})
     next_.turn =
         std::max(std::min<Clock::duration>(now - taken_, silence), next_.turn - next_.turn / share);
   taken_ = now;
   next_.offset = std::min(now - next_.time, next_.turn);
-  // In this order: who sees the resume also sees the zero that was written before it.
+  // Read the flag first: a reader that sees the resume also sees the zero force written before it.
   const bool halted = halted_.load(std::memory_order_acquire);
   const NumberedForce& taken = forces_.read();
   const bool usable = !halted && taken.force.allFinite();
   const std::uint64_t number = usable ? taken.number : 0;
-  // Later than at once: the force before was held on the way to the next reading too.
+  // After a longer delay, the previous force was also held on the way to the next reading.
   if (number != next_.newest && inSeconds(now - next_.time) <= at_once * inSeconds(next_.turn))
     next_.oldest = number;
   next_.newest = number;

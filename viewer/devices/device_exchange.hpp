@@ -12,33 +12,34 @@
 
 namespace palpate {
 
-/// What passes between the haptic thread and the thread that speaks with a device: the newest
-/// reading one way, the newest force the other. Neither side ever waits for the other. Forces are
-/// numbered and all is stamped, so that each reading knows its HeldForces. `now` is for tests.
+/// Exchanges the newest reading and the newest force between the haptic thread and the thread of a
+/// device. Neither side ever waits for the other. Forces are numbered and everything is
+/// timestamped, to compute the HeldForces of each reading. Tests pass `now`.
 class DeviceExchange {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Without a reading for this long a device is lost.
+  /// Time without a reading after which a device counts as lost.
   static constexpr std::chrono::milliseconds silence{50};
 
-  // Haptic thread; real time.
-  /// Fresh when a reading came since the last call; lost when none came for `silence`.
+  // For the haptic thread; real time.
+  /// Returns the newest reading: fresh if it came since the last call, lost if none came for
+  /// `silence`, else repeated.
   DeviceReading read(Clock::time_point now = Clock::now()) noexcept;
   void write(const Eigen::Vector3d& force) noexcept { forces_.write({force, ++written_}); }
 
-  // Any thread; real time.
+  // For any thread; real time.
   void halt() noexcept { halted_ = true; }
-  /// What was written before the resume is seen by force() after it, or something newer.
+  /// force() calls after a resume return the last force written before it, or a newer one.
   void resume() noexcept { halted_ = false; }
   bool halted() const noexcept { return halted_; }
 
-  // The thread of the device.
-  /// status: fresh or lost. reading.held is filled in.
+  // For the device's thread.
+  /// Passes on a reading of status fresh or lost. read() fills in its `held`.
   void deliver(const DeviceReading& reading, Clock::time_point now = Clock::now()) noexcept;
-  /// N: the last one written; zero while halted, and when it is not finite. It counts as held from
-  /// now on.
+  /// Returns the last force written, N; zero while halted or if it is not finite. The device holds
+  /// it from now on.
   Eigen::Vector3d force(Clock::time_point now = Clock::now()) noexcept;
-  /// What is wrong, as a sentence; empty when nothing is. Any thread may ask.
+  /// A sentence about the current problem; empty if there is none. Any thread.
   void setTrouble(const std::string& sentence);
   std::string trouble() const;
 
@@ -46,12 +47,12 @@ class DeviceExchange {
   struct Arrival {
     DeviceReading reading;
     Clock::time_point time{};
-    /// Numbers of the forces that were held since the reading before, and of the oldest since the
-    /// one before that; 0: zero.
+    /// Numbers of the newest and oldest force held since the reading before, and of the oldest
+    /// force held before that one; 0: zero force.
     std::uint64_t oldest = 0, newest = 0, before = 0;
-    Clock::duration turn{};    ///< between takings of forces, the longest of late
-    Clock::duration offset{};  ///< from a reading to the taking of a force
-    std::uint64_t number = 0;  ///< of the reading
+    Clock::duration turn{};    ///< time between calls of force(): a recent maximum
+    Clock::duration offset{};  ///< from a reading to the next call of force()
+    std::uint64_t number = 0;  ///< the reading's number
   };
   struct NumberedForce {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -63,19 +64,19 @@ class DeviceExchange {
   std::uint64_t written_ = 0;  ///< haptic thread
   TripleBuffer<NumberedForce> forces_;
   Arrival next_;               ///< the device's thread
-  Clock::time_point taken_{};  ///< when a force was; the device's thread
+  Clock::time_point taken_{};  ///< last call of force(); the device's thread
   std::atomic<bool> halted_ = false;
-  mutable std::mutex mutex_;  ///< of trouble_; never taken by the haptic thread
+  mutable std::mutex mutex_;  ///< guards trouble_; the haptic thread never takes it
   std::string trouble_;
 };
 
-/// What a device says of itself.
+/// The properties that a device reports.
 struct DeviceTraits {
   DeviceProfile profile;
   bool lives_in_scene = false, has_buttons = true;
 };
 
-/// A device that a thread of its own speaks with, through an exchange.
+/// A device with a thread of its own, connected through an exchange.
 class ThreadedDevice : public HapticDevice {
  public:
   DeviceReading read() noexcept override { return exchange_->read(); }
@@ -89,7 +90,7 @@ class ThreadedDevice : public HapticDevice {
 
  protected:
   DeviceTraits traits_;  ///< constant after construction
-  /// Shared, for a thread that may outlive this object where it hangs.
+  /// Shared with a thread that may hang and then outlive this object.
   const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };
 

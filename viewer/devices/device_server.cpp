@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
 constexpr auto longest_validity = 1s;
-/// An honest client says as much in two seconds; what is more is a flood.
+/// An honest client sends this many in two seconds; more are a flood.
 constexpr int messages_per_turn = 2048;
 
 }  // namespace
@@ -49,13 +49,13 @@ void DeviceServer::run(const std::stop_token& stop, double rate) {
     const std::lock_guard lock(mutex_);
     state_.fault = error.what();
   }
-  // Whatever ended the loop, the device does not keep its last force.
+  // Clear the device's force, whatever ended the loop.
   device_.write(Eigen::Vector3d::Zero());
 }
 
 void DeviceServer::turn() {
-  // All of them, since of several forces that wait the newest is the one to hold; of a flood a
-  // part, so that the force ends in time whatever is sent.
+  // Take all waiting messages, since the newest force counts. During a flood take only some, so
+  // that the force still expires in time.
   for (int n = 0; n < messages_per_turn; ++n) {
     const auto incoming = receiveDeviceMessage(socket_, true);
     if (!incoming) break;
@@ -70,7 +70,7 @@ void DeviceServer::turn() {
   const DeviceReading reading = device_.read();
   device_.write(pushing_ ? force_ : Eigen::Vector3d::Zero().eval());
   if (now - last_trouble_ > trouble_interval) {
-    trouble_ = printable(device_.trouble(), longest_reason);  // a message takes UTF-8 alone
+    trouble_ = printable(device_.trouble(), longest_reason);  // messages must be UTF-8
     last_trouble_ = now;
   }
   if (!holder_.empty()) sendReading(reading);
@@ -112,11 +112,11 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
                                     device_protocol, greeting.protocol()));
   if (!holder_.empty() && holder_ != peer)
     return refuse(peer, "another simulator holds the device");
-  // Also of the holder itself: a client that greets again has forgotten what it sent.
+  // Also release the holder itself: a client that greets again has lost its state.
   release();
   holder_ = peer;
   last_heard_ = Clock::now();
-  // Readings are numbered on: a force that was held back may not answer a newer one
+  // The numbers of readings continue, so a delayed force cannot answer a newer reading.
   last_force_ = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -139,7 +139,7 @@ void DeviceServer::follow(const wire::DeviceForce& message) {
   const std::chrono::duration<double> validity(message.valid_for_s());
   const bool valid = force.allFinite() && validity > 0s && validity <= longest_validity;
   if (!valid) return count(&State::garbage);
-  // The client counts on after a greeting of its own was repeated.
+  // Skip old forces: the client's numbers continue when it repeats its greeting.
   if (message.sequence() <= last_force_) return;
   last_force_ = message.sequence();
   const auto answered = sentAt(message.reading());
@@ -167,10 +167,10 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   while (now - sent_.front() > longest_validity) sent_.pop_front();
   setVector(content, reading.position);
   content.set_buttons(reading.buttons);
-  // The far side knows no hand that is away: its position means as little.
+  // The protocol has no `away`. In both states the position is meaningless.
   content.set_lost(reading.status == DeviceStatus::lost || reading.status == DeviceStatus::away);
   content.set_trouble(trouble_);
-  // A client that does not read misses it.
+  // A client that does not read misses the message.
   if (sendDeviceMessage(socket_, holder_, message)) count(&State::readings);
 }
 

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Messages in a queue: a few milliseconds, after which the newest is dropped.
+/// Queue length in messages: a few milliseconds. A full queue drops the newest.
 constexpr int queue_length = 8;
 constexpr std::int64_t longest_message = 4096;
 

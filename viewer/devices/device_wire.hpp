@@ -14,33 +14,33 @@
 /// Messages of proto/device.proto over ZeroMQ (docs/devices.md).
 namespace palpate {
 
-/// Raised with every incompatible change.
+/// Protocol version; raised with each incompatible change.
 inline constexpr std::uint32_t device_protocol = 2;
 
-/// Where `palpate device` listens when nothing is said.
+/// The default address of `palpate device`.
 inline constexpr const char* default_device_endpoint = "tcp://127.0.0.1:7412";
 
 struct IncomingDeviceMessage {
   std::string peer;              ///< routing id on a ROUTER, empty on a DEALER
-  wire::DeviceMessage message;   ///< BODY_NOT_SET when it made no sense: count it and drop it
-  std::optional<PublicKey> key;  ///< whose it came under; nothing where no keys are asked for
+  wire::DeviceMessage message;   ///< BODY_NOT_SET if invalid: count and drop it
+  std::optional<PublicKey> key;  ///< the sender's; nothing if no keys are required
 };
 
-/// ROUTER of a device, DEALER of its client: short queues, since only the newest matters, and
-/// heartbeats that notice a dead connection within two seconds.
+/// Create the ROUTER of a device and the DEALER of its client. Their queues are short, since only
+/// the newest message matters, and heartbeats detect a dead connection within two seconds.
 zmq::socket_t makeDeviceRouter(zmq::context_t& context);
 zmq::socket_t makeDeviceDealer(zmq::context_t& context);
 
-/// Without waiting; false when the peer is gone or does not read: the message is dropped then.
-/// Error on any other ZeroMQ failure.
+/// Sends a message without waiting. Returns false, and drops it, if the peer is gone or does not
+/// read. Throws Error on any other ZeroMQ failure.
 bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
                        const wire::DeviceMessage& message);
-/// Without waiting; nothing when there is none.
+/// Receives a message without waiting; nothing if there is none.
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router);
 
-/// Positive, finite limits only; nothing otherwise. `name` of the profile is "network".
+/// Returns the profile in a hello, named "network"; nothing if a limit is not positive and finite.
 std::optional<DeviceProfile> profileOf(const wire::DeviceHello& hello);
-/// The three numbers of a reading or a force, as they are.
+/// Returns the three components of a reading or a force, unchecked.
 template <class Message>
 Eigen::Vector3d vectorOf(const Message& message) {
   return {message.x(), message.y(), message.z()};
@@ -52,7 +52,7 @@ void setVector(Message& message, const Eigen::Vector3d& v) {
   message.set_z(v.z());
 }
 
-/// `force`, at most `max_force` long.
+/// Returns `force`, scaled down to the length `max_force` if it is longer.
 Eigen::Vector3d shortened(const Eigen::Vector3d& force, double max_force);
 
 }  // namespace palpate

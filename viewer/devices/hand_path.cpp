@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// The slope in a point of a monotone cubic: zero where the coordinate turns.
+/// Returns the slope at a point of a monotone cubic: zero where the coordinate turns.
 double slopeBetween(double before, double after, double step_before, double step_after) {
   if (before * after <= 0) return 0;
   const double a = 2 * step_after + step_before, b = step_after + 2 * step_before;
@@ -56,7 +56,7 @@ void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
         waypoints.front().position.z());
 }
 
-/// Comments become blanks, so that numbers of lines stay.
+/// Replaces comments by blanks, which keeps the line numbers.
 std::string withoutComments(std::string text) {
   for (bool comment = false; char& c : text) {
     comment = c == '#' || (comment && c != '\n');
@@ -89,7 +89,7 @@ HandTarget HandPath::at(double time) const noexcept {
   const auto resting = [](const HandWaypoint& waypoint) {
     return HandTarget{waypoint.position, Eigen::Vector3d::Zero(), waypoint.buttons};
   };
-  // The end is the beginning, so a whole number of rounds makes no difference.
+  // The path ends where it starts, so whole rounds can be dropped.
   if (repeats() && time > beginning())
     time = beginning() + std::fmod(time - beginning(), duration());
   if (!(time > beginning())) return resting(waypoints_.front());
@@ -121,7 +121,7 @@ HandPath readHandPath(const std::filesystem::path& file) {
       continue;
     }
     const HandWaypoint waypoint = takeWaypoint(lines);
-    // HandPath refuses this too, but knows no line.
+    // HandPath checks this too, but cannot name the line.
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
       throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time,
                         waypoints.back().time);

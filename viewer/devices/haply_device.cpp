@@ -19,10 +19,10 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto period = 1ms;
 constexpr auto connect_limit = 2s;
-/// A service that does not answer for so long is given up and called anew; the device counts as
-/// lost then.
+/// After this time without an answer, the connection is closed and opened again; the device then
+/// counts as lost.
 constexpr auto answer_limit = DeviceExchange::silence;
-/// For the last words to a service that is given up.
+/// Time for the last message before a connection is closed.
 constexpr auto farewell_limit = 20ms;
 constexpr auto retry_interval = 500ms;
 constexpr auto stop_check = 20ms;
@@ -31,9 +31,8 @@ constexpr std::size_t longest_frame = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket, with calls that return after a time, or when a stop is requested, at the
-/// latest. After a call that did not succeed the connection is closed; read() says `farewell`
-/// before.
+/// The web socket. Calls return after a time limit or when a stop is requested. A call that fails
+/// closes the connection; read() first sends `farewell`.
 class Connection {
  public:
   explicit Connection(const std::stop_token& stop) : stop_(stop), socket_(io_) {}
@@ -68,7 +67,7 @@ class Connection {
  private:
   beast::tcp_stream& lowest() { return beast::get_lowest_layer(socket_); }
 
-  /// farewell: written before the connection is closed because of the limit.
+  /// Runs an operation up to `limit`; on a timeout, sends `farewell` and closes the connection.
   template <class Start>
   beast::error_code await(Start start, Clock::duration limit, const std::string& farewell = {}) {
     beast::error_code result = asio::error::timed_out;
@@ -91,7 +90,7 @@ class Connection {
       io_.restart();
       io_.run_for(1ms);
     }
-    lowest().close();  // ends what is under way
+    lowest().close();  // cancels pending operations
     io_.restart();
     io_.run();
     return asio::error::timed_out;
@@ -103,7 +102,7 @@ class Connection {
   beast::flat_buffer buffer_;
 };
 
-/// Zero force, although the thread is being stopped.
+/// Sends zero force even while the thread is being stopped.
 void letGo(Connection& connection, const std::string& id) {
   if (!connection.write(haplyForceMessage(id, Eigen::Vector3d::Zero()))) connection.close();
 }
@@ -159,7 +158,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
   };
   std::string id = options_.id, text, told = "not told yet";
   std::uint64_t malformed = 0;
-  Clock::duration limit = connect_limit;  // of the inventory; then of answers
+  Clock::duration limit = connect_limit;  // first for the inventory, then for answers
   for (auto next = Clock::now(); !stop.stop_requested();) {
     const std::string zero = id.empty() ? "" : haplyForceMessage(id, Eigen::Vector3d::Zero());
     if (const auto error = connection.read(text, zero, limit)) return sayGone(error);
@@ -172,7 +171,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
           fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place_,
                       id.empty() ? "" : " " + id,
                       state.id.empty() ? "" : ", or choose one of those it has: " + state.id));
-      return;  // a new connection begins with a new inventory
+      return;  // a new connection starts with a new inventory
     }
     malformed += state.kind == HaplyState::Kind::malformed ? 1 : 0;
     if (state.kind == HaplyState::Kind::reading) {
@@ -185,7 +184,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
       trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
                              trouble.empty() ? "" : "; ", malformed, place_);
     if (trouble != told) exchange_->setTrouble(told = trouble);
-    // The service answers each of our messages, so this paces both.
+    // The service answers each of our messages, so this paces both sides.
     next = std::max(next + period, Clock::now());
     std::this_thread::sleep_until(next);
     if (const auto error = connection.write(haplyForceMessage(id, exchange_->force())))

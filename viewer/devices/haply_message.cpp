@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A member of an object; null when there is none.
+/// Returns a member of an object; null if missing.
 const json& member(const json& value, const char* key) {
   static const json none;
   if (!value.is_object()) return none;
@@ -15,7 +15,7 @@ const json& member(const json& value, const char* key) {
   return found == value.end() ? none : *found;
 }
 
-/// From the axes of the service (x right, y forward, z up) to ours (x right, y up, z toward the
+/// Converts the service's axes (x right, y forward, z up) to ours (x right, y up, z toward the
 /// operator).
 Eigen::Vector3d toOurAxes(const Eigen::Vector3d& v) { return {v.x(), v.z(), -v.y()}; }
 Eigen::Vector3d toServiceAxes(const Eigen::Vector3d& v) { return {v.x(), -v.z(), v.y()}; }
@@ -27,7 +27,7 @@ bool readVector(const json& value, Eigen::Vector3d& vector) {
   return true;
 }
 
-/// Bits of the first VerseGrip: a wireless one has buttons a, b and c, a wired one has one.
+/// Returns the button bits of the first VerseGrip: a, b and c if wireless, one button if wired.
 std::uint32_t buttonsIn(const json& message) {
   std::uint32_t bits = 0;
   const auto first = [&](const char* key) -> const json& {
@@ -70,7 +70,7 @@ HaplyState readHaplyState(std::string_view text, const std::string& id) {
     state.id = name;
     Eigen::Vector3d position;
     if (!readVector(member(member(device, "state"), "cursor_position"), position)) {
-      // The device is there: this is no reason to call the service anew.
+      // The device is listed, so the connection stays open.
       state.kind = HaplyState::Kind::malformed;
       return state;
     }

@@ -7,21 +7,21 @@
 
 namespace palpate {
 
-/// What one message of the service says about a device.
+/// The state of a device in one message of the service.
 struct HaplyState {
   enum class Kind : std::uint8_t {
-    reading,    ///< the device is there, and its position
+    reading,    ///< the device is listed, with a position
     no_device,  ///< the service lists no such device
-    malformed   ///< no message of the service
+    malformed   ///< invalid message
   } kind = Kind::malformed;
-  std::string id;         ///< of the device; no_device: those that are listed, "049D, 04A1"
-  DeviceReading reading;  ///< our axes, origin that of the service
-  std::string trouble;    ///< not calibrated, no power supply
+  std::string id;         ///< the device's; no_device: the listed ids, "049D, 04A1"
+  DeviceReading reading;  ///< our axes, the service's origin
+  std::string trouble;    ///< problem with calibration or power supply; empty: none
 };
-/// Never throws for any text. id: empty takes the first one.
+/// Parses a message. Never throws for any text. An empty `id` takes the first device.
 HaplyState readHaplyState(std::string_view text, const std::string& id);
 
-/// The message that makes the force of a device `force` (N, our axes).
+/// Returns the message that sets the force of a device (N, our axes).
 std::string haplyForceMessage(const std::string& id, const Eigen::Vector3d& force);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// 1/s: about one event of a 60 Hz mouse, so that steps become one motion.
+/// 1/s; about one event of a 60 Hz mouse, so that its steps become smooth.
 constexpr double spring_rate = 1 / 0.015;
 
 }  // namespace

@@ -5,14 +5,14 @@
 
 namespace palpate {
 
-/// The mouse, as the picture turns it into a place in the scene. The tool follows that place like a
-/// critically damped spring, so that events at 60 Hz become a motion at the rate of the ticks:
-/// position and velocity are continuous, and it does not overshoot when the place stands still. It
-/// is away until the first place, while there is none, and for one reading where it appears
-/// (MouseTarget). It feels no force. Lives in the scene.
+/// The mouse. The picture maps it to a target in the scene, which the tool follows like a
+/// critically damped spring. Events at 60 Hz so become smooth motion at the tick rate, with
+/// continuous position and velocity and no overshoot. The device is away before the first target,
+/// while there is none, and for one reading when it appears (MouseTarget). It renders no force and
+/// lives in the scene.
 class MouseDevice : public HapticDevice {
  public:
-  /// period: s, positive, that passes with every read().
+  /// `period` is the time between two calls of read(), s; positive.
   MouseDevice(double period, const DeviceProfile& profile);
 
   void moveTo(const MouseTarget& target) noexcept override { targets_.write(target); }
@@ -28,8 +28,8 @@ class MouseDevice : public HapticDevice {
  private:
   TripleBuffer<MouseTarget> targets_;
   DeviceProfile profile_;
-  double period_, decay_;         ///< s; of the distance in a period at most
-  std::uint32_t appearance_ = 0;  ///< MouseTarget's, of the last reading
+  double period_, decay_;         ///< s; decay factor of one period
+  std::uint32_t appearance_ = 0;  ///< MouseTarget::appearance at the last reading
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
 };
 

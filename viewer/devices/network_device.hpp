@@ -14,28 +14,28 @@
 namespace palpate {
 
 struct NetworkDeviceOptions {
-  std::string endpoint;  ///< tcp://HOST:PORT or ipc://PATH, where a DeviceServer listens
-  std::optional<KeyFolder> keys = {};  ///< nothing: it asks for none
-  /// Limits to go by when no device answered within `wait`.
+  std::string endpoint;                ///< tcp://HOST:PORT or ipc://PATH of a DeviceServer
+  std::optional<KeyFolder> keys = {};  ///< nothing: the server requires none
+  /// Limits to use if no device answers within `wait`.
   DeviceProfile fallback = device_profiles.front();
   std::chrono::milliseconds wait{2000};
-  /// For how long a force stays valid at the far side, from the reading that it answers; then it
+  /// Validity of a force, from the time its reading was sent. Without a valid force the device
   /// renders zero.
   std::chrono::milliseconds valid{50};
-  bool real_time = false;  ///< ask for real-time priority for the threads of the connection
+  bool real_time = false;  ///< real-time priority for the connection's threads
 };
 
-/// A device on another machine (docs/devices.md, DeviceServer). Its readings come at the rate of
-/// the device; every reading is answered with the newest force.
+/// A device on another machine (docs/devices.md, DeviceServer). Readings come at the device's rate,
+/// and each is answered with the newest force.
 ///
-/// Lost when nothing came for 50 ms; it connects again by itself, and goes on. The far side lets go
-/// by itself when our forces stay away. NaN in a reading is passed on: the force guard judges it.
+/// Lost after 50 ms without a reading; reconnects by itself. The server renders zero force when our
+/// forces stop. Passes on NaN in a reading, which the force guard handles.
 class NetworkDevice : public ThreadedDevice {
  public:
-  /// Waits up to options.wait for the device to say its limits; goes on without, and says so in
-  /// trouble(). What profile() and livesInScene() said first holds: a device that comes later with
-  /// less force gets no more than it can, one that lives in the other frame is not used. Error (bad
-  /// input) for a wrong endpoint.
+  /// Waits up to options.wait for the device's limits; without them it continues and reports this
+  /// in trouble(). profile() and livesInScene() then stay as they are. If a device connects later,
+  /// forces also respect its limit; it is not used if it lives in the other frame. Throws Error
+  /// (bad input) for an invalid endpoint.
   explicit NetworkDevice(NetworkDeviceOptions options);
 
   std::string name() const override;
@@ -44,7 +44,7 @@ class NetworkDevice : public ThreadedDevice {
  private:
   using Clock = DeviceExchange::Clock;
 
-  // On the thread of the device.
+  // On the device's thread.
   void run(const std::stop_token& stop);
   void turn();
   void handle(const wire::DeviceMessage& message);
@@ -56,23 +56,23 @@ class NetworkDevice : public ThreadedDevice {
 
   const NetworkDeviceOptions options_;
 
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards the members up to hello_
   std::condition_variable answered_;
-  bool settled_ = false;                    ///< the limits are told and may not change any more
-  std::optional<wire::DeviceHello> hello_;  ///< none: no device said its limits
+  bool settled_ = false;                    ///< the limits are published and fixed
+  std::optional<wire::DeviceHello> hello_;  ///< nothing: no device has reported its limits
 
-  // Of the thread of the device.
+  // Owned by the device's thread.
   zmq::context_t context_;
   zmq::socket_t socket_;
   HandshakeWatch handshakes_;
-  bool greeted_ = false;    ///< the device said its limits
-  bool connected_ = false;  ///< and sends readings
-  double max_force_ = 0;    ///< N, the least of all that was said
+  bool greeted_ = false;    ///< the device has reported its limits
+  bool connected_ = false;  ///< the device also sends readings
+  double max_force_ = 0;    ///< N; smallest of the reported limits
   std::uint64_t last_reading_ = 0, forces_ = 0, garbage_ = 0;
   Clock::time_point last_heard_, last_greeting_, last_force_;
   std::string connection_trouble_, device_trouble_, told_;
 
-  std::jthread thread_;  ///< the last member: it ends before what it uses goes
+  std::jthread thread_;  ///< last member: ends before the members that it uses are destroyed
 };
 
 }  // namespace palpate

@@ -20,14 +20,14 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto end_limit = 2s;
 constexpr const char* entry_point = "palpate_device_plugin_v1";
-/// More devices than anyone has; a plug-in that never says "no more" is stopped here.
+/// Limit on the enumeration, for a plug-in that never ends it.
 constexpr std::uint32_t most_devices = 64;
 
-/// A plug-in that was loaded and checked.
+/// A loaded and checked plug-in.
 class Plugin {
  public:
   explicit Plugin(const std::filesystem::path& file) {
-    // A name without a slash would be searched for in the system's folders.
+    // dlopen() would search the system's directories for a name without a slash.
     const std::string path = std::filesystem::absolute(file).string();
     library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
     if (!library_)
@@ -78,7 +78,7 @@ std::string sentenceOf(const char* text) {
   return text == nullptr || *text == '\0' ? "it gives no reason" : text;
 }
 
-/// Of the devices that a plug-in finds, for a person.
+/// Lists the ids of the devices that a plug-in finds, as text.
 std::string idsOf(const Plugin& plugin) {
   std::string ids;
   std::array<char, 256> id{};
@@ -108,7 +108,7 @@ class PluginDevice::Session {
     name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
   }
 
-  /// The thread of the device, until stop().
+  /// Body of the device's thread, until stop().
   void run(Clock::duration period) {
     for (auto next = Clock::now(); !stopping_;) {
       turn();
@@ -119,13 +119,13 @@ class PluginDevice::Session {
     plugin_->write(device_.get(), zero.data());
     ended_.set_value();
   }
-  /// Once. False when the plug-in hangs.
+  /// Ends the thread. Returns false if the plug-in hangs. Call once.
   bool stop() {
     stopping_ = true;
     return ended_.get_future().wait_for(end_limit) == std::future_status::ready;
   }
   void halt() noexcept {
-    // The exchange first: what the thread writes from now on is zero, should it not hang after all.
+    // Halt the exchange first: then the thread writes only zero, if it still runs.
     exchange_->halt();
     plugin_halted_ = true;
     plugin_->halt(device_.get(), 1);
@@ -165,12 +165,12 @@ class PluginDevice::Session {
     tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
   }
 
-  /// Only here, after a write: until then the plug-in holds the force from before the halt.
+  /// Call only after a write: until then the plug-in holds the force from before the halt.
   void resume() noexcept {
     if (!plugin_halted_ || exchange_->halted()) return;
     plugin_halted_ = false;
     plugin_->halt(device_.get(), 0);
-    if (exchange_->halted()) halt();  // it was halted again meanwhile
+    if (exchange_->halted()) halt();  // halted again meanwhile
   }
 
   void tell(bool failed) {
@@ -186,7 +186,7 @@ class PluginDevice::Session {
   bool failed_ = false;
   std::atomic<bool> plugin_halted_ = false;
   std::atomic<bool> stopping_ = false;
-  std::promise<void> ended_;  ///< of the thread
+  std::promise<void> ended_;  ///< set at the end of the thread
 };
 
 PluginDevice::PluginDevice(const PluginDeviceOptions& options)
@@ -200,12 +200,12 @@ PluginDevice::PluginDevice(const PluginDeviceOptions& options)
 }
 
 PluginDevice::~PluginDevice() {
-  // A plug-in that hangs must not hang the end of the program.
+  // A plug-in that hangs must not block the end of the program.
   if (session_->stop()) {
     thread_.join();
     return;
   }
-  // The thread hangs in the plug-in. It holds the session too, and so keeps the library loaded.
+  // The thread hangs in the plug-in. It shares the session, which keeps the library loaded.
   session_->halt();
   thread_.detach();
 }

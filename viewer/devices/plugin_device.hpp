@@ -10,22 +10,22 @@ namespace palpate {
 
 struct PluginDeviceOptions {
   std::filesystem::path library;
-  std::string id = {};       ///< empty: the first device of the plug-in
-  std::string options = {};  ///< text for the plug-in alone
-  double period = 1e-3;      ///< s, in which it is read and written
+  std::string id = {};       ///< empty: the plug-in's first device
+  std::string options = {};  ///< text for the plug-in
+  double period = 1e-3;      ///< s, between reads
 };
 
-/// A device of a plug-in (palpate_device.h): a shared library that is loaded at run time.
+/// A device of a plug-in (palpate_device.h), a shared library loaded at run time.
 ///
-/// The plug-in may wait for its device, so it has a thread of its own and the haptic thread sees
-/// the newest reading. A plug-in that hangs is lost after 50 ms, and halted by
-/// HapticDevice::halt(). One that still hangs two seconds after the end of this object is left
-/// behind, loaded.
+/// The plug-in may wait for its device, so it runs on a thread of its own, and the haptic thread
+/// gets the newest reading. If the plug-in hangs, the device counts as lost after 50 ms and
+/// HapticDevice::halt() halts it. If it still hangs two seconds after the destructor starts, thread
+/// and library are left behind.
 class PluginDevice : public ThreadedDevice {
  public:
-  /// Loads and opens. Error (bad input) that names the file when it is no library, exports no
-  /// palpate_device_plugin_v1, is of another version of the interface, or lacks a function; Error
-  /// with the plug-in's own words when the device cannot be opened.
+  /// Loads the library and opens the device. Throws Error (bad input), naming the file, if it is
+  /// not a library, does not export palpate_device_plugin_v1, has another interface version, or
+  /// lacks a function. Throws Error with the plug-in's message if the device cannot be opened.
   explicit PluginDevice(const PluginDeviceOptions& options);
   ~PluginDevice() override;
 

@@ -8,14 +8,13 @@
 
 namespace palpate {
 
-/// Gives the readings of a recorded run again: the n-th read() is the n-th tick of it, its status
-/// included. It feels nothing. After the last tick it is lost. Lives where the recorded device
-/// lived.
+/// Replays the readings of a recorded run: the n-th read() returns the n-th tick, with its status.
+/// It renders no force. After the last tick it is lost. Lives in the frame of the recorded device.
 class ReplayDevice : public HapticDevice {
  public:
-  /// `source` names it in messages. Error (bad input) when there is no tick, or when the rate is
-  /// not the one that `period` (s, of the loop it is replayed in) means: the hand would move faster
-  /// or slower than it did.
+  /// `source` names the recording in messages. `period` is the period of the replaying loop, s.
+  /// Throws Error (bad input) if there is no tick, or if the recorded rate is not 1 / `period`,
+  /// which would change the speed of the hand.
   ReplayDevice(Recording recording, double period, std::string source);
 
   DeviceReading read() noexcept override;

@@ -15,22 +15,24 @@ namespace {
 constexpr double approach_seconds = 0.5, press_seconds = 0.6, hold_seconds = 0.2,
                  circle_seconds = 2.4;
 constexpr double shortest_move = 0.2;  ///< s
-/// m outside of the surface, where it comes from and goes back to.
+/// Distance outside the surface at which the hand approaches and retreats, m.
 constexpr double clearance = 0.025;
-constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< of the workspace's radius
-constexpr double largest_force = 1.5;  ///< N: it presses less deep where the force would be larger
-constexpr double travel_speed = 0.15;  ///< m/s, from one active node to the next
-constexpr double slide_speed = 0.1;    ///< m/s, from one site of a finger to the next, pressed in
-constexpr double slide_step = 0.005;   ///< m, between waypoints of such a way
-/// Then it lifts off, because a tool that lost contact, at a rim, finds it from outside again.
+constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< fraction of the workspace radius
+constexpr double largest_force = 1.5;                        ///< N; limits the depth of pressing
+constexpr double travel_speed = 0.15;                        ///< m/s, between active nodes
+constexpr double slide_speed = 0.1;   ///< m/s, between a finger's sites, pressed in
+constexpr double slide_step = 0.005;  ///< m, between waypoints of a slide
+/// Most sites of one slide. Then the hand lifts off, since a tool that lost contact at a rim finds
+/// it again from outside.
 constexpr std::size_t most_slid = 12;
-/// Between sites that it slides between, in radii of the finger; and how much the surface may turn.
+/// Limits of a slide between two sites: distance in finger radii, and cosine of the angle between
+/// their normals.
 constexpr double longest_slide = 2, least_slide_cosine = 0.6;
 constexpr int circle_pieces = 16;
 constexpr int depth_steps = 64;
 constexpr double arc_step = std::numbers::pi / 9;
 
-/// Appends waypoints in the order of time.
+/// Appends waypoints in order of time.
 class PathWriter {
  public:
   void goTo(const Eigen::Vector3d& position, double seconds) {
@@ -49,17 +51,17 @@ class PathWriter {
   std::vector<HandWaypoint> waypoints_;
 };
 
-/// Where a hand touches one active node, or a site of a finger.
+/// The place where a hand touches one active node, or a site of a finger.
 struct Site {
-  Eigen::Vector3d point, normal;  ///< on the surface at rest, m; outward
+  Eigen::Vector3d point, normal;  ///< point on the surface at rest, m; outward normal
   double depth;                   ///< m
-  double radius;                  ///< m, of the circle; 0: none, it slides on to the next site
+  double radius;                  ///< m, of the circle; 0: slides on to the next site instead
 };
-/// What is touched without leaving the surface: one active node, or sites, one after the other.
+/// The sites touched without lifting off: one active node, or several sites in order.
 using Stroke = std::vector<Site>;
 
-/// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable and
-/// known.
+/// Returns the largest depth up to `wanted` at which the force is known and at most largest_force,
+/// and also at all smaller depths.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
   for (int step = 1; step <= depth_steps; ++step) {
     const double depth = wanted * step / depth_steps;
@@ -77,7 +79,7 @@ Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& 
           radius};
 }
 
-/// Takes away the site that the hand goes on to: the nearest, and rather one on the same side.
+/// Removes and returns the next site: the nearest, with preference for similar normals.
 Site takeNext(std::vector<Site>& left, const Site& from) {
   const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
     return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));
@@ -87,7 +89,7 @@ Site takeNext(std::vector<Site>& left, const Site& from) {
   return taken;
 }
 
-/// Over all sites of an area, each touched once.
+/// Returns strokes that touch each site of an area once.
 std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area) {
   const TouchSurface& surface = model.surface();
   std::vector<Site> left;
@@ -130,7 +132,7 @@ std::vector<Stroke> strokesOf(const HapticModel& model) {
   return strokes;
 }
 
-/// Ways outside of a body.
+/// Plans paths outside a body.
 class Surroundings {
  public:
   explicit Surroundings(const TouchSurface& surface) : surface_(surface) {
@@ -143,11 +145,11 @@ class Surroundings {
 
   Eigen::Vector3d before(const Site& site) const { return site.point + clearance * site.normal; }
 
-  /// From before one site to before another: straight, where that keeps off the body, else around
-  /// it.
+  /// Moves from before one site to before another: straight if that stays clear of the body, else
+  /// around it.
   void walk(const Site& from, const Site& to, PathWriter& path) const {
     if (!keepsOff(before(from), before(to))) {
-      // A sphere holds all of the body, and a great circle on it is never far around.
+      // Go along a great circle of the sphere that encloses the body.
       const Eigen::Vector3d leave = onSphere(from), arrive = onSphere(to);
       const Eigen::Quaterniond turn =
           Eigen::Quaterniond::FromTwoVectors(leave - middle_, arrive - middle_);
@@ -172,7 +174,7 @@ class Surroundings {
     return true;
   }
 
-  /// Where the normal of a site leaves the sphere around the body.
+  /// Returns the point where the normal of a site leaves the sphere around the body.
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
     PALPATE_ASSERT(offset.norm() <= radius_, "the sphere holds all of the body");
@@ -187,7 +189,7 @@ class Surroundings {
   double radius_ = 0;
 };
 
-/// From before the site into the body, once around in it, and back.
+/// Presses in at a site, slides once in a circle, and retreats.
 void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3d& before,
              PathWriter& path) {
   const Eigen::Vector3d inward = -site.depth * site.normal;
@@ -199,7 +201,7 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
     const double angle = 2 * std::numbers::pi * i / circle_pieces;
     const Eigen::Vector3d beside =
         site.point + site.radius * (std::cos(angle) * across + std::sin(angle) * along);
-    // As deep below the surface everywhere, also where it is curved.
+    // Keep the depth below the surface constant, even where it is curved.
     path.goTo(surface.tree().nearest(beside).position + inward,
               i == 0 ? press_seconds : circle_seconds / circle_pieces);
   }
@@ -207,7 +209,8 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
   path.goTo(before, approach_seconds + press_seconds);
 }
 
-/// In at the first site, pressed in from each to the next along the surface, and out at the last.
+/// Presses in at the first site, slides along the surface from site to site, and retreats at the
+/// last.
 void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vector3d& after,
            PathWriter& path) {
   path.goTo(stroke.front().point, approach_seconds);

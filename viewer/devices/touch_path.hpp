@@ -6,10 +6,10 @@ namespace palpate {
 
 class HapticModel;
 
-/// The script of a hand that explores a body: for one active node after the other it approaches
-/// along the outward normal, presses, slides in a circle, comes back and goes on outside of the
-/// body; over a finger's area it slides, pressed in, from site to site until it has been at all of
-/// them; and all of it again, forever. A function of the model alone.
+/// Returns a path that explores a body for ever, and depends on the model alone. At each active
+/// node it approaches along the outward normal, presses, slides in a circle, retreats, and moves on
+/// outside the body. On a finger's area it slides from site to site, pressed in, until it has
+/// touched all of them.
 HandPath touchPath(const HapticModel& model);
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr int substeps = 4;  // of the integration, in a period
+constexpr int substeps = 4;  // per period
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void VirtualHand::advance() noexcept {
   const Eigen::Vector3d force = halted_ ? Eigen::Vector3d::Zero().eval() : force_;
   const double h = period_ / substeps;
   for (int step = 1; step <= substeps; ++step) {
-    // The time counts whole periods: a sum of steps would drift away from it.
+    // Compute the time from whole periods: a sum of steps would drift.
     const double time = path_.beginning() + static_cast<double>(reads_ - 1) * period_ + step * h;
     const HandTarget target = path_.at(time);
     const Eigen::Vector3d pull =

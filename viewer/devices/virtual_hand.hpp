@@ -8,30 +8,33 @@
 
 namespace palpate {
 
-/// The default device: an operator who follows a path and gives way to the force,
-///   m x'' = k (target - x) + b (target' - x') + F,
-/// integrated semi-implicitly (Euler) with fixed substeps. Knows no clock: every read() is one
-/// period later than the one before, so the same forces give the same positions to the last bit.
-/// Lives in the scene.
+/// The default device: an operator who follows a path and yields to the force,
+///   m x'' = k (target - x) + b (target' - x') + F.
+/// Integrated by semi-implicit Euler with fixed substeps. Each read() advances the time by one
+/// period, without a clock, so the same forces give bitwise identical positions. Lives in the
+/// scene.
 ///
-/// The hand is a loose grasp of a stylus: the identified mass, stiffness and damping of hands and
-/// fingers on a tool lie around these and vary several-fold with the grasp (Hajian and Howe 1997,
-/// Identification of the mechanical impedance at the human finger tip; Kuchenbecker, Park and
-/// Niemeyer 2003, Characterizing the human wrist for improved haptic interaction; Speich, Shao and
-/// Goldfarb 2005, Modeling the human hand as it interacts with a telemanipulation system). Damping
-/// ratio 0.52, natural frequency 8 Hz.
+/// Models a loose grasp of a stylus. Published mass, stiffness and damping of hands and fingers on
+/// a tool lie around these values and vary several-fold with the grasp:
+/// - Hajian and Howe 1997, Identification of the mechanical impedance at the human finger tip;
+/// - Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
+///   interaction;
+/// - Speich, Shao and Goldfarb 2005, Modeling the human hand as it interacts with a
+/// telemanipulation
+///   system.
+/// Damping ratio 0.52, natural frequency 8 Hz.
 class VirtualHand : public HapticDevice {
  public:
-  static constexpr double mass = 0.15;  ///< kg, of hand and tool
-  /// N/m, with which the hand holds the tool to its target
+  static constexpr double mass = 0.15;  ///< kg, hand and tool
+  /// N/m; stiffness with which the hand holds the tool at its target
   static constexpr double stiffness = 400;
   static constexpr double damping = 8;  ///< N s/m
 
-  /// period: s, that passes with every read(). Error (bad input) for one that is not positive,
-  /// or too long for a stable integration.
+  /// `period` is the time between two calls of read(), s. Throws Error (bad input) if it is not
+  /// positive, or too long for a stable integration.
   VirtualHand(HandPath path, double period, const DeviceProfile& profile);
 
-  /// The first reading is the beginning of the path, at rest.
+  /// The first reading is the start of the path, at rest.
   DeviceReading read() noexcept override;
   void write(const Eigen::Vector3d& force) noexcept override;
   void halt() noexcept override { halted_ = true; }
