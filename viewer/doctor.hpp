@@ -4,30 +4,30 @@
 
 namespace palpate {
 
-/// One thing that the doctor looked at.
+/// The result of one check.
 struct Finding {
   enum class Verdict {
     good,
-    note,  ///< it works, and could work better
-    bad,   ///< something will not work
+    note,  ///< works, but could be better
+    bad,   ///< something does not work
   } verdict = Verdict::good;
   std::string topic;        ///< "real-time priority"
-  std::string found;        ///< what is so
-  std::string advice = {};  ///< what to do about it; empty when there is nothing to do
+  std::string found;        ///< the result of the check
+  std::string advice = {};  ///< remedy; empty if none is needed
 };
 
-/// Whether this machine can run the haptic client: real-time limits, timer, memory locking,
-/// processor clock, display, the Haply service; and which kernels solve on it, as palpate-worker
-/// says. Changes nothing, opens no device. Takes a second, in which it measures how late the timer
-/// wakes a thread.
+/// Checks whether this machine can run the haptic client: real-time limits, timer, memory locking,
+/// processor clock, display and the Haply service. Also asks palpate-worker for its solver kernels.
+/// Changes nothing and opens no device. Takes a second, to measure the wake-up latency of the
+/// timer.
 std::vector<Finding> examineMachine();
 
-/// For a person, one or two lines per finding; and one JSON object per line.
+/// Formats the findings as text, one or two lines each, or as JSON, one object per line.
 std::string describe(const std::vector<Finding>& findings);
 std::string describeJson(const std::vector<Finding>& findings);
 
-/// The verb `doctor` of palpate-viewer: prints what was found. Exit 0, or 1 when something will not
-/// work.
+/// Returns the verb `doctor` of palpate-viewer, which prints the findings. Exit code 0, or 1 if
+/// something does not work.
 Verb doctorVerb();
 
 }  // namespace palpate

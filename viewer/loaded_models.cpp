@@ -20,7 +20,7 @@ constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
 constexpr int least_priority = 19;  // nice
 
-/// This thread, and those that it starts, on Linux.
+/// On Linux this affects the calling thread and the threads it starts later.
 void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority); }
 
 bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
@@ -29,7 +29,7 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
     if (meanwhile && !meanwhile(model, model.preparedShare(0))) stop.request_stop();
   };
   look();
-  // Beside, so that whoever waits for a large dataset sees that something happens.
+  // Prepare on another thread, so that this one can show the progress of a large dataset.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0, stop.get_token()); });
   auto tell = std::chrono::steady_clock::now() + tell_every;
   while (prepared.wait_for(call_every) != std::future_status::ready) {
@@ -52,7 +52,7 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {
-    // Before it is read: a file that is replaced meanwhile is another one afterwards.
+    // Take the identity before reading, so that a replacement during the read is noticed.
     identities_.push_back(identityOf(file));
     const Dataset dataset(file);
     warnIfPartial(dataset);
@@ -69,7 +69,7 @@ bool LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
 void LoadedModels::prepareTheRest() {
   preparation_ = std::jthread([this](const std::stop_token& stop) {
     giveWay();
-    // The others go on: one that needs too much memory is no reason to end.
+    // Catch errors, such as lack of memory, so that the other models are still prepared.
     for (const auto& model : models_) try {
         model->preparePressures(stop);
       } catch (const std::exception& error) {

@@ -14,34 +14,34 @@
 
 namespace palpate {
 
-/// The datasets of a run as the haptic loop needs them. Belongs to one thread; the models are for
-/// all (HapticModel).
+/// The datasets of a run, prepared for the haptic loop. Belongs to one thread; any thread may use
+/// the models (HapticModel).
 class LoadedModels {
  public:
-  /// Called in the thread that waits, before and then some times a second, with the share that is
-  /// prepared, 0 to 1. Whether to go on.
+  /// Called on the waiting thread, at first and then several times a second, with the prepared
+  /// share, 0 to 1. Returns false to stop the preparation.
   using Meanwhile = std::function<bool(const HapticModel& model, double share)>;
 
-  /// Reads the files; no method is prepared yet. Error as of Dataset and HapticModel.
+  /// Reads the files, without preparing a method. Throws the errors of Dataset and HapticModel.
   LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
 
-  /// Prepares the first method of each on all cores, with a line of the log per second that it
-  /// takes. Whether `meanwhile` let it come to its end.
+  /// Prepares the first method of each dataset on all cores, with a log line per second. Returns
+  /// false if `meanwhile` stopped it.
   bool prepareFirst(const Meanwhile& meanwhile = {});
-  /// Prepares pressures, if they were asked for, and the other methods in a thread of its own,
-  /// which gives way to every other.
+  /// Prepares the pressures, if requested, and the other methods, on a thread of lowest priority.
   void prepareTheRest();
 
   const HapticModel& first() const { return *models_.front(); }
-  /// As HapticTick and Picture take them; valid as long as this object.
+  /// Returns the models for HapticTick and Picture; valid during the lifetime of this object.
   std::vector<const HapticModel*> pointers() const;
-  /// Of the first scene that names a device.
+  /// The device of the first scene that names one.
   const std::optional<DeviceProfile>& device() const { return device_; }
-  /// The first file that is another now than the one that was read: replaced, rewritten or gone.
+  /// Returns the first file that has been replaced, rewritten or removed since it was read.
   std::optional<std::filesystem::path> replaced() const;
 
  private:
-  /// Which bytes a path names: inode, size, time of the last change. All zero: there is none.
+  /// Identifies the content of a file: inode, size and modification time. All zero if there is no
+  /// file.
   using FileIdentity = std::array<std::int64_t, 4>;
   static FileIdentity identityOf(const std::filesystem::path& file);
 
@@ -49,22 +49,23 @@ class LoadedModels {
   std::vector<FileIdentity> identities_;
   std::vector<std::unique_ptr<HapticModel>> models_;
   std::optional<DeviceProfile> device_;
-  std::jthread preparation_;  ///< the last member: it ends before the models go
+  std::jthread preparation_;  ///< last member: ends before the models are destroyed
 };
 
-/// Datasets that are read, and whose first methods are prepared, in a thread of its own, which
-/// gives way to every other: a hand is on the device meanwhile. Belongs to one thread.
+/// Reads datasets and prepares their first methods on a thread of lowest priority, since the haptic
+/// loop keeps running meanwhile. Belongs to one thread.
 class ModelsReload {
  public:
   ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
-  /// Stops it, and waits for that: some tens of milliseconds, a file that is being opened aside.
+  /// Stops the thread and waits for its end: some tens of milliseconds, or longer while a file is
+  /// being opened.
   ~ModelsReload();
   bool ended() const {
     return whole_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
-  /// Of all forces, 0 to 1.
+  /// The prepared share of all forces, 0 to 1.
   double share() const { return share_; }
-  /// Once, when it has ended. Error as of LoadedModels.
+  /// Returns the models. Call once, after the end. Throws the errors of LoadedModels.
   std::unique_ptr<LoadedModels> take() {
     PALPATE_ASSERT(whole_.valid(), "what was read again is taken once");
     return whole_.get();
@@ -73,7 +74,7 @@ class ModelsReload {
  private:
   std::stop_source stop_;
   std::atomic<double> share_ = 0;
-  std::future<std::unique_ptr<LoadedModels>> whole_;  ///< the last member: of a running thread
+  std::future<std::unique_ptr<LoadedModels>> whole_;  ///< last member: its thread uses the others
 };
 
 }  // namespace palpate

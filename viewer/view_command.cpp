@@ -12,7 +12,7 @@ namespace {
 
 constexpr double most_ticks_per_second = 10000;
 
-/// Before anything is opened, so that no other trouble hides a wrong word.
+/// Checks the options before anything is opened, so that another problem cannot hide a wrong one.
 void check(const ViewOptions& options) {
   checkDeviceWord(options.device);
   if (!(options.rate >= 100 && options.rate <= most_ticks_per_second))

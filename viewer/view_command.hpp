@@ -9,38 +9,36 @@
 
 namespace palpate {
 
-/// What `palpate view` was asked for.
+/// Options of `palpate view`.
 struct ViewOptions {
-  std::vector<std::filesystem::path> datasets;  ///< at least one; the first is felt first
+  std::vector<std::filesystem::path> datasets;  ///< at least one; starts with the first
   std::string device;                           ///< a word of device_choice.hpp
   KeyOptions keys = {};                         ///< for a device on the network
-  std::string profile;                          ///< of device_profiles; empty: the device's own
+  std::string profile;  ///< name in device_profiles; empty: the device's own
   std::string method = "potential";
-  std::optional<ContactMode> contact;  ///< none: what the scene says
+  std::optional<ContactMode> contact;  ///< nothing: the scene's
   double friction = 0.2;
   double reach = 0;    ///< m, TouchSurface
   double rate = 1000;  ///< Hz
-  /// s of haptic time; 0: until the window is closed, the device ends or a signal comes
+  /// s of haptic time; 0: until the window closes, the device ends or a signal comes
   double duration = 0;
   bool headless = false;
-  bool fast = false;  ///< no clock: tick after tick
+  bool fast = false;  ///< ticks as fast as possible, without a clock
   bool real_time = false;
-  std::filesystem::path record;      ///< empty: nothing is recorded
+  std::filesystem::path record;      ///< empty: no recording
   std::filesystem::path screenshot;  ///< empty: none
   std::filesystem::path video;       ///< directory; empty: none
   bool json = false;
 };
 
-/// `palpate view`: runs the haptic client in this thread, which draws, until the window is closed,
-/// the duration is over, a replay has ended, or a signal came; then prints what the loop measured.
-/// Error (bad input) when the recording would replace a dataset. Errors of datasets, window and
-/// device name what could not be had.
+/// Runs `palpate view`: the haptic client, on this thread, which also draws. Ends when the window
+/// is closed, the duration is over, a replay ends, or a signal comes; then prints the loop's
+/// statistics. Throws Error (bad input) if the recording would replace a dataset, and the errors of
+/// datasets, window and device.
 ExitCode view(const ViewOptions& options, std::ostream& output);
 
-/// The verb `view` of palpate-viewer: the haptic client. Feels the first dataset through a device
-/// until the end, then prints what the loop measured on standard output. Error (bad input) for
-/// wrong options, before the device is touched; Error when there is no display and a picture is
-/// wanted.
+/// Returns the verb `view` of palpate-viewer, the haptic client. Throws Error (bad input) for wrong
+/// options, before it opens the device, and Error if a picture is wanted but there is no display.
 Verb viewVerb();
 
 }  // namespace palpate

@@ -24,7 +24,8 @@ namespace {
 
 constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr auto headless_pause = std::chrono::milliseconds(20);
-constexpr auto look_every = std::chrono::milliseconds(500);  // at files, troubles and statistics
+constexpr auto look_every =
+    std::chrono::milliseconds(500);  // checks of files, problems and statistics
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
@@ -33,17 +34,16 @@ DeviceProfile profileNamed(std::string_view word) {
 }
 
 /// One run of the haptic client: datasets, a device, the haptic loop, a picture, a recording. The
-/// thread that makes it is the one that draws.
+/// thread that constructs it also draws.
 class ViewSession {
  public:
-  /// Loads the datasets, opens the window and then the device. Errors of each name what could not
-  /// be had.
+  /// Loads the datasets, then opens the window and the device. Throws their errors.
   explicit ViewSession(const ViewOptions& options) : options_(options) {
     if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
     refuseInput(options_.record, "--record", options_.datasets);
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
     if (!options_.video.empty()) video_.emplace(options_.video);
-    // The device last: until then nothing that fails leaves it with a force.
+    // Open the device last, so that no earlier failure leaves it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
     if (!options_.headless) openPicture();
     prepareFirst();
@@ -54,13 +54,13 @@ class ViewSession {
     if (!options_.record.empty())
       recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
     ticks_ = std::llround(options_.duration * options_.rate);
-    // A replay ends with its recording.
+    // A replay ends when its recording does.
     if (ticks_ == 0) ticks_ = device_->readings();
   }
 
-  /// Until the window is closed, the duration is over, a replay has ended, or a signal came. The
-  /// device is given zero, recording and picture are written, and what the loop measured goes to
-  /// `output`.
+  /// Runs until the window is closed, the duration is over, a replay has ended, or a signal comes.
+  /// Then sets zero force, saves the recording and the picture, and prints the statistics of the
+  /// loop to `output`.
   ExitCode run(std::ostream& output) {
     if (quit_) {
       spdlog::info("ended before the forces were prepared: nothing was felt or recorded");
@@ -68,7 +68,7 @@ class ViewSession {
     }
     PALPATE_ASSERT(device_ && tick_, "a session that goes on has opened its device");
     catchInterrupts();
-    // A reader of our output that goes must not end us with a force on.
+    // A broken output pipe must not end the program with a force applied.
     std::signal(SIGPIPE, SIG_IGN);
     announce();
     try {
@@ -84,7 +84,7 @@ class ViewSession {
   }
 
  private:
-  /// Ticks and pictures take turns, without a clock: nobody can steer such a run.
+  /// Returns true if ticks and pictures alternate without a clock, which allows no interaction.
   bool stepped() const { return options_.fast && !options_.headless; }
   bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
 
@@ -92,7 +92,7 @@ class ViewSession {
     HapticModelOptions model_options;
     model_options.reach = options_.reach;
     std::erase(model_options.methods, options_.method);
-    // What nobody can choose is not made: it takes seconds and memory.
+    // Skip methods that the user cannot choose: they take seconds and memory.
     const bool steered = !options_.headless && !stepped();
     if (!steered) model_options.methods.clear();
     model_options.methods.insert(model_options.methods.begin(), options_.method);
@@ -106,12 +106,12 @@ class ViewSession {
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
   }
 
-  /// The body is seen at once, at rest, while its forces are being prepared.
+  /// Prepares the forces while the picture shows the body at rest.
   void prepareFirst() {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
     const auto seen = [&](const HapticModel& model, double share) {
-      // Pictures without a clock are the same in every run.
+      // Draw nothing here without a clock: the pictures must be the same in every run.
       if (!picture_ || options_.fast) return true;
       PictureStatus waiting;
       waiting.notice =
@@ -121,13 +121,13 @@ class ViewSession {
     quit_ = !loaded_->prepareFirst(seen);
   }
 
-  /// The limits that a virtual device has.
+  /// Returns the limits of a virtual device.
   DeviceProfile wantedProfile() const {
     if (!options_.profile.empty()) return profileNamed(options_.profile);
     return loaded_->device().value_or(profileNamed("touch"));
   }
 
-  /// Those of the device, and no more than what was asked for: by name, else by the scene.
+  /// Returns the device's limits, reduced to the profile of the options or the scene, if any.
   DeviceProfile limits() const {
     const bool asked = !options_.profile.empty() || loaded_->device();
     return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
@@ -141,7 +141,7 @@ class ViewSession {
     tick_options.contact.friction = options_.friction;
     tick_options.guard = guardFor(limits(), tick_options.period);
     tick_options.map = workspaceFor(model, *device_, limits());
-    tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
+    tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre in the scene
     tick_ = std::make_unique<HapticTick>(loaded_->pointers(), *device_, tick_options);
   }
 
@@ -161,8 +161,7 @@ class ViewSession {
       spdlog::warn("{}: {}", device_->name(), doubts);
   }
 
-  /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every
-  /// machine.
+  /// Alternates ticks and pictures in haptic time, so that every machine draws the same pictures.
   void runStepped() {
     const auto ticks_per_frame =
         std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
@@ -208,7 +207,7 @@ class ViewSession {
         continue;
       }
       obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
-      // A picture that took too long does not hurry the next ones.
+      // After a slow picture, do not rush the next ones.
       next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                       std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
@@ -224,7 +223,7 @@ class ViewSession {
     loop_.reset();
   }
 
-  /// What changes slowly: files on disk, troubles, statistics.
+  /// Checks slow changes: files on disk, problems, statistics.
   void look() {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < look_every) return;
@@ -243,7 +242,7 @@ class ViewSession {
     spdlog::warn("{}", status_.notice);
   }
 
-  /// A device that tells millimetres is never near the body: it gives no force.
+  /// Warns if positions seem to be in millimetres: such a device never comes near the body.
   void doubtPosition() {
     constexpr double most_radii = 10;
     if (!loop_ || doubted_ || device_->livesInScene()) return;
@@ -272,7 +271,7 @@ class ViewSession {
   }
 
   void obey(const PictureRequests& requests) {
-    // While no loop runs, nobody else uses the tick.
+    // Without a loop, no other thread uses the tick.
     const auto command = [&](const HapticCommand& what) {
       if (loop_)
         loop_->command(what);
@@ -289,7 +288,7 @@ class ViewSession {
     quit_ = quit_ || requests.quit;
   }
 
-  /// Begins to read the files again; what is felt is the old ones until the new ones are whole.
+  /// Starts to read the files again. The old datasets stay in use until the new ones are ready.
   void reload() {
     if (recorder_)
       status_.notice = "not while a recording runs: it belongs to the datasets that it began with";
@@ -297,7 +296,8 @@ class ViewSession {
       reload_ = std::make_unique<ModelsReload>(options_.datasets, modelOptions());
   }
 
-  /// Takes over what was read again. When that failed, everything stays as it is.
+  /// Switches to the reloaded datasets when they are ready. If the reload failed, keeps the old
+  /// ones.
   void followReload() {
     if (!reload_) return;
     status_.notice =
@@ -323,7 +323,7 @@ class ViewSession {
     endLoop();
     tick_.reset();
     picture_.reset();
-    // The old ones go last: their own preparation may still run.
+    // Destroy the old models last: their preparation may still run.
     const auto old = std::exchange(loaded_, std::move(fresh));
     openPicture();
     makeTick();
@@ -331,8 +331,7 @@ class ViewSession {
     if (ran) startLoop();
   }
 
-  /// A recording that cannot be written where it should be is kept somewhere else, if there is any
-  /// room.
+  /// Saves the recording; if its file cannot be written, in the directory for temporary files.
   void saveRecording() const {
     if (!recorder_) return;
     PALPATE_ASSERT(!loop_, "a loop gives all its states before they are written");
@@ -362,18 +361,18 @@ class ViewSession {
   const ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;
   std::optional<VideoFrames> video_;
-  std::unique_ptr<Picture> picture_;  ///< none when headless
+  std::unique_ptr<Picture> picture_;  ///< null if headless
   std::unique_ptr<HapticDevice> device_;
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
-  std::unique_ptr<HapticLoop> loop_;  ///< none while paused, and when stepped
-  LoopStatistics statistics_;         ///< of the loops that ended; of the ticks when stepped
-  std::uint64_t ticks_ = 0;           ///< to make; 0: no end
+  std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped
+  LoopStatistics statistics_;         ///< of ended loops; if stepped, of the ticks
+  std::uint64_t ticks_ = 0;           ///< ticks to run; 0: no limit
   PictureStatus status_;
-  std::string said_;  ///< the trouble that was logged last
+  std::string said_;  ///< the last logged problem
   std::chrono::steady_clock::time_point looked_;
-  bool doubted_ = false;                  ///< where the hand is
-  std::unique_ptr<ModelsReload> reload_;  ///< while datasets are read again
+  bool doubted_ = false;                  ///< warned about the position of the hand
+  std::unique_ptr<ModelsReload> reload_;  ///< set while datasets are reloaded
   bool quit_ = false;
 };
 
