@@ -166,7 +166,8 @@ def mesh_surface(vertices, triangles, out, size, names, version="2.2"):
         geometry = FILLED.format(stl="body.stl", surface=names[0], volume=names[1])
         (folder / "body.geo").write_text(geometry + SETTINGS.format(size=size))
         gmsh(folder, "-3", "body.geo", "-format", "msh22", "-o", "body.msh")
-        # A second run, because a 4.1 file written by the first would carry the whole parametrised surface along.
+        # Save in a second run: a 4.1 file from the first would contain the whole parametrised
+        # surface.
         gmsh(folder, "body.msh", "-save", "-format", {"2.2": "msh22", "4.1": "msh41"}[version], "-o", str(out))
 
 

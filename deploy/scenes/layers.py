@@ -6,7 +6,7 @@ import pathlib
 
 import numpy as np
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedron of positive volume, seen from outside
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedron with positive volume, seen from outside
 
 
 def read_mesh(file):
@@ -69,7 +69,7 @@ def grow(points, tetrahedra, triangles, offset):
     copy = np.full(len(points), -1)
     copy[below] = len(points) + np.arange(len(below))
     points = np.concatenate([points, points[below] + offset[below]])
-    order = np.sort(triangles, axis=1)  # a face's diagonal begins at its lower number below: the same seen from both prisms
+    order = np.sort(triangles, axis=1)  # a face's diagonal starts at its lowest node, so both prisms cut it alike
     a, b, c = order.T
     layer = np.concatenate([np.stack([a, b, c, copy[c]], axis=1), np.stack([a, b, copy[b], copy[c]], axis=1),
                             np.stack([a, copy[a], copy[b], copy[c]], axis=1)])

@@ -1,15 +1,15 @@
-/* A tool that presses into a body and slides a little, in a loop of 1 kHz, with every force that a
+/* Presses a tool into a body and out again, in a 1 kHz loop, and computes each force that a haptic
  * device would get.
  *
  *   touch DATASET.h5 [DEPTH_MM]
  *
- * Build, once libpalpate is installed:
+ * Build, with libpalpate installed:
  *   cc -std=c99 touch.c -o touch $(pkg-config --cflags --libs palpate) -lm
  *   LD_LIBRARY_PATH=PREFIX/lib ./touch DATASET.h5
  * or with the CMakeLists.txt beside this file:
  *   cmake -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build
  *
- * The path stands in for a device. A real loop differs in three places, marked DEVICE. */
+ * A fixed path replaces the device. A real loop differs in three places, marked DEVICE. */
 #define _POSIX_C_SOURCE 200112L
 #include <errno.h>
 #include <math.h>
@@ -26,7 +26,7 @@ static int fail(const char* what) {
   return 1;
 }
 
-/* Forces are due at absolute times, so that a late tick does not delay those after it. */
+/* Sleeps until an absolute time, so that a late tick does not delay the next ones. */
 static void sleepUntilNext(struct timespec* due) {
   due->tv_nsec += (long)(period * 1e9);
   if (due->tv_nsec >= 1000000000L) {
@@ -37,7 +37,7 @@ static void sleepUntilNext(struct timespec* due) {
   }
 }
 
-/* Mean outward normal of the touchable triangles at a vertex: where a tool comes from. */
+/* Computes the mean outward unit normal of the triangles at a vertex. Returns 0 on failure. */
 static int normalAt(const palpate_dataset* dataset, const palpate_dataset_info* info,
                     int32_t vertex, double normal[3]) {
   const size_t triangles = (size_t)info->triangle_count, vertices = (size_t)info->vertex_count;
@@ -71,7 +71,7 @@ static int normalAt(const palpate_dataset* dataset, const palpate_dataset_info* 
   return done;
 }
 
-/* The loop: one reading, one contact, one guarded force per tick. */
+/* Runs the loop: one reading, one contact update and one guarded force per tick. */
 static int run(palpate_contact* contact, palpate_guard* guard, const palpate_space_info* space,
                const double normal[3], double depth) {
   struct timespec due;
@@ -79,7 +79,7 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
   printf("#  time    gap or depth      force on the tool            |error| <  guards\n");
   printf("#  s       mm                N                            N\n");
   for (int tick = 0; tick < ticks; ++tick) {
-    /* DEVICE: read the position here, and map it into the frame of the scene. */
+    /* DEVICE: read the position here and map it to the frame of the scene. */
     const double phase = 2 * 3.14159265358979323846 * tick / ticks;
     const double inward = depth * 0.5 * (1 - cos(phase)) - 2e-4;
     double tool[3];
@@ -88,10 +88,10 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
     palpate_touch touch = PALPATE_INIT(palpate_touch);
     palpate_guarded_force force = PALPATE_INIT(palpate_guarded_force);
     if (palpate_contact_update(contact, tool, 1, &touch) != PALPATE_OK) return fail("contact");
-    /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add
-     * PALPATE_READING_LOST. */
+    /* DEVICE: omit PALPATE_READING_FRESH if the position is not new; add PALPATE_READING_LOST if
+     * the device is unplugged. */
     if (palpate_guard_limit(guard, tool, &touch, PALPATE_READING_FRESH, &force) != PALPATE_OK)
-      return fail("guard"); /* force is zero then: a real loop sends it before it stops */
+      return fail("guard"); /* the force is zero; a real loop sends it before it stops */
     /* DEVICE: send force.force here. */
 
     /* Printing is not real time; a real loop hands copies to another thread. */
@@ -104,7 +104,7 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
   return 0;
 }
 
-/* One answer without contact, as `palpate query` gives it: to compare, and to show how. */
+/* Prints one answer without contact, the same as that of `palpate query`. */
 static int query(const palpate_dataset* dataset, const palpate_space_info* space,
                  const double normal[3], double depth) {
   double displacement[3];

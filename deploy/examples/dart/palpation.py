@@ -16,11 +16,11 @@ import numpy as np
 import palpate
 
 LINK = 0.1  # m, length of each of the two links
-REACH, HEIGHT = 0.08, 0.12  # m, from the base to the place that is touched
-STIFFNESS, DAMPING = 500.0, 6.0  # N/m, N s/m, of the controller at the tip
-START = 0.002  # m above the surface
+REACH, HEIGHT = 0.08, 0.12  # m, from the base to the touched point
+STIFFNESS, DAMPING = 500.0, 6.0  # N/m and N s/m, of the controller at the tip
+START = 0.002  # m, above the surface
 DURATION, PRINT_EVERY = 4.0, 0.1  # s
-END = np.array([LINK, 0.0, 0.0])  # of a link, in its own frame
+END = np.array([LINK, 0.0, 0.0])  # end of a link, in its own frame
 
 
 def outward_normal(dataset, vertex):
@@ -52,7 +52,7 @@ def finger(place, normal):
         body.setName("link of " + name)
         joint.setAxis(axis)
         joint.setTransformFromParentBodyNode(before)
-        mass = 0.012 if length else 0.001  # kg, a rod of this length
+        mass = 0.012 if length else 0.001  # kg, for a rod of this length
         body.setInertia(dart.dynamics.Inertia(mass, [length / 2, 0, 0], np.diag([1e-6, *2 * [1e-6 + mass * length**2 / 12]])))
         parent = body
     down = HEIGHT - START
@@ -76,10 +76,11 @@ def main(file, depth):
     print("#  time   depth      force of the tissue, N           felt in the joints, N            |error| <")
     for step in range(round(DURATION / world.getTimeStep())):
         x = tip.getWorldTransform().multiply(END)
-        touch = contact.update(x)  # what the tissue does to the tip
+        touch = contact.update(x)  # force of the tissue on the tip
         tip.addExtForce(touch.force, END)
 
-        # a spring and a damper from the tip to where it should be, in and out along the normal; and gravity
+        # Control the tip with a spring and a damper; its target moves in and out along the normal.
+        # Also compensate gravity.
         jacobian = skeleton.getLinearJacobian(tip, END)
         inward = depth * 0.5 * (1 - np.cos(2 * np.pi * world.getTime() / DURATION)) - START
         pull = STIFFNESS * (place - inward * normal - x) - DAMPING * jacobian @ skeleton.getVelocities()
@@ -88,7 +89,7 @@ def main(file, depth):
         skeleton.setForces(torque)
 
         if step % round(PRINT_EVERY / world.getTimeStep()) == 0:
-            # what a robot without a force sensor knows: the force that its torques hold against
+            # Estimate the force from the torques, as a robot without a force sensor does.
             felt = np.linalg.solve(jacobian.T, bias - torque)
             print(f"{world.getTime():7.3f} {1e3 * (place - x) @ normal:7.3f}  " + " ".join(f"{f:9.4f}" for f in touch.force)
                   + "   " + " ".join(f"{f:9.4f}" for f in felt) + f"   {touch.error_bound:9.2g}"

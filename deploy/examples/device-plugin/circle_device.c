@@ -1,6 +1,5 @@
-/* A plug-in for palpate view --device plugin:LIB, as small as it can be: a device whose handle
- * moves by itself on a small circle and gives way to the force as a spring does. Options:
- * "radius=0.02" in metres.
+/* A minimal plug-in for palpate view --device plugin:LIB. The handle of its device moves by itself
+ * on a small circle and yields to the force like a spring. Options: "radius=0.02" in metres.
  *
  *     cc -shared -fPIC -o circle_device.so circle_device.c
  */

@@ -1,15 +1,15 @@
-// A robot finger palpates a soft body: MuJoCo moves a finger of three joints, libpalpate says what
-// the tissue does to its tip, and the finger feels that in its joints.
+// A robot finger palpates a soft body. MuJoCo simulates a finger with three joints, libpalpate
+// computes the tissue's force on its tip, and the joints feel that force.
 //
 //   palpation DATASET.h5 [DEPTH_MM]
 //
-// Build, once libpalpate and libmujoco-dev are installed:
+// Build, with libpalpate and libmujoco-dev installed:
 //   cmake -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build
 //
-// MuJoCo's own contacts are not used: soft bodies there are springs between points. The force comes
-// from equilibria of the body that were solved before, and has an error bound in newtons. Each
-// step: where is the tip, what does the tissue do to it (palpate_contact_update), apply that force
-// (mj_applyFT). Dataset and scene of MuJoCo are both in metres, in one frame.
+// MuJoCo's own contacts are not used: its soft bodies are springs between points. Palpate's force
+// comes from precomputed equilibria of the body and has an error bound in newtons. Each step gets
+// the force for the position of the tip (palpate_contact_update) and applies it (mj_applyFT).
+// Dataset and MuJoCo scene share one frame, in metres.
 #include <mujoco/mujoco.h>
 #include <palpate.h>
 
@@ -25,15 +25,15 @@
 namespace {
 
 constexpr double link = 0.1;                       // m, length of each of the two links
-constexpr double reach = 0.08, height = 0.12;      // m, from the base to the place that is touched
-constexpr double stiffness = 500, damping = 6;     // N/m, N s/m, of the controller at the tip
+constexpr double reach = 0.08, height = 0.12;      // m, from the base to the touched point
+constexpr double stiffness = 500, damping = 6;     // N/m and N s/m, of the controller at the tip
 constexpr double duration = 4, print_every = 0.1;  // s
 
 void need(palpate_status status) {
   if (status != PALPATE_OK) throw std::runtime_error(palpate_last_error());
 }
 
-/// What is needed of a dataset: handles that are given back, and where it is touched.
+/// A dataset, its contact and its surface; frees the handles.
 struct Body {
   explicit Body(const char* file) {
     palpate_dataset* opened = nullptr;
@@ -59,10 +59,10 @@ struct Body {
   palpate_space_info space = PALPATE_INIT(palpate_space_info);
   std::vector<double> vertices;
   std::vector<int32_t> triangles;
-  double normal[3] = {0, 0, 0};  // outward, where the body is touched
+  double normal[3] = {0, 0, 0};  // outward, at the touched point
 
  private:
-  /// Mean of the triangles around the vertex that is touched.
+  /// Sets `normal` to the mean of the triangles around the touched vertex.
   void findNormal() {
     for (std::size_t t = 0; t < triangles.size(); t += 3) {
       const int32_t* c = &triangles[t];
@@ -77,7 +77,7 @@ struct Body {
   }
 };
 
-/// The numbers of a list, as MJCF has them.
+/// Formats numbers as an MJCF list.
 template <class Numbers>
 std::string listed(const Numbers& numbers) {
   std::string text;
@@ -89,10 +89,10 @@ std::string listed(const Numbers& numbers) {
   return text;
 }
 
-/// The body as it is seen at rest, and above it a finger of three joints with its base `height`
-/// over the place that is touched.
+/// Returns the MJCF scene: the body at rest and a finger with three joints. The base of the finger
+/// is `height` above the touched point.
 std::string sceneOf(const Body& body) {
-  // The frame of the base: z along the normal, x to the place that is touched.
+  // Frame of the base: z along the normal, x toward the touched point.
   double x[3], y[3];
   const double* z = body.normal;
   const double aside[3] = {std::abs(z[0]) < 0.9 ? 1.0 : 0.0, std::abs(z[0]) < 0.9 ? 0.0 : 1.0, 0};
@@ -136,7 +136,7 @@ Model modelOf(const std::string& scene) {
   return model;
 }
 
-/// Joints with the tip `above` the surface, elbow up.
+/// Computes the joint angles with the tip `above` the surface (m) and the elbow up.
 void pose(double above, double q[3]) {
   const double down = height - above, distance = std::hypot(reach, down);
   const double bend = std::acos(distance / 2 / link);
@@ -145,8 +145,8 @@ void pose(double above, double q[3]) {
   q[2] = 2 * bend;
 }
 
-/// The force at the tip that the torques of the motors hold against: what a robot without a force
-/// sensor knows. Solves J^T f = gravity and inertia - torque.
+/// Estimates the force at the tip from the motor torques, as a robot without a force sensor does.
+/// Solves J^T f = gravity and inertia - torque.
 void feltInJoints(const mjModel* model, const mjData* data, const double jacobian[9],
                   double force[3]) {
   double rest[3];
@@ -162,7 +162,7 @@ void run(const Body& body, double depth) {
   const Model model = modelOf(sceneOf(body));
   const Data data{mj_makeData(model.get()), mj_deleteData};
   const int tip = mj_name2id(model.get(), mjOBJ_SITE, "tip");
-  const double start = 0.002;  // m above the surface
+  const double start = 0.002;  // m, above the surface
   pose(start, data->qpos);
 
   std::printf(
@@ -172,7 +172,7 @@ void run(const Body& body, double depth) {
     mj_step1(model.get(), data.get());
     const double* x = &data->site_xpos[3 * tip];
 
-    // what the tissue does to the tip
+    // Apply the force of the tissue to the tip.
     auto touch = PALPATE_INIT(palpate_touch);
     need(palpate_contact_update(body.contact.get(), x, 1, &touch));
     const double no_torque[3] = {0, 0, 0};
@@ -180,7 +180,7 @@ void run(const Body& body, double depth) {
     mj_applyFT(model.get(), data.get(), touch.force, no_torque, x, model->site_bodyid[tip],
                data->qfrc_applied);
 
-    // a spring and a damper from the tip to where it should be, in and out along the normal
+    // Control the tip with a spring and a damper; its target moves in and out along the normal.
     double jacobian[9], velocity[3], pull[3];
     mj_jacSite(model.get(), data.get(), jacobian, nullptr, tip);
     mju_mulMatVec(velocity, jacobian, data->qvel, 3, model->nv);

@@ -8,7 +8,7 @@ import sys
 
 import matplotlib
 
-matplotlib.use("Agg")  # a file, no window
+matplotlib.use("Agg")  # draws to a file, without a window
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -31,7 +31,7 @@ def main(file, figure, active=None, *direction):
     force = np.linalg.norm(answers.force, axis=1)
     print(f"{space.name}: {force[answers.inside].max():.3f} N at most, {answers.inside.mean():.0%} of the way inside")
 
-    # the lattice points on the way: what the curve stands on
+    # the lattice points on the line, which support the curve
     along = space.position @ way
     on_way = space.solved & (along >= 0) & (np.linalg.norm(space.position - along[:, None] * way, axis=1) < 1e-9)
 

@@ -8,7 +8,7 @@ import sys
 
 import matplotlib
 
-matplotlib.use("Agg")  # a file, no window
+matplotlib.use("Agg")  # draws to a file, without a window
 import matplotlib.pyplot as plt
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -24,7 +24,7 @@ def main(file, figure, depth):
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 
-    # every triangle is pressed in its middle, all in one call
+    # Press every triangle at its centroid, in one call.
     answers = dataset.query(-depth * normals, at=corners.mean(axis=1), active=0)
     stiffness = np.einsum("ni,ni->n", answers.force, normals) / depth / 1e3
     felt = dataset.touchable & answers.inside

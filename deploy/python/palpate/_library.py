@@ -34,7 +34,7 @@ class Error(Exception):
     """
 
     def __init__(self, status: int, text: str) -> None:
-        super().__init__(status, text)  # both, so that it can go to another process
+        super().__init__(status, text)  # both, so that it can be pickled
         self.status = status
 
     def __str__(self) -> str:
@@ -156,7 +156,7 @@ def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
     refusals: list[str] = []
     for name in _candidates():
         try:
-            library = ctypes.CDLL(name)  # its calls release the global interpreter lock
+            library = ctypes.CDLL(name)  # calls release the global interpreter lock
         except OSError as error:  # absent, or of another architecture
             refusals.append(f"{name}: {error}")
             continue
@@ -219,7 +219,7 @@ class _Owned:
     """A handle of the library, given back with the last reference to it: a call that is running in another thread has one."""
 
     def __init__(self, handle: c_void_p, destroy: str) -> None:
-        self._as_parameter_, self._destroy = handle, functions[destroy]  # what ctypes passes on
+        self._as_parameter_, self._destroy = handle, functions[destroy]  # the value that ctypes passes to C
 
     def __del__(self) -> None:
         self._destroy(self._as_parameter_)

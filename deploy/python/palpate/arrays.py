@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ._library import Error, Numbers
 
-#: Words for ``Space.tag`` and ``Space.cause``: the numbers of the file are places in these.
+#: Names for ``Space.tag`` and ``Space.cause``: the numbers in the file are indices into these.
 TAGS = ("unknown", "expandable", "terminating", "failed")
 CAUSES = ("", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia", "factorization_failed", "not_finite",
           "step_budget", "worker_lost", "unreachable", "limit_point", "beyond_force", "bifurcation")
@@ -163,10 +163,10 @@ class Arrays:
 
     def __init__(self, file: str | os.PathLike[str]) -> None:
         self._file = open_hdf5(file, "dataset", _majors)
-        #: of the active nodes, in the order of the scene
+        #: names of the active nodes, in the order of the scene
         self.names: tuple[str, ...] = tuple(bytes(name).rstrip(b"\0").decode() for name in self._file["spaces/name"])
-        self.scene: str = self._text("scene_toml")  #: the resolved scene, TOML
-        self.content_hash: str = self._text("content_hash")  #: identity of the answer
+        self.scene: str = self._text("scene_toml")  #: the resolved scene, as TOML
+        self.content_hash: str = self._text("content_hash")  #: equal for datasets with equal results
 
     def __reduce__(self) -> Any:
         return Arrays, (self._file.filename,)

@@ -22,7 +22,7 @@ class ContactMode(enum.IntEnum):
     """How a tool holds a body."""
 
     UNILATERAL = 0  #: the tissue pushes the tool away and never pulls
-    GLUED = 1  #: the tool takes hold of the surface, and can pull it too
+    GLUED = 1  #: the tool sticks to the surface, and can also pull it
 
 
 @dataclass
@@ -30,10 +30,10 @@ class ContactOptions:
     """How a tool touches. Change what ``Contact.defaults`` gives for a dataset."""
 
     mode: ContactMode
-    friction: float  #: Coulomb's coefficient, unilateral only
-    grab_distance: float  #: m; glued: the tool takes hold of a surface this near
-    most_slide: float  #: m per update that the point of contact may slide at most
-    most_relaxation: float  #: share of the force per update that sliding may change beyond what the tool's motion does
+    friction: float  #: Coulomb friction coefficient, for unilateral contact
+    grab_distance: float  #: m; glued contact: distance at which the tool sticks to the surface
+    most_slide: float  #: m; longest slide of the point of contact per update
+    most_relaxation: float  #: largest relative change of the force by sliding per update, beyond that by the tool's motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +41,20 @@ class Touch(ByValue):
     """What the tissue does to the tool, after one position."""
 
     touching: bool
-    stepped: bool  #: the force may differ from the last one by more than motion explains
-    inside: bool  #: as in ``Answers``, of all spaces that take part
-    triangle: int  #: in contact; -1: none
-    force: Numbers  #: (3,), N, on the tool; zero when not touching
-    stiffness: Numbers  #: (3, 3), N/m, d force / d tool with the point of contact held
-    energy: float  #: J, stored in the tissue; NaN when the method has none
-    error_bound: float  #: N; NaN: not known
+    stepped: bool  #: the force may have jumped, more than the motion explains
+    inside: bool  #: as in ``Answers``, for all spaces involved
+    triangle: int  #: touched triangle; -1: none
+    force: Numbers  #: (3,), N, on the tool; zero without contact
+    stiffness: Numbers  #: (3, 3), N/m: d force / d tool, with the point of contact held
+    energy: float  #: J, stored in the tissue; NaN: method without energy
+    error_bound: float  #: N; NaN: unknown
     coverage: float  #: 0 to 1
-    barycentric: Numbers  #: (3,), of the point of contact in the triangle
+    barycentric: Numbers  #: (3,), point of contact in the triangle
     anchor: Numbers  #: (3,), m, the point of contact at rest
-    normal: Numbers  #: (3,), unit, outward, of the surface at rest there
-    displacement: Numbers  #: (3,), m, of the point of contact: tool - anchor
-    gap: float  #: m, when not touching: distance to the body, negative inside of it
-    beyond: float  #: m, along the displacement, beyond what was computed: a continuation pushes back; 0: inside
+    normal: Numbers  #: (3,), unit outward normal of the surface at rest, at the anchor
+    displacement: Numbers  #: (3,), m: tool - anchor
+    gap: float  #: m, without contact: distance to the body, negative inside
+    beyond: float  #: m, along the displacement, beyond the computed data, where a continuation pushes back; 0: inside
     _given: _library.Touch  #: for ``Contact.shape``
 
 
@@ -136,7 +136,7 @@ class DeviceProfile:
 
     name: str
     max_force: float  #: N
-    max_stiffness: float  #: N/m, of what the closed loop renders stably
+    max_stiffness: float  #: N/m, largest that the closed loop renders stably
     workspace_radius: float  #: m
 
 
@@ -151,23 +151,23 @@ def device(name: str) -> DeviceProfile:
 class GuardOptions:
     """Limits. Change what ``Guard.defaults`` gives for a device."""
 
-    period: float  #: s, of the loop
+    period: float  #: s, loop period
     max_force: float  #: N
     max_slew: float  #: N/s; 0: max_force in 10 ms
-    ramp: float  #: s, in which a step of the force is faded in
-    stall: float  #: s without a fresh reading, after which the force goes to zero
-    max_stiffness: float  #: N/m, of the device; limits nothing any more
-    energy_credit: float  #: J of dissipated energy that is remembered at most
-    delay: float = 0.0  #: s, from a position to the force that answers it, beyond the period
+    ramp: float  #: s, time to fade in a jump of the force
+    stall: float  #: s, time without a fresh reading after which the force goes to zero
+    max_stiffness: float  #: N/m, of the device; has no effect any more
+    energy_credit: float  #: J, largest credit for dissipated energy
+    delay: float = 0.0  #: s, from a position to its force, beyond the period
 
 
 @dataclass(frozen=True, eq=False)
 class GuardedForce(ByValue):
     """A force that a device may be given."""
 
-    force: Numbers  #: (3,), N, finite, no longer than max_force
-    passivity: float  #: J, put in by the hand less stored in the tissue; negative: the loop created energy
-    guards: tuple[str, ...]  #: what limited it: "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond"
+    force: Numbers  #: (3,), N, finite, at most max_force long
+    passivity: float  #: J, work of the hand minus energy stored in the tissue; negative: the loop created energy
+    guards: tuple[str, ...]  #: active limits: "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond"
 
 
 class Guard(_library.Handle):

@@ -23,39 +23,39 @@ from ._library import ByValue, Numbers
 class SpaceInfo(ByValue):
     """One active node and its configuration space."""
 
-    name: str  #: of the active node in the scene
-    node: int  #: its number in the mesh
-    vertex: int  #: its number in ``Dataset.vertices``
-    rest_position: Numbers  #: (3,), m; of a finger where it is centred
+    name: str  #: name of the active node in the scene
+    node: int  #: index in the mesh
+    vertex: int  #: index in ``Dataset.vertices``
+    rest_position: Numbers  #: (3,), m; for a finger, its centre
     workspace_radius: float  #: m: displacements up to this long were solved
-    spacing: float  #: m, between solved displacements, before refinement
-    largest_force: float  #: N, the longest that was solved
+    spacing: float  #: m, between lattice points before refinement
+    largest_force: float  #: N, largest solved force
 
 
 @dataclass(frozen=True)
 class AreaInfo:
     """A surface that a finger of finite size touches anywhere."""
 
-    name: str  #: in the scene
+    name: str  #: name in the scene
     finger_radius: float  #: m
     workspace_radius: float  #: m: displacements up to this long were solved
-    site_count: int  #: places of the finger that were solved
+    site_count: int  #: number of solved finger sites
 
 
 @dataclass(frozen=True, eq=False)
 class Answers(ByValue):
     """What a dataset says of displacements. ``...`` is the shape of what was asked: () for one displacement, (n,) for n."""
 
-    force: Numbers  #: (..., 3), N, of the tissue on the tool; always finite
+    force: Numbers  #: (..., 3), N, on the tool; always finite
     stiffness: Numbers  #: (..., 3, 3), N/m: [i, j] = d force[i] / d displacement[j], exact for this method
-    energy: Numbers  #: (...), J, stored in the tissue; NaN where the method has none
-    error_bound: Numbers  #: (...), N, on the force, estimated to hold at 99 % of places; NaN: not known
-    coverage: Numbers  #: (...), 0 to 1: share of the answer that stands on solved equilibria of one branch
-    inside: npt.NDArray[np.bool_]  #: (...): False beyond what was computed, where a wall answers, or away from the area
-    drive: Numbers | None = None  #: of a finger: (..., 3), N: where the tissue slides it to, along the surface
-    at: Numbers | None = None  #: of a finger: (..., 3), m: the place on the surface at rest that is answered, the nearest
-    triangle: npt.NDArray[np.int32] | None = None  #: of a finger: (...), that ``at`` lies in; -1: not finite
-    distance: Numbers | None = None  #: of a finger: (...), m, from the place that was asked to ``at``; far ones are not ``inside``
+    energy: Numbers  #: (...), J, stored in the tissue; NaN: method without energy
+    error_bound: Numbers  #: (...), N, of the force; estimated to hold at 99 % of places; NaN: unknown
+    coverage: Numbers  #: (...), 0 to 1: share of the answer that rests on solved equilibria of one branch
+    inside: npt.NDArray[np.bool_]  #: (...): False beyond the computed data, where a wall answers, or away from the area
+    drive: Numbers | None = None  #: fingers only: (..., 3), N, configurational force -dE/ds along the surface, which drives sliding
+    at: Numbers | None = None  #: fingers only: (..., 3), m, the nearest place on the surface at rest, which is answered
+    triangle: npt.NDArray[np.int32] | None = None  #: fingers only: (...), triangle of ``at``; -1: not finite
+    distance: Numbers | None = None  #: fingers only: (...), m, from the requested place to ``at``; far ones are not ``inside``
 
 
 _of_all = ("force", (3,), np.float64), ("stiffness", (3, 3), np.float64), ("energy", (), np.float64), (
@@ -81,7 +81,7 @@ def _doubles(array: Numbers) -> Any:
 @contextlib.contextmanager
 def _hdf5_alone() -> Iterator[None]:
     """HDF5 is not thread-safe: keeps h5py out of it, where that is used in this process, while libpalpate reads a file."""
-    # A copy: another thread may import meanwhile.
+    # Copy the list, because another thread may import meanwhile.
     objects = (module for name, module in list(sys.modules.items()) if name.startswith("h5py.") and name.endswith("._objects"))
     lock = getattr(next(objects, None), "phil", None)
     with lock or contextlib.nullcontext():
@@ -125,10 +125,10 @@ class Dataset(_library.Handle):
         self._path, self._reach = os.path.abspath(os.fsdecode(file)), reach
         self._info = _library.DatasetInfo()
         _library.call("dataset_describe", self.handle, byref(self._info))
-        self.name: str = self._info.name.decode()  #: of the scene
-        self.file: str = os.fsdecode(self._info.file)  #: as it was given
+        self.name: str = self._info.name.decode()  #: name of the scene
+        self.file: str = os.fsdecode(self._info.file)  #: path as given
         self.content_id: str = self._info.content_id.decode()  #: 64 hexadecimal digits, equal for equal results
-        self.max_force: float = self._info.max_force  #: N, of the scene: nothing was solved beyond it
+        self.max_force: float = self._info.max_force  #: N, limit of the scene: nothing was solved beyond it
         #: prepared methods, the first is the default
         self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
                                               for m in range(self._info.method_count))

@@ -18,20 +18,20 @@ class Recording(ByValue):
     """What every one of n ticks read and did. Positions and forces are in the frame of the scene, but for ``device_position``."""
 
     time: Numbers  #: (n,), s
-    device_position: Numbers  #: (n, 3), m, of the device
+    device_position: Numbers  #: (n, 3), m, in the device's frame
     buttons: npt.NDArray[np.int32]  #: (n,), bits
     status: npt.NDArray[np.uint8]  #: (n,): 0 fresh, 1 repeated, 2 lost, 3 away (no hand in the scene)
     tool: Numbers  #: (n, 3), m
-    force: Numbers  #: (n, 3), N, that the device was given
-    raw_force: Numbers  #: (n, 3), N, of the tissue, before the guard
+    force: Numbers  #: (n, 3), N, sent to the device
+    raw_force: Numbers  #: (n, 3), N, of the tissue, before the guard's limits
     touching: npt.NDArray[np.bool_]  #: (n,)
-    anchor: Numbers  #: (n, 3), m, the point of contact at rest; 0 when not touching
+    anchor: Numbers  #: (n, 3), m, the point of contact at rest; 0 without contact
     displacement: Numbers  #: (n, 3), m, of the anchor
-    inside: npt.NDArray[np.bool_]  #: (n,): False where it touched deeper than was computed; older recordings: True
-    coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``; older recordings: NaN
-    energy: Numbers  #: (n,), J, in the tissue; NaN where the method has none
-    error_bound: Numbers  #: (n,), N; NaN where the method gives none
-    guards: npt.NDArray[np.int32]  #: (n,), bits: what limited the force
+    inside: npt.NDArray[np.bool_]  #: (n,): False beyond the computed data; True in older recordings
+    coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``; NaN in older recordings
+    energy: Numbers  #: (n,), J, stored in the tissue; NaN: method without energy
+    error_bound: Numbers  #: (n,), N; NaN: unknown
+    guards: npt.NDArray[np.int32]  #: (n,), bits of the active force limits
     attributes: dict[str, Any]  #: datasets, methods, device and options of the run
 
     @staticmethod

@@ -20,7 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from implicit_body import blend, ellipsoid, mesh_surface, press, surface_of
 
 GRID_SPACING = 0.003  # m; the sharpest feature, the lower edge, has a radius of about 6 mm
-MESHES = {  # file: (element size in metres that gives about that many nodes, Gmsh file version)
+MESHES = {  # file: (element size for about this number of nodes, m; Gmsh file version)
     "liver-500.msh": (0.0154, "2.2"),
     "liver-2000.msh": (0.0087, "4.1"),
 }

@@ -20,8 +20,8 @@ from layers import read_mesh, surface_triangles, write_mesh
 
 HALF_LENGTH = 0.075
 BELLY = 0.024  # radius in the middle
-TENDON = 0.009  # and at the ends
-FLATNESS = 0.8  # extent in z by that in y
+TENDON = 0.009  # radius at the ends
+FLATNESS = 0.8  # ratio of the extents in z and y
 GRID_SPACING = 0.0025
 
 
@@ -37,7 +37,7 @@ def muscle(p):
     """Signed distance-like function at points p (n x 3): negative inside."""
     side = np.hypot(p[:, 1], p[:, 2] / FLATNESS) - radius(p[:, 0])
     end = np.abs(p[:, 0]) - HALF_LENGTH
-    width = 0.004  # over which the edge between them is rounded
+    width = 0.004  # rounding of the edge between them
     h = np.clip(0.5 + 0.5 * (side - end) / width, 0, 1)
     return end + (side - end) * h + width * h * (1 - h)
 

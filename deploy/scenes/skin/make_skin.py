@@ -20,7 +20,7 @@ from layers import grow, read_mesh, surface_triangles, write_mesh
 
 WIDTH = 0.072
 FAT = 0.017
-LAYERS = (("dermis", 0.002), ("epidermis", 0.001))  # from below
+LAYERS = (("dermis", 0.002), ("epidermis", 0.001))  # from the bottom up
 INCLUSION = (0.012, -0.009, 0.010, 0.006)
 
 GEO = """
