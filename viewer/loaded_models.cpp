@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
-constexpr int least_priority = 19;  // nice
+constexpr int least_priority = 19;  // a nice value
 
 /// On Linux this affects the calling thread and the threads it starts later.
 void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority); }

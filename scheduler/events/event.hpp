@@ -23,13 +23,13 @@ inline constexpr auto event_words = std::to_array<std::string_view>({
     "retried",         // transitions that were set aside or failed are handed out again
     "priority",        // the priority of a space changed
     "paused",         "resumed",
-    "disputed",  // two workers found different bits
+    "disputed",  // two workers returned different bits
     "kept_out",  // a worker, machine or key is excluded: its results were wrong
-    "damaged",   // a record cannot be read any more
+    "damaged",   // a record is no longer readable
     "worker_joined",  "worker_left",
-    "worker_lost",     // it fell silent
-    "worker_ended",    // its process ended by itself
-    "worker_refused",  // it may not join
+    "worker_lost",     // a worker fell silent
+    "worker_ended",    // the process of a worker ended by itself
+    "worker_refused",  // a worker may not join
     "left_out",        // events were lost: too many at once, or no room on the disk
 });
 

@@ -21,7 +21,7 @@ struct FleetOptions {
 /// Watches the scheduler that a fleet works for, across restarts. One thread.
 class FleetWatch {
  public:
-  /// `options` must outlive it.
+  /// `options` must outlive this object.
   explicit FleetWatch(const FleetOptions& options) : options_(options) {}
 
   /// Returns the scheduler's status. If no scheduler runs but the build in the state directory is
@@ -46,11 +46,11 @@ struct FleetView {
   std::int64_t ready = 0;  ///< transitions that could be solved now
   int queued = 0;          ///< workers requested from the engine and not started
   int running = 0;         ///< workers that the engine runs
-  bool hands_out = true;   ///< the scheduler is neither paused nor about to end
+  bool hands_out = true;   ///< the scheduler is neither paused nor ending
 };
 
 struct FleetLimits {
-  int most = 64;             ///< workers, queued ones included
+  int most = 64;             ///< workers, including queued ones
   int most_queued = 16;      ///< at a time: a longer queue gains nothing
   int transitions_each = 2;  ///< ready transitions that justify one more worker
 };

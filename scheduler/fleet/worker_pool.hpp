@@ -17,7 +17,7 @@ class WorkerPool {
     std::string how;  ///< "exit code 1", "signal 9 (Killed)"
   };
 
-  /// `command` is the program and its arguments. Starts nothing yet.
+  /// `command` is the program and its arguments. Starts no process.
   explicit WorkerPool(std::vector<std::string> command) : command_(std::move(command)) {}
   /// Terminates and reaps the processes that still run.
   ~WorkerPool() { terminate(std::chrono::milliseconds(0)); }

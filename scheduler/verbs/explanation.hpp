@@ -15,8 +15,8 @@ struct KnownSpaces {
 
   /// Returns the space of the active node, site or probe named `active`; with an empty name, the
   /// only space. For an area, returns its site nearest to `place`, metres. Throws Error (bad
-  /// input), with the valid names, if none matches. Also throws if a finger has no place, or
-  /// another tool has one.
+  /// input), with the valid names, if none matches. Also throws if an area is named without a
+  /// place, or another tool with one.
   const SpaceTable& named(const std::string& active,
                           const std::optional<Eigen::Vector3d>& place = std::nullopt) const;
 };

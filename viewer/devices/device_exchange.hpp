@@ -47,8 +47,8 @@ class DeviceExchange {
   struct Arrival {
     DeviceReading reading;
     Clock::time_point time{};
-    /// Numbers of the newest and oldest force held since the reading before, and of the oldest
-    /// force held before that one; 0: zero force.
+    /// Numbers of the oldest and newest force held since the previous reading, and of the oldest
+    /// force held in the interval before; 0: zero force.
     std::uint64_t oldest = 0, newest = 0, before = 0;
     Clock::duration turn{};    ///< time between calls of force(): a recent maximum
     Clock::duration offset{};  ///< from a reading to the next call of force()
