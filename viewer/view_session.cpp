@@ -24,8 +24,7 @@ namespace {
 
 constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr auto headless_pause = std::chrono::milliseconds(20);
-constexpr auto look_every =
-    std::chrono::milliseconds(500);  // checks of files, problems and statistics
+constexpr auto look_every = std::chrono::milliseconds(500);  // for files, problems, statistics
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);

@@ -29,8 +29,7 @@ int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
 /// Returns true if sbatch will refuse again until an option is changed.
 bool isLasting(const Ran& refusal) {
-  constexpr int not_understood =
-      255;  // exit code for an invalid command line, whatever the message
+  constexpr int not_understood = 255;  // exit code: invalid command line
   const auto says = [&](const char* word) { return refusal.err.find(word) != std::string::npos; };
   const bool passes = says("nvalid authentication") || says("nvalid argument");
   return refusal.exit_code == not_understood || (says("nvalid") && !passes);

@@ -10,13 +10,12 @@ namespace palpate {
 
 /// Command-line options that `build` and `serve` share.
 struct BuildOrder {
-  std::string scene;     ///< TOML file
-  std::string out;       ///< dataset; empty: NAME.h5 in the current directory
-  std::string state;     ///< state directory; empty: OUT.state
-  bool replace = false;  ///< replace `out` if it holds something else
-  std::optional<unsigned>
-      hung_after_s;  ///< time limit of a solve; nothing: derived from the solves so far
-  double spot_checks_percent = 0;  ///< share of the results that another machine solves again
+  std::string scene;                     ///< TOML file
+  std::string out;                       ///< dataset; empty: NAME.h5 in the current directory
+  std::string state;                     ///< state directory; empty: OUT.state
+  bool replace = false;                  ///< replace `out` if it holds something else
+  std::optional<unsigned> hung_after_s;  ///< limit of a solve; nothing: derived from earlier solves
+  double spot_checks_percent = 0;  ///< percent of the results that another machine solves again
   std::string kernels;             ///< name of a CpuFamily; empty: that of the first result
 
   /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, which must not

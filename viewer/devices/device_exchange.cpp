@@ -25,8 +25,7 @@ double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) no
 
 DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
   const Arrival arrival = readings_.read();
-  const std::uint64_t unseen =
-      arrival.number - seen_.number;  // readings since the last seen one, including this one
+  const std::uint64_t unseen = arrival.number - seen_.number;  // since the last seen one
   DeviceReading reading = arrival.reading;
   const std::uint64_t oldest = std::min(arrival.oldest, unseen == 2  ? arrival.before
                                                         : unseen > 2 ? seen_.newest
