@@ -21,9 +21,8 @@ std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory);
 /// Events inform users and programs; no decision depends on them, so nothing here throws or blocks:
 /// - Lines are not synced. A crash loses the lines of one turn and leaves at most one partial line,
 ///   which readers skip.
-/// - If lines cannot be written (a full disk), that is logged once and the build goes on. Once
-/// there
-///   is room again, an event gives the number of lost lines.
+/// - If lines cannot be written (a full disk), that is logged once and the build goes on. When
+///   there is room again, an event gives the number of lost lines.
 /// - A file ends at `file_bytes`; the oldest files are removed, so that `most_files` remain.
 ///
 /// One thread.

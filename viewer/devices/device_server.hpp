@@ -19,10 +19,9 @@ namespace palpate {
 ///
 /// A thread of its own reads the device at `rate`, sends each reading to the client that holds the
 /// device, and writes the client's newest force. The client is not trusted:
-/// - A force that is not finite is ignored. One above the device's limit is shortened to it.
+/// - A force that is not finite is ignored. A force above the device's limit is scaled down to it.
 /// - Each force states how long it is valid, counted from the time its reading was sent. A force
-/// that
-///   arrives later is ignored, and without a valid force the device gets zero.
+///   that arrives later is ignored, and without a valid force the device gets zero.
 /// - A client that is silent for a second loses the device to the next one.
 ///
 /// The last force written at the end is zero.

@@ -6,7 +6,7 @@
 namespace palpate {
 
 /// The mouse. The picture maps it to a target in the scene, which the tool follows like a
-/// critically damped spring. Events at 60 Hz so become smooth motion at the tick rate, with
+/// critically damped spring. Events at 60 Hz thus become smooth motion at the tick rate, with
 /// continuous position and velocity and no overshoot. The device is away before the first target,
 /// while there is none, and for one reading when it appears (MouseTarget). It renders no force and
 /// lives in the scene.

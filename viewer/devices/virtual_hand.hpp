@@ -20,8 +20,7 @@ namespace palpate {
 /// - Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
 ///   interaction;
 /// - Speich, Shao and Goldfarb 2005, Modeling the human hand as it interacts with a
-/// telemanipulation
-///   system.
+///   telemanipulation system.
 /// Damping ratio 0.52, natural frequency 8 Hz.
 class VirtualHand : public HapticDevice {
  public:
