@@ -31,8 +31,8 @@ constexpr std::size_t longest_frame = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket. Calls return after a time limit or when a stop is requested. A call that fails
-/// closes the connection; read() first sends `farewell`.
+/// The web socket. Calls return after a time limit or when a stop is requested. In both cases the
+/// connection is closed; read() first sends `farewell`.
 class Connection {
  public:
   explicit Connection(const std::stop_token& stop) : stop_(stop), socket_(io_) {}
@@ -67,7 +67,8 @@ class Connection {
  private:
   beast::tcp_stream& lowest() { return beast::get_lowest_layer(socket_); }
 
-  /// Runs an operation up to `limit`; on a timeout, sends `farewell` and closes the connection.
+  /// Runs an operation up to `limit`. If it has not finished by then, sends `farewell` and closes
+  /// the connection.
   template <class Start>
   beast::error_code await(Start start, Clock::duration limit, const std::string& farewell = {}) {
     beast::error_code result = asio::error::timed_out;
