@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Writes index.html over what deploy/gallery made in a folder: pictures, tables, links. What no program measures, where the
-numbers of a material are from and what was verified, is read from docs/gallery.md.
+"""Writes index.html for the results of deploy/gallery in a folder: pictures, tables, links. Sources of material parameters and
+verification results come from docs/gallery.md.
 
-    deploy/scenes/gallery_index.py FOLDER NAME... [--markdown]     (the tables alone, as docs/gallery.md has them)
+    deploy/scenes/gallery_index.py FOLDER NAME... [--markdown]     (prints only the tables, for docs/gallery.md)
 """
 import html
 import json
@@ -20,7 +20,7 @@ def scene_file(name):
 
 
 def title(name):
-    """The first sentence of the scene's comment."""
+    """Returns the first sentence of the scene's comment."""
     comment = ""
     for line in scene_file(name).read_text(encoding="utf-8").splitlines():
         if not line.startswith("# "):
@@ -30,7 +30,7 @@ def title(name):
 
 
 def seconds_of(folder, name):
-    """Elapsed and processor seconds of all runs of the build."""
+    """Returns the elapsed and processor seconds of all runs of the build."""
     runs = [list(map(float, line.split())) for line in (folder / f"{name}.times").read_text(encoding="utf-8").splitlines()]
     return sum(run[0] for run in runs), sum(run[1] + run[2] for run in runs)
 
@@ -44,7 +44,7 @@ def size(file):
 
 
 def accuracy(report):
-    """How far forces between the solved points can be trusted: what the dataset says, and what was measured."""
+    """Yields the accuracy of forces between solved points: the dataset's bound and the measured error."""
     area = report["areas"][0]
     bound, measured = area["relative_bound"], area["probes"]["area"]
     yield "error bound of the force", f"median {percent(bound['median'])}, 95 % below {percent(bound['percentile_95'])}"
@@ -55,7 +55,7 @@ def accuracy(report):
 
 
 def rows(folder, name):
-    """What the table of a scene says: (property, value)."""
+    """Returns the table of a scene: (property, value)."""
     scene = tomllib.loads(scene_file(name).read_text(encoding="utf-8"))
     check = json.loads((folder / f"{name}.check").read_text(encoding="utf-8"))
     report = json.loads((folder / f"{name}.report").read_text(encoding="utf-8"))
@@ -86,13 +86,13 @@ def rows(folder, name):
 
 
 def plain(text):
-    """Without the links and signs of Markdown."""
+    """Removes Markdown links and markup."""
     return re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").replace("*", "")
 
 
 def written(name):
-    """What the manual says of a scene beyond what is measured: (property, value), the grade last. Nothing of a scene that it
-    does not know."""
+    """Returns the properties of a scene that the manual gives, (property, value), the grade last. Empty for an unknown
+    scene."""
     sections = MANUAL.read_text(encoding="utf-8").split("\n## ")
     section = next((part for part in sections if f"deploy/scenes/{name}/" in part), "")
     return [(what, plain(value)) for what, value in re.findall(r"^\| (.+?) \| (.+) \|$", section, re.M)
@@ -100,20 +100,20 @@ def written(name):
 
 
 def table(folder, name):
-    """Rows as HTML."""
+    """Returns the table of a scene as HTML."""
     every = {**dict(rows(folder, name)), **dict(written(name))}
     return "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}" for what, value in every.items())
 
 
 def links(folder, name):
-    """To what of it is there; the dataset is named, since it is no page."""
+    """Returns links to the existing pages of a scene, and the name of its dataset."""
     there = [(f"{name}.html", "Touch it"), (f"{name}-report.html", "Report: how accurate, how fast")]
     parts = [f'<a href="{file}">{words}</a>' for file, words in there if (folder / file).exists()]
     return " &middot; ".join([*parts, f"dataset: {name}.h5"])
 
 
 def grades():
-    """What they mean: (letter, sentence), of the manual."""
+    """Returns the meanings of the grades from the manual: (letter, sentence)."""
     return [(letter, plain(value)) for letter, value in
             re.findall(r"^\| ([A-C]) \| (.+?) \|$", MANUAL.read_text(encoding="utf-8"), re.M)]
 

@@ -1,9 +1,8 @@
-"""What the shapes of deploy/scenes are made of: implicit bodies, their surfaces, and meshes of tetrahedra by gmsh.
+"""Tools for the shapes in deploy/scenes: implicit bodies, their surfaces, and tetrahedral meshes by gmsh.
 
-A body is a function of points (n x 3, m) that is negative inside and like a distance near its surface. It is sampled on
-a grid, wrapped in a closed triangle surface (surface nets), which is projected onto the body, and gmsh re-meshes that to a
-uniform size and fills it with tetrahedra. Nothing is random: the same gmsh gives the same files. Run by the make_NAME.py of
-each scene; metres throughout.
+A body is a function of points (n x 3, m), negative inside and close to the distance near its surface. It is sampled on a grid.
+Surface nets extract a closed triangle surface, which is projected onto the body. gmsh remeshes the surface to a uniform size and
+fills it with tetrahedra. Nothing is random: the same gmsh gives the same files. Used by the make_NAME.py of each scene. Metres.
 """
 import pathlib
 import subprocess
@@ -14,7 +13,7 @@ import numpy as np
 
 
 def ellipsoid(p, center, semi_axes, tilt_deg=0.0):
-    """Approximate signed distance of points p (n x 3) to an ellipsoid turned by tilt_deg about the y axis."""
+    """Returns the approximate signed distance of points p (n x 3) to an ellipsoid rotated by tilt_deg about the y axis."""
     c, s = np.cos(np.radians(tilt_deg)), np.sin(np.radians(tilt_deg))
     q = (p - center) @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
     k0 = np.linalg.norm(q / semi_axes, axis=1)
@@ -23,21 +22,21 @@ def ellipsoid(p, center, semi_axes, tilt_deg=0.0):
 
 
 def blend(a, b, width):
-    """Union of two distances whose crease is rounded over `width` metres."""
+    """Returns the union of two signed distances, with its crease rounded over `width` metres."""
     h = np.clip(0.5 + 0.5 * (b - a) / width, 0, 1)
     return b + (a - b) * h - width * h * (1 - h)
 
 
 def press(body, tool, width):
-    """The body without what the tool covers, the edge rounded over `width` metres."""
+    """Returns the body minus the tool, with the edge rounded over `width` metres."""
     return -blend(-body, tool, width)
 
 
 def surface_nets(field, spacing):
-    """Closed surface of a body sampled on a grid: one vertex per cell that it passes, one quadrilateral per grid edge.
+    """Extracts the closed surface of a body on a grid: one vertex per cell that it crosses, one quadrilateral per grid edge.
 
-    field   nx x ny x nz, negative inside, positive on the whole rim.
-    Returns vertices (n x 3, in the frame of grid point 0,0,0) and triangles (m x 3, normals outwards).
+    field   nx x ny x nz, negative inside, positive on the whole boundary.
+    Returns vertices (n x 3, relative to grid point 0,0,0) and triangles (m x 3, normals outward).
     """
     inside = field < 0
     corner_sum = np.zeros(tuple(n - 1 for n in field.shape) + (3,))
@@ -73,7 +72,7 @@ def surface_nets(field, spacing):
 
 
 def relax(body, vertices, triangles, rounds):
-    """Moves every vertex to the middle of its neighbours and back onto the body, `rounds` times."""
+    """Moves each vertex to the mean of its neighbours and back onto the body, `rounds` times."""
     pairs = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]),
                               axis=1), axis=0)
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
@@ -86,7 +85,7 @@ def relax(body, vertices, triangles, rounds):
 
 
 def onto_body(body, points):
-    """One Newton step along the gradient of the implicit function."""
+    """Projects points by one Newton step along the gradient of the implicit function."""
     step = 1e-5
     value = body(points)
     gradient = np.stack([(body(points + step * e) - body(points - step * e)) / (2 * step) for e in np.eye(3)],
@@ -95,14 +94,14 @@ def onto_body(body, points):
 
 
 def check_closed(triangles):
-    """Every directed edge once, with its reverse: closed and consistently oriented."""
+    """Exits unless each directed edge occurs once, with its reverse: closed and consistently oriented."""
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if len(np.unique(directed, axis=0)) != len(directed) or set(map(tuple, directed)) != set(map(tuple, directed[:, ::-1])):
         sys.exit("the surface is not closed; a smaller grid spacing resolves it")
 
 
 def surface_of(body, low, high, spacing):
-    """Vertices (n x 3, m) and triangles (m x 3) of the surface of a body that lies between the corners `low` and `high`."""
+    """Returns vertices (n x 3, m) and triangles (m x 3) of the surface of a body between the corners `low` and `high`."""
     low = np.asarray(low)
     shape = np.ceil((np.asarray(high) - low) / spacing).astype(int)
     grid = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -158,7 +157,7 @@ def gmsh(folder, *arguments):
 def mesh_surface(vertices, triangles, out, size, names, version="2.2"):
     """Meshes the inside of a closed surface with edges of about `size` metres and writes it to the file `out`.
 
-    names   of the two physical groups: (surface, volume)
+    names   names of the two physical groups: (surface, volume)
     """
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -172,7 +171,7 @@ def mesh_surface(vertices, triangles, out, size, names, version="2.2"):
 
 
 def mesh_geometry(geometry, out, size):
-    """Meshes what the text `geometry` (gmsh's language) describes with edges of about `size` metres: file `out`, version 2.2."""
+    """Meshes `geometry` (text in gmsh's language) with edges of about `size` metres; writes the file `out`, version 2.2."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "body.geo").write_text(geometry + SETTINGS.format(size=size))

@@ -1,6 +1,6 @@
-"""Meshes of tetrahedra whose parts have names, and thin layers that are grown on their surfaces; deploy/scenes.
+"""Tetrahedral meshes with named parts, and thin layers grown on their surfaces, for deploy/scenes.
 
-A mesh is `points` (n x 3, m), `tetrahedra` (m x 4, node numbers from 0) and `part` (m, an index into names of parts).
+A mesh is `points` (n x 3, m), `tetrahedra` (m x 4, node numbers from 0) and `part` (m, indices into the names of the parts).
 """
 import pathlib
 
@@ -10,7 +10,7 @@ FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedr
 
 
 def read_mesh(file):
-    """Points, tetrahedra and the numbers of their physical groups, of a Gmsh file of version 2.2; and the groups' names."""
+    """Reads a Gmsh file of version 2.2. Returns points, tetrahedra, their physical group numbers, and the groups' names."""
     lines = iter(pathlib.Path(file).read_text(encoding="utf-8").splitlines())
     names, elements = {}, []
     for line in lines:
@@ -36,7 +36,7 @@ def volumes(points, tetrahedra):
 
 
 def upright(points, tetrahedra):
-    """The same tetrahedra, all of positive volume."""
+    """Returns the tetrahedra, reordered so that all volumes are positive."""
     tetrahedra = tetrahedra.copy()
     turned = volumes(points, tetrahedra) < 0
     tetrahedra[turned] = tetrahedra[turned][:, [1, 0, 2, 3]]
@@ -44,14 +44,14 @@ def upright(points, tetrahedra):
 
 
 def surface_triangles(tetrahedra):
-    """The faces that only one tetrahedron has, seen from outside (m x 3)."""
+    """Returns the faces of only one tetrahedron (m x 3), counterclockwise seen from outside."""
     faces = tetrahedra[:, FACES].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return faces[first[count == 1]]
 
 
 def vertex_normals(points, triangles):
-    """Unit normals at the points (n x 3), zero where no triangle is: means of those of the triangles by area."""
+    """Returns unit normals at the points (n x 3), averaged over the triangles by area; zero without a triangle."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     normals = np.zeros_like(points)
     for corner in range(3):
@@ -60,10 +60,10 @@ def vertex_normals(points, triangles):
 
 
 def grow(points, tetrahedra, triangles, offset):
-    """One layer of prisms on `triangles`, each cut into three tetrahedra so that neighbours fit.
+    """Grows one layer of prisms on `triangles`, each cut into three tetrahedra that match its neighbours.
 
     offset  n x 3, m: from each point to its copy on the other side of the layer
-    Returns the points, with the copies behind them, the tetrahedra of the layer alone, and the triangles of its other side.
+    Returns the points followed by the copies, the layer's own tetrahedra, and the triangles on its other side.
     """
     below = np.unique(triangles)
     copy = np.full(len(points), -1)
@@ -77,11 +77,11 @@ def grow(points, tetrahedra, triangles, offset):
 
 
 def write_mesh(file, points, tetrahedra, part, names, surfaces=(), vectors=None):
-    """A Gmsh file of version 2.2.
+    """Writes a Gmsh file of version 2.2.
 
-    part      m, index into `names`
-    surfaces  of triangles: (name, m x 3), which name where a body may be held
-    vectors   (name, m x 3): a direction in each tetrahedron
+    part      m, indices into `names`
+    surfaces  named triangles where a body may be fixed: (name, m x 3) each
+    vectors   a direction in each tetrahedron: (name, m x 3)
     """
     groups = [(3, i + 1, name) for i, name in enumerate(names)]
     groups += [(2, len(names) + i + 1, name) for i, (name, _) in enumerate(surfaces)]
@@ -104,7 +104,7 @@ def write_mesh(file, points, tetrahedra, part, names, surfaces=(), vectors=None)
 
 
 def write_stl(file, points, triangles, title):
-    """A surface as binary STL, in mm; points in m, triangles counterclockwise seen from outside."""
+    """Writes a surface as binary STL in mm. Points are in m, triangles counterclockwise seen from outside."""
     corners = 1e3 * points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

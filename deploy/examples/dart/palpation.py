@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A robot finger palpates a soft body: DART moves a finger of three joints, palpate says what the tissue does to its tip, and the
-finger feels that in its joints.
+"""A robot finger palpates a soft body. DART simulates a finger with three joints, palpate computes the tissue's force on its tip,
+and the joints feel that force.
 
     palpation.py DATASET.h5 [DEPTH_MM]
 
 Needs python3-dartpy and the package of docs/python.md. DART's own contacts are not used: its soft bodies are springs between
-points. The force comes from equilibria of the body that were solved before, and has an error bound in newtons.
+points. Palpate's force comes from precomputed equilibria of the body and has an error bound in newtons.
 """
 
 import sys
@@ -24,7 +24,7 @@ END = np.array([LINK, 0.0, 0.0])  # end of a link, in its own frame
 
 
 def outward_normal(dataset, vertex):
-    """Mean of the triangles at a vertex."""
+    """Returns the mean outward unit normal of the triangles at a vertex."""
     a, b, c = dataset.vertices[dataset.triangles[(dataset.triangles == vertex).any(axis=1)]].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a).sum(axis=0)
     return normal / np.linalg.norm(normal)
@@ -38,7 +38,7 @@ def isometry(rotation, translation):
 
 
 def finger(place, normal):
-    """A finger of three joints, its base HEIGHT over a place, its tip START over it, elbow up."""
+    """Returns a finger with three joints, elbow up. Its base is HEIGHT above the place, its tip START above it."""
     aside = np.eye(3)[int(abs(normal[0]) >= 0.9)]
     x = aside - normal * (normal @ aside)
     x /= np.linalg.norm(x)

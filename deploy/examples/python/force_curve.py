@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Plots what a tool feels along a straight way from rest: the force with its error bound, and the points that were solved.
+"""Plots the force of a tool along a straight line from rest, with its error bound and the solved points.
 
-    force_curve.py DATASET.h5 FIGURE.svg [ACTIVE [X Y Z]]        the direction; without one along the largest solved force
+    force_curve.py DATASET.h5 FIGURE.svg [ACTIVE [X Y Z]]
+
+X Y Z is the direction; by default the line goes through the point with the largest solved force.
 """
 
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plots how hard a body is wherever a finger can touch it: newtons per millimetre when it is pressed in by DEPTH_MM.
+"""Plots the stiffness of a body wherever a finger can touch it: newtons per millimetre at a depth of DEPTH_MM.
 
     stiffness_map.py DATASET.h5 FIGURE.png [DEPTH_MM]
 """

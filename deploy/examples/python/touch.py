@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Presses a tool into a body, step by step, and prints the forces; the first line is an answer without contact.
+"""Presses a tool into a body, step by step, and prints the forces. The first line is a query without contact.
 
     touch.py DATASET.h5 [DEPTH_MM]
 """
@@ -14,7 +14,7 @@ TICKS, TICKS_PER_LINE = 400, 40
 
 
 def inward_normal(dataset, vertex):
-    """Mean of the triangles at a vertex, into the body."""
+    """Returns the mean unit normal of the triangles at a vertex, pointing into the body."""
     a, b, c = dataset.vertices[dataset.triangles[(dataset.triangles == vertex).any(axis=1)]].transpose(1, 0, 2)
     normal = -np.cross(b - a, c - a).sum(axis=0)
     return normal / np.linalg.norm(normal)

@@ -1,4 +1,4 @@
-"""Palpate for Python: forces of a soft body, from the datasets that ``palpate build`` makes.
+"""Palpate for Python: forces of a soft body, from the datasets that ``palpate build`` writes.
 
     >>> import palpate
     >>> liver = palpate.Dataset("liver.h5")
@@ -6,20 +6,19 @@
     >>> answers.force                       # N, of the tissue on the tool, one row per displacement
     >>> answers.error_bound                 # N
 
-What is here:
+Contents:
 
 ``Dataset``    a dataset in memory; ``query`` answers any number of displacements in one call
-``Contact``    a tool that touches the body, slides and lets go: one position after the other
-``Guard``      limits a force to what a haptic device may be given
-``Arrays``     what a dataset file holds, as NumPy arrays (needs h5py)
-``Recording``  what ``palpate view --record`` wrote, as NumPy arrays (needs h5py)
+``Contact``    a tool that touches the body, slides and lets go, one position at a time
+``Guard``      limits a force to a safe one for a haptic device
+``Arrays``     the contents of a dataset file, as NumPy arrays (needs h5py)
+``Recording``  the run that ``palpate view --record`` wrote, as NumPy arrays (needs h5py)
 
-Everything is in SI units and in the frame of the scene: m, N, N/m, J, Pa. A force is that of the tissue on the tool. Arrays
-are C-contiguous; where a number is not known it is NaN. What goes wrong is a ``palpate.Error`` that says what, where and
-what to do.
+All values are in SI units and in the frame of the scene: m, N, N/m, J, Pa. A force is that of the tissue on the tool. Arrays
+are C-contiguous; an unknown number is NaN. Failures raise ``palpate.Error``, which gives the cause, the place and the remedy.
 
-The work is done by libpalpate, a C library (palpate.h is its manual), through ctypes: nothing is compiled against a version of
-Python. The global interpreter lock is released while it works, and a dataset may be used by any number of threads at once.
+The package calls libpalpate, a C library (palpate.h is its manual), through ctypes, so it depends on no version of Python. It
+releases the global interpreter lock during calls, and any number of threads may use a dataset at once.
 """
 
 from ._library import Error, version

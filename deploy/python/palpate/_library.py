@@ -1,4 +1,4 @@
-"""libpalpate as ctypes sees it: its structures, its functions, and where it lies. palpate.h is the manual of all of them."""
+"""ctypes bindings of libpalpate: its structures, its functions and its location. palpate.h documents them."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ MOST_SHARES = 9
 
 
 class Error(Exception):
-    """What libpalpate, or a file, says went wrong: what happened, where, what to do.
+    """A failure of libpalpate or of a file: its cause, place and remedy.
 
-    ``status`` is the palpate_status: 1 a wrong argument, 2 a bad file, 3 no memory, 4 anything else.
+    ``status`` is the palpate_status: 1 invalid argument, 2 bad file, 3 out of memory, 4 other.
     """
 
     def __init__(self, status: int, text: str) -> None:
@@ -42,7 +42,7 @@ class Error(Exception):
 
 
 class _Sized(ctypes.Structure):
-    """A structure of palpate.h that knows its size, as every one of them must."""
+    """A structure of palpate.h, with its size filled in as the library requires."""
 
     def __init__(self, **members: Any) -> None:
         super().__init__(size=ctypes.sizeof(self), **members)
@@ -140,7 +140,7 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
 
 
 def _candidates() -> Iterator[str]:
-    """Where libpalpate may lie: as PALPATE_LIBRARY says, beside this package as both are installed, then as the system finds it."""
+    """Yields places of libpalpate: PALPATE_LIBRARY alone if it is set, else beside this package, then in the system's path."""
     if named := os.environ.get("PALPATE_LIBRARY"):
         yield named
         return
@@ -152,7 +152,7 @@ def _candidates() -> Iterator[str]:
 
 
 def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
-    """The library and its functions, by their names without "palpate_"."""
+    """Loads the library. Returns its file and its functions, by their names without "palpate_"."""
     refusals: list[str] = []
     for name in _candidates():
         try:
@@ -190,7 +190,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 class ByValue:
-    """Equality of dataclasses that hold arrays: the same members, bit for bit but for zeros' signs; NaN equals NaN."""
+    """Equality by value for dataclasses with arrays: all members are equal; NaN equals NaN."""
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -199,24 +199,24 @@ class ByValue:
 
 
 def last_error() -> str:
-    """The text of the last failure of this thread."""
+    """Returns the message of the last failure in this thread."""
     return bytes(functions["last_error"]()).decode(errors="replace")
 
 
 def call(word: str, *arguments: Any) -> None:
-    """Calls palpate_`word`; raises what it says went wrong."""
+    """Calls palpate_`word`; raises Error if it fails."""
     status = functions[word](*arguments)
     if status != OK:
         raise Error(status, last_error())
 
 
 def version() -> str:
-    """Version of libpalpate, as "0.1.0"."""
+    """Returns the version of libpalpate, for instance "0.1.0"."""
     return bytes(functions["version"]()).decode()
 
 
 class _Owned:
-    """A handle of the library, given back with the last reference to it: a call that is running in another thread has one."""
+    """A handle of the library, freed with the last reference to it. A call that runs in another thread holds one."""
 
     def __init__(self, handle: c_void_p, destroy: str) -> None:
         self._as_parameter_, self._destroy = handle, functions[destroy]  # the value that ctypes passes to C
@@ -226,7 +226,7 @@ class _Owned:
 
 
 class Handle:
-    """Has a handle of the library: a context manager."""
+    """An object with a handle of the library; a context manager."""
 
     _handle: _Owned | None = None
     _destroy = ""
@@ -235,8 +235,8 @@ class Handle:
         self._handle = _Owned(handle, self._destroy)
 
     def close(self) -> None:
-        """Gives it back, once calls that other threads are in have ended; nothing can be asked of it from now on. Without,
-        Python does so when nobody refers to it any more."""
+        """Frees the handle after running calls of other threads have ended; the object is unusable from now on. Without this call,
+        Python frees the handle with the last reference."""
         self._handle = None
 
     def __enter__(self) -> Any:
@@ -255,7 +255,7 @@ class Handle:
 
     @property
     def handle(self) -> _Owned:
-        """For calls of the library. Error when it was given back."""
+        """The handle for calls of the library. Raises Error after ``close``."""
         if self._handle is None:
             raise Error(1, f"this {type(self).__name__} was closed")
         return self._handle

@@ -1,4 +1,4 @@
-"""What a dataset file holds, as NumPy arrays: every lattice point that was solved, as it was solved. docs/dataset.md is the layout."""
+"""The contents of a dataset file, as NumPy arrays: every solved lattice point. docs/dataset.md describes the layout."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _majors = (2, 3)
 
 
 def _is_open_for_writing(name: str) -> bool:
-    """As the version and the consistency flags of the superblock say."""
+    """Returns whether the version and consistency flags of the superblock say so."""
     with open(name, "rb") as file:
         head = file.read(12)
     return len(head) == 12 and head[8] >= 3 and head[11] & 5 != 0
 
 
 def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) -> Any:
-    """An open h5py.File whose attribute ``format`` says that it is a palpate-`what` of one of these major versions."""
+    """Opens an h5py.File. Raises Error unless its ``format`` is palpate-`what`, of one of these major versions."""
     try:
         import h5py
     except ModuleNotFoundError as missing:
@@ -56,7 +56,7 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
 
 
 def _table(file: Any, path: str) -> Any:
-    """What lies at a path of an open file."""
+    """Returns the object at a path of an open file."""
     if not file:
         raise Error(1, f"{path}: the file was closed; read what you need while it is open")
     if path not in file:
@@ -66,7 +66,7 @@ def _table(file: Any, path: str) -> Any:
 
 
 class Space:
-    """The configuration space of one active node: L lattice points. Rows that were not solved are NaN (``solved`` says which)."""
+    """The configuration space of one active node: L lattice points. Rows of unsolved points are NaN (see ``solved``)."""
 
     def __init__(self, file: Any, number: int, name: str) -> None:
         self._file, self._number, self.name = file, number, name
@@ -82,7 +82,7 @@ class Space:
         return slice(*map(int, _table(self._file, "spaces/first_" + table)[self._number:self._number + 2]))
 
     def __getitem__(self, array: str) -> npt.NDArray[Any]:
-        """Any array of /points by its name, for instance "drive" or "newton_iterations"; docs/dataset.md lists them."""
+        """Returns an array of /points by name, for instance "drive" or "newton_iterations"; docs/dataset.md lists them."""
         return np.asarray(_table(self._file, "points/" + array)[self._rows])
 
     @cached_property
@@ -92,22 +92,22 @@ class Space:
 
     @cached_property
     def tag(self) -> npt.NDArray[np.uint8]:
-        """(L,): numbers of ``TAGS``."""
+        """(L,): indices into ``TAGS``."""
         return self["tag"]
 
     @cached_property
     def cause(self) -> npt.NDArray[np.uint8]:
-        """(L,): why a point failed, numbers of ``CAUSES``."""
+        """(L,): causes of failed points, indices into ``CAUSES``."""
         return self["cause"]
 
     @cached_property
     def solved(self) -> npt.NDArray[np.bool_]:
-        """(L,): whether there is an equilibrium."""
+        """(L,): whether the point has an equilibrium."""
         return np.isin(self.tag, (1, 2))
 
     @cached_property
     def force(self) -> Numbers:
-        """(L, 3), N, of the tissue on the tool."""
+        """(L, 3), N: force of the tissue on the tool."""
         return self["force"]
 
     @cached_property
@@ -117,7 +117,7 @@ class Space:
 
     @cached_property
     def energy(self) -> Numbers:
-        """(L,), J, stored above the rest state."""
+        """(L,), J: stored energy, relative to the rest state."""
         return self["energy"]
 
     @cached_property
@@ -126,7 +126,7 @@ class Space:
         return self["min_det_F"]
 
     def displacement(self, points: Any = slice(None)) -> npt.NDArray[np.float32]:
-        """(n, V, 3), m: displacements of ``Arrays.stored_nodes`` at these points (a number, a slice, a mask; default all)."""
+        """(n, V, 3), m: displacements of ``Arrays.stored_nodes`` at these points (an index, slice or mask; default all)."""
         numbers = np.arange(self._rows.start, self._rows.stop)[points]
         table = _table(self._file, "points/displacement")
         rows = np.empty(np.shape(numbers) + table.shape[1:], np.float32)
@@ -141,24 +141,24 @@ class Space:
 
     @cached_property
     def probes(self) -> dict[str, npt.NDArray[Any]]:
-        """Exact solutions off the lattice that no interpolation uses: "position", "force", "tag" and all else of /probes."""
+        """Exact solutions off the lattice, unused by the interpolation: "position", "force", "tag" and the others of /probes."""
         rows = self._rows_of("probe")
         return {name: np.asarray(array[rows]) for name, array in _table(self._file, "probes").items()}
 
 
 def _space_of(file: str, name: str) -> Space:
-    """For pickles."""
+    """Opens a space again, for pickle."""
     return Arrays(file)[name]
 
 
 class Arrays:
-    """A dataset file as NumPy arrays; they are read when they are asked for. A context manager that closes the file.
+    """A dataset file as NumPy arrays, read on first use. A context manager that closes the file.
 
         >>> with palpate.Arrays("liver.h5") as arrays:
         ...     tip = arrays["tip"]
         ...     print(tip.position[tip.solved], tip.force[tip.solved])
 
-    It reads with h5py and prepares nothing, unlike ``Dataset``. One thread at a time. A pickle has the path of the file.
+    Unlike ``Dataset``, reads with h5py and prepares nothing. One thread at a time. A pickle stores the path of the file.
     """
 
     def __init__(self, file: str | os.PathLike[str]) -> None:
@@ -176,7 +176,7 @@ class Arrays:
         return value.decode() if isinstance(value, bytes) else str(value)
 
     def __getitem__(self, name: str) -> Space:
-        """The space of an active node."""
+        """Returns the space of an active node."""
         if name not in self.names:
             raise KeyError(f"there is no active node {name!r}; there are: {', '.join(self.names[:12])}"
                            + (f", ... {len(self.names)} in all" if len(self.names) > 12 else ""))
@@ -195,7 +195,7 @@ class Arrays:
 
     @cached_property
     def tetrahedra(self) -> npt.NDArray[np.int32]:
-        """(M, 4): node numbers, positively oriented."""
+        """(M, 4): node numbers, positive orientation."""
         return np.asarray(_table(self._file, "mesh/tetrahedra"))
 
     @cached_property
@@ -205,16 +205,16 @@ class Arrays:
 
     @cached_property
     def fixed_nodes(self) -> npt.NDArray[np.int32]:
-        """Nodes that do not move, ascending."""
+        """Numbers of the fixed nodes, ascending."""
         return np.asarray(_table(self._file, "mesh/fixed_nodes"))
 
     @cached_property
     def stored_nodes(self) -> npt.NDArray[np.int32]:
-        """(V,): the nodes that ``Space.displacement`` is of, ascending."""
+        """(V,): numbers of the nodes in ``Space.displacement``, ascending."""
         return np.asarray(_table(self._file, "mesh/stored_nodes"))
 
     def close(self) -> None:
-        """Closes the file; what was read stays."""
+        """Closes the file; arrays already read stay valid."""
         self._file.close()
 
     def __enter__(self) -> Arrays:

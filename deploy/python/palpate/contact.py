@@ -1,4 +1,4 @@
-"""Contact of a tool with a body, and what a haptic device may be given of its force."""
+"""Contact of a tool with a body, and safe forces for a haptic device."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_fini
 
 
 class ContactMode(enum.IntEnum):
-    """How a tool holds a body."""
+    """The kind of contact."""
 
     UNILATERAL = 0  #: the tissue pushes the tool away and never pulls
     GLUED = 1  #: the tool sticks to the surface, and can also pull it
@@ -27,7 +27,7 @@ class ContactMode(enum.IntEnum):
 
 @dataclass
 class ContactOptions:
-    """How a tool touches. Change what ``Contact.defaults`` gives for a dataset."""
+    """Options of a contact. Start from ``Contact.defaults`` of a dataset."""
 
     mode: ContactMode
     friction: float  #: Coulomb friction coefficient, for unilateral contact
@@ -38,7 +38,7 @@ class ContactOptions:
 
 @dataclass(frozen=True, eq=False)
 class Touch(ByValue):
-    """What the tissue does to the tool, after one position."""
+    """State of a contact after one position of the tool."""
 
     touching: bool
     stepped: bool  #: the force may have jumped, more than the motion explains
@@ -74,16 +74,16 @@ def _position(tool: npt.ArrayLike) -> Any:
 
 
 class Contact(_library.Handle):
-    """A point tool on a dataset's body: it touches where it crosses the surface from outside, slides with friction, lets go.
+    """A point tool on a dataset's body. It touches where it crosses the surface from outside, slides with friction, and lets go.
 
-    What it feels depends on the way it took, so give it every position in turn, the first outside of the body. One thread at a
-    time. It keeps its dataset in memory.
+    Its force depends on the path, so pass every position in order, the first outside the body. One thread at a time. Keeps its
+    dataset in memory.
     """
 
     _destroy = "contact_destroy"
 
     def __init__(self, dataset: Dataset, options: ContactOptions | None = None, method: str | int = 0) -> None:
-        """options: ``Contact.defaults(dataset)`` when there are none. method: name or number of a prepared one."""
+        """options: default ``Contact.defaults(dataset)``. method: name or index of a prepared method."""
         given = _library.ContactOptions()
         _library.call("contact_defaults", dataset.handle, byref(given))
         if options is not None:
@@ -97,24 +97,25 @@ class Contact(_library.Handle):
 
     @staticmethod
     def defaults(dataset: Dataset) -> ContactOptions:
-        """The options that the scene of a dataset asks for."""
+        """Returns the options that the scene of a dataset sets."""
         given = _library.ContactOptions()
         _library.call("contact_defaults", dataset.handle, byref(given))
         return ContactOptions(ContactMode(given.mode), given.friction, given.grab_distance, given.most_slide,
                               given.most_relaxation)
 
     def update(self, tool: npt.ArrayLike, hold: bool = True) -> Touch:
-        """The touch with the tool at ``tool``, (3,), m. hold: glued only, False lets go. Not finite: contact ends."""
+        """Moves the tool to ``tool``, (3,), m, and returns the touch. hold: for glued contact; False lets go. A position that is
+        not finite ends the contact."""
         given = _library.Touch()
         _library.call("contact_update", self.handle, _position(tool), int(hold), byref(given))
         return _touch(given)
 
     def follow(self, tools: Iterable[npt.ArrayLike], hold: bool = True) -> list[Touch]:
-        """``update`` for one position after the other."""
+        """Calls ``update`` for each position in order."""
         return [self.update(tool, hold) for tool in tools]
 
     def shape(self, touch: Touch) -> npt.NDArray[np.float32]:
-        """(V, 3), m: displacements of ``Dataset.vertices`` in a touch of this contact."""
+        """Returns the displacements of ``Dataset.vertices`` in a touch of this contact, (V, 3), m."""
         shape = np.empty(self._vertices, np.float32)
         _library.call("touch_displacements", self._dataset, byref(touch._given), shape.ctypes.data_as(POINTER(c_float)),
                       shape.size)
@@ -125,14 +126,14 @@ class Contact(_library.Handle):
         _library.call("contact_release", self.handle)
 
     def use(self, dataset: Dataset, method: str | int = 0) -> None:
-        """Goes on with another dataset or method. Contact is kept where both surfaces have the same triangles."""
+        """Switches to another dataset or method. Keeps the contact if both surfaces have the same triangles."""
         _library.call("contact_use", self.handle, dataset.handle, dataset._method(method))
         self._dataset, self._vertices = dataset.handle, dataset.vertices.shape
 
 
 @dataclass(frozen=True)
 class DeviceProfile:
-    """What a haptic device can do."""
+    """Limits of a haptic device."""
 
     name: str
     max_force: float  #: N
@@ -141,7 +142,7 @@ class DeviceProfile:
 
 
 def device(name: str) -> DeviceProfile:
-    """By name: "touch", "omni", "falcon", "omega", ...; the error for another lists all."""
+    """Returns a profile by name: "touch", "omni", "falcon", "omega", ... The error for an unknown name lists all."""
     given = _library.Profile()
     _library.call("device_profile", name.encode(), byref(given))
     return DeviceProfile(given.name.decode(), given.max_force, given.max_stiffness, given.workspace_radius)
@@ -149,7 +150,7 @@ def device(name: str) -> DeviceProfile:
 
 @dataclass
 class GuardOptions:
-    """Limits. Change what ``Guard.defaults`` gives for a device."""
+    """Limits of a guard. Start from ``Guard.defaults`` of a device."""
 
     period: float  #: s, loop period
     max_force: float  #: N
@@ -163,7 +164,7 @@ class GuardOptions:
 
 @dataclass(frozen=True, eq=False)
 class GuardedForce(ByValue):
-    """A force that a device may be given."""
+    """A force that is safe for a device."""
 
     force: Numbers  #: (3,), N, finite, at most max_force long
     passivity: float  #: J, work of the hand minus energy stored in the tissue; negative: the loop created energy
@@ -171,15 +172,15 @@ class GuardedForce(ByValue):
 
 
 class Guard(_library.Handle):
-    """Stands between the force of a contact and a device: limits length and rate, fades steps in, keeps the loop passive.
+    """Makes the force of a contact safe for a device: limits its length and rate, fades in jumps, keeps the loop passive.
 
-    Python is no real-time language: a loop at 1 kHz that a hand feels belongs into C. One thread at a time.
+    Python is not a real-time language: write a 1 kHz loop for a real hand in C. One thread at a time.
     """
 
     _destroy = "guard_destroy"
 
     def __init__(self, options: GuardOptions | None = None) -> None:
-        """options: ``Guard.defaults()`` when there are none."""
+        """options: default ``Guard.defaults()``."""
         given = _library.GuardOptions()
         _library.call("guard_defaults", None, 0.001, byref(given))
         if options is not None:
@@ -191,17 +192,17 @@ class Guard(_library.Handle):
 
     @staticmethod
     def defaults(device: str | None = None, period: float = 0.001) -> GuardOptions:
-        """For a device by name, and a loop of this period, s; without a name for the smallest."""
+        """Returns the limits for a device by name and a loop period, s. Without a name, for the smallest device."""
         given = _library.GuardOptions()
         _library.call("guard_defaults", device.encode() if device else None, period, byref(given))
         return GuardOptions(*(getattr(given, field.name) for field in fields(GuardOptions)))
 
     def limit(self, tool: npt.ArrayLike, touch: Touch, fresh: bool = True, lost: bool = False,
               late: bool = False) -> GuardedForce:
-        """The force to send, once per period, also while nothing is touched. Should this raise, send zero.
+        """Returns the force to send. Call once per period, even without contact; if it raises, send zero.
 
-        tool: (3,), m, that the touch is of. touch: as it is, or ``dataclasses.replace(touch, force=..., touching=True)`` with
-        forces of yours. fresh: the position is new. lost: the device is gone. late: the loop hung before.
+        tool: (3,), m, the position of the touch. touch: unchanged, or ``dataclasses.replace(touch, force=..., touching=True)``
+        to add forces of your own. fresh: the position is new. lost: the device is gone. late: the loop hung before.
         """
         given = _library.GuardedForce()
         flags = bool(fresh) | bool(lost) << 1 | bool(late) << 2
@@ -212,5 +213,5 @@ class Guard(_library.Handle):
         return GuardedForce(np.array(given.force), given.passivity, words)
 
     def reset(self) -> None:
-        """Forgets the past: as new."""
+        """Resets the guard to its initial state."""
         _library.call("guard_reset", self.handle)

@@ -1,4 +1,4 @@
-"""Datasets in memory, and batched answers from them."""
+"""Datasets in memory, and batched queries."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class AreaInfo:
 
 @dataclass(frozen=True, eq=False)
 class Answers(ByValue):
-    """What a dataset says of displacements. ``...`` is the shape of what was asked: () for one displacement, (n,) for n."""
+    """Answers for displacements. ``...`` is the shape of the query: () for one displacement, (n,) for n."""
 
     force: Numbers  #: (..., 3), N, on the tool; always finite
     stiffness: Numbers  #: (..., 3, 3), N/m: [i, j] = d force[i] / d displacement[j], exact for this method
@@ -67,7 +67,7 @@ _members = {"force": "forces", "stiffness": "stiffnesses", "energy": "energies",
 
 
 def _vectors(values: npt.ArrayLike, what: str) -> Numbers:
-    """As libpalpate reads them: float64, C-contiguous, three in the last axis."""
+    """Converts to the layout that libpalpate reads: float64, C-contiguous, last axis of length 3."""
     vectors = np.ascontiguousarray(values, dtype=np.float64)
     if vectors.ndim == 0 or vectors.shape[-1] != 3:
         raise ValueError(f"{what} has shape {vectors.shape}; the last axis must have x, y and z (3)")
@@ -80,7 +80,7 @@ def _doubles(array: Numbers) -> Any:
 
 @contextlib.contextmanager
 def _hdf5_alone() -> Iterator[None]:
-    """HDF5 is not thread-safe: keeps h5py out of it, where that is used in this process, while libpalpate reads a file."""
+    """Locks h5py, if it is loaded, while libpalpate reads a file: HDF5 is not thread-safe."""
     # Copy the list, because another thread may import meanwhile.
     objects = (module for name, module in list(sys.modules.items()) if name.startswith("h5py.") and name.endswith("._objects"))
     lock = getattr(next(objects, None), "phil", None)
@@ -89,7 +89,7 @@ def _hdf5_alone() -> Iterator[None]:
 
 
 def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id: str) -> Dataset:
-    """For pickles. Error when the file holds other results by now."""
+    """Opens a dataset again, for pickle. Raises Error if the file now holds other results."""
     dataset = Dataset(file, methods, reach)
     if dataset.content_id != content_id:
         raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open it anew and pickle that")
@@ -99,9 +99,10 @@ def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id:
 class Dataset(_library.Handle):
     """A dataset in memory, prepared to answer.
 
-    Opening takes from a second to a minute (a whole surface), and several times the memory of the file; the file may be replaced
-    or removed then. Immutable: any number of threads may ask at once, and run at once, since the global interpreter lock is
-    released. ``close`` gives the memory back, as does leaving a ``with``. A pickle has the path of the file, which is loaded again.
+    Opening takes from a second to a minute (for a whole surface), and several times the size of the file in memory. Afterwards
+    the file may be replaced or removed. Immutable: any number of threads may query at once, and run in parallel, since the global
+    interpreter lock is released. ``close`` frees the memory, as does leaving a ``with``. A pickle stores the path of the file, and
+    loads it again.
     """
 
     _destroy = "dataset_close"
@@ -110,9 +111,9 @@ class Dataset(_library.Handle):
                  reach: float = 0.0) -> None:
         """Loads and verifies ``file``.
 
-        methods: names of interpolation methods to prepare, each takes time and memory; by default "potential" (conservative)
-        and "trilinear". ``palpate query --help`` lists them.
-        reach: m along the surface: how far from an active node contacts feel it; 0: as far as the triangles there reach.
+        methods: interpolation methods to prepare; each takes time and memory. Default: "potential" (conservative) and
+        "trilinear". ``palpate query --help`` lists them.
+        reach: distance from an active node, along the surface, at which a contact feels it, m. 0: as far as its triangles reach.
         """
         options = _library.OpenOptions(reach=reach)
         if methods is not None:
@@ -146,7 +147,7 @@ class Dataset(_library.Handle):
 
     @cached_property
     def areas(self) -> tuple[AreaInfo, ...]:
-        """The surfaces that a finger touches anywhere, in the order of the scene; often none."""
+        """The surfaces that a finger can touch anywhere, in the order of the scene; often none."""
         count = c_int32()
         _library.call("dataset_area_count", self.handle, byref(count))
         return tuple(self._area_info(a) for a in range(count.value))
@@ -158,26 +159,25 @@ class Dataset(_library.Handle):
 
     @cached_property
     def triangles(self) -> npt.NDArray[np.int32]:
-        """(T, 3): vertices of the surface's triangles, counterclockwise seen from outside."""
+        """(T, 3): vertices of the surface triangles, counterclockwise seen from outside."""
         return self._copied("dataset_triangles", c_int32, (self._info.triangle_count, 3))
 
     @cached_property
     def touchable(self) -> npt.NDArray[np.bool_]:
-        """(T,): the triangles where a contact feels forces."""
+        """(T,): whether a contact feels forces on the triangle."""
         return self._copied("dataset_touchable", c_uint8, (self._info.triangle_count,)).astype(np.bool_)
 
     def query(self, displacements: npt.ArrayLike, at: npt.ArrayLike | None = None, active: str | int | None = None,
               method: str | int = 0, out: Answers | None = None) -> Answers:
-        """Force, stiffness, energy and error bound at displacements, all in one call.
+        """Returns force, stiffness, energy and error bound at displacements, in one call.
 
-        displacements: (..., 3), m, of the active node from rest. Beyond what was computed the force only stiffens,
-        and ``inside`` is False. What is not finite gives no force, and is no error.
-        at: (..., 3), m, of a finger: where it is, on the surface at rest. The answer is that of the nearest place of it, ``distance``
-        away: not ``inside`` beyond a quarter of the finger's radius. One place (3,) serves for all displacements, and the other way
-        round.
-        active: which active node, or which area when ``at`` is given: name or number; not needed where there is only one.
-        method: name or number of a prepared method; a finger with ``at`` has one only.
-        out: the answers of an earlier call for as many displacements, to be overwritten; for loops that should not allocate.
+        displacements: (..., 3), m, of the active node from rest. Beyond the computed data the force only stiffens, and ``inside``
+        is False. A displacement that is not finite gives zero force, without an error.
+        at: (..., 3), m, position of a finger on the surface at rest. The nearest place on the surface is answered, ``distance``
+        away; beyond a quarter of the finger's radius it is not ``inside``. Broadcast against the displacements.
+        active: name or index of the active node, or of the area with ``at``; optional if there is only one.
+        method: name or index of a prepared method; a finger with ``at`` has only one.
+        out: answers of an earlier call for the same number of displacements, to overwrite without allocation.
         """
         vectors = _vectors(displacements, "displacements")
         if at is None:
@@ -194,7 +194,7 @@ class Dataset(_library.Handle):
         return answers
 
     def shape(self, displacement: npt.ArrayLike, active: str | int | None = None) -> npt.NDArray[np.float32]:
-        """(V, 3), m: displacements of ``vertices`` when one active node alone is displaced. displacement: (3,), m."""
+        """Returns the displacements of ``vertices``, (V, 3), m, for a displacement (3,), m, of one active node alone."""
         vector = _vectors(displacement, "displacement")
         if vector.shape != (3,):
             raise ValueError(f"displacement has shape {vector.shape}; one is wanted, (3,)")
@@ -223,7 +223,7 @@ class Dataset(_library.Handle):
         return self._number(method, list(self.methods), "prepared method")
 
     def _number(self, word: str | int | None, names: list[str], what: str) -> int:
-        """Number of what is named or numbered; None is the only one."""
+        """Returns the index for a name or an index; None stands for the only one."""
         if word is None and len(names) == 1:
             return 0
         if isinstance(word, (int, np.integer)) and 0 <= word < len(names):
@@ -237,7 +237,7 @@ class Dataset(_library.Handle):
 
 def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...], Any]],
              out: Answers | None) -> tuple[Answers, _library.Answers]:
-    """Arrays for answers, new or those of ``out``, and the structure that tells libpalpate where they are."""
+    """Returns arrays for answers, new or those of ``out``, and the structure with their addresses for libpalpate."""
     arrays = {}
     for name, rest, kind in members:
         if out is None:

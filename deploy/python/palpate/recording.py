@@ -15,7 +15,7 @@ from .arrays import open_hdf5
 
 @dataclass(frozen=True, eq=False)
 class Recording(ByValue):
-    """What every one of n ticks read and did. Positions and forces are in the frame of the scene, but for ``device_position``."""
+    """The readings and forces of n ticks. All but ``device_position`` are in the frame of the scene."""
 
     time: Numbers  #: (n,), s
     device_position: Numbers  #: (n, 3), m, in the device's frame
@@ -36,7 +36,7 @@ class Recording(ByValue):
 
     @staticmethod
     def read(file: str | os.PathLike[str]) -> Recording:
-        """The recording in a file. Error when it is none."""
+        """Reads a recording. Raises Error if the file is not one."""
         with open_hdf5(file, "recording", (1,)) as f:
             def array(path: str) -> npt.NDArray[Any]:
                 return np.asarray(f[path])

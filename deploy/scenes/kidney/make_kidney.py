@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""Makes kidney.msh beside this script: medulla in cortex in a capsule, a bean 11 cm long. Metres. And kidney.stl, its surface as
-a segmentation would give it, in mm (docs/tutorial.md).
+"""Makes kidney.msh beside this script: medulla, cortex and capsule of a bean 11 cm long, in metres. Also makes kidney.stl, its
+surface as a segmentation would give it, in mm (docs/tutorial.md).
 
     apt-get install python3-numpy gmsh
     deploy/scenes/kidney/make_kidney.py [--out DIR] [--size EDGE]
 
     x  from the hilum (-) to the convex side (+)        y  through its thickness        z  from pole to pole
 
-The capsule is a layer of flat elements grown on the parenchyma. Medulla is what lies more than CORTEX below the surface.
+The capsule is a layer of flat elements grown on the parenchyma. The medulla begins CORTEX below the surface.
 """
 import argparse
 import pathlib
@@ -26,7 +26,7 @@ GRID_SPACING = 0.0025
 
 
 def kidney(p):
-    """Signed distance-like function at points p (n x 3): negative inside."""
+    """Returns an approximate signed distance at points p (n x 3): negative inside."""
     upper = ellipsoid(p, (0.000, 0.000, 0.024), (0.027, 0.019, 0.031), tilt_deg=-14)
     lower = ellipsoid(p, (0.000, 0.000, -0.024), (0.026, 0.018, 0.031), tilt_deg=14)
     middle = ellipsoid(p, (0.004, 0.000, 0.000), (0.025, 0.020, 0.034))

@@ -4,13 +4,13 @@
     apt-get install python3-numpy gmsh
     deploy/scenes/liver/make_liver.py [--out DIR]
 
-The shape is our own: ellipsoids blended into one implicit body, with the impressions of the neighbouring organs
-pressed into it. It is no patient's liver, and it resembles one in what matters to a touch: a thick domed right lobe,
-a thin left lobe that ends in a tip, a hollow underside with a sharp lower edge. Metres throughout.
+The shape is our own, not a patient's liver: ellipsoids blended into one implicit body, with impressions of the
+neighbouring organs. It resembles a liver where touch matters: a thick domed right lobe, a thin left lobe that ends in a
+tip, and a hollow underside with a sharp lower edge. Metres.
 
     x  from the patient's right (-) to the left (+)        y  from the front (-) to the back (+)        z  upwards
 
-implicit_body.py makes surface and mesh of it. The committed files are by Gmsh 4.8.4, Debian 12.
+implicit_body.py makes its surface and mesh. The committed files were made by Gmsh 4.8.4, Debian 12.
 """
 import argparse
 import pathlib
@@ -27,7 +27,7 @@ MESHES = {  # file: (element size for about this number of nodes, m; Gmsh file v
 
 
 def liver(p):
-    """Signed distance-like function of the organ at points p (n x 3): negative inside."""
+    """Returns an approximate signed distance at points p (n x 3): negative inside."""
     right = ellipsoid(p, (-0.046, 0.002, 0.002), (0.050, 0.063, 0.062), tilt_deg=8)
     lower_right = ellipsoid(p, (-0.062, -0.012, -0.032), (0.032, 0.042, 0.044), tilt_deg=-10)
     middle = ellipsoid(p, (0.004, -0.014, 0.010), (0.048, 0.047, 0.042), tilt_deg=-14)

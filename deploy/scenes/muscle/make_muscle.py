@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Makes muscle.msh beside this script: a belly between two tendons, with the direction of its fibres in every element. Metres.
+"""Makes muscle.msh beside this script: a belly between two tendons, with a fibre direction in each element. Metres.
 
     apt-get install python3-numpy gmsh
     deploy/scenes/muscle/make_muscle.py [--out DIR] [--size EDGE]
 
-The belly lies along x and is as thick as radius(x) says, a little flatter in z. Fibres run as the flow in a pipe of that
-shape would: at a place (x, y, z) along (1, y r'/r, z r'/r), so that those of the surface follow the surface.
+The belly lies along x with radius(x), a little flatter in z. The fibres follow the flow in a pipe of that shape: at (x, y, z)
+along (1, y r'/r, z r'/r), so that fibres at the surface follow the surface.
 """
 import argparse
 import pathlib
@@ -34,7 +34,7 @@ def slope(x):
 
 
 def muscle(p):
-    """Signed distance-like function at points p (n x 3): negative inside."""
+    """Returns an approximate signed distance at points p (n x 3): negative inside."""
     side = np.hypot(p[:, 1], p[:, 2] / FLATNESS) - radius(p[:, 0])
     end = np.abs(p[:, 0]) - HALF_LENGTH
     width = 0.004  # rounding of the edge between them

@@ -4,8 +4,9 @@
     apt-get install python3-numpy gmsh
     deploy/scenes/skin/make_skin.py [--out DIR] [--inclusion X Y DEPTH RADIUS | --none] [--size EDGE]
 
-x and y run from the middle of the block, DEPTH is that of the ball's centre under the skin. The skin is two layers of flat
-elements, grown on the top of the fat: with elements as small as the epidermis is thick the block had 300 times as many.
+x and y are measured from the middle of the block. DEPTH is the depth of the ball's centre below the surface of the skin. The
+skin is two layers of flat elements grown on top of the fat. Elements as small as the thickness of the epidermis would be 300
+times as many.
 """
 import argparse
 import pathlib
@@ -36,7 +37,7 @@ Physical Volume("fat") = {{3}};
 
 
 def skin(out, inclusion=INCLUSION, size=0.006):
-    """Writes the mesh to the file `out`. inclusion: x, y, depth, radius, or None."""
+    """Writes the mesh to the file `out`. inclusion: (x, y, depth, radius), m, or None."""
     thickness = sum(thick for _, thick in LAYERS)
     geo = GEO.format(width=WIDTH, fat=FAT)
     if inclusion is None:
