@@ -9,22 +9,23 @@ namespace palpate {
 namespace {
 
 constexpr int most_pieces = 3;
-/// Of the force. What a step of Newton's method leaves of an excess below this is some hundred
-/// times less, and is slid in the next tick: two evaluations of the spaces in most ticks, not four.
+/// Relative to the force. After a Newton step an excess below this is some hundred times smaller,
+/// and the next tick slides the rest. Most ticks therefore need two evaluations of the spaces
+/// instead of four.
 constexpr double small_excess = 0.02;
-/// Barycentric: nearer to an edge than this is on it. Some 1e-14 m.
+/// Barycentric: a point nearer to an edge than this is on it, some 1e-14 m.
 constexpr double on_edge = 1e-12;
 
-/// The way from a point of a triangle along which W falls most steeply.
+/// Path of steepest descent of W from a point of a triangle.
 struct Descent {
   SurfacePoint from;
-  double slope = 0;                                     ///< N, >= 0; 0: none
+  double slope = 0;                                     ///< N, >= 0; 0: W does not fall
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< 1/m, of the barycentric coordinates along it
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();       ///< 1/m, of barycentric coordinates
   AnchorSlope energy;
 };
 
-/// Along the edge from one corner to another, when that is steeper than what `best` has.
+/// Stores the direction from one corner to another in `best` if W falls more steeply along it.
 void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
                const Eigen::Vector3d& drive, Descent& best) noexcept {
   const Triangle& t = surface.triangles()[at(best.from.triangle)];
@@ -39,7 +40,8 @@ void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
   best.rate[from] = -1 / length;
 }
 
-/// Within the triangle: freely, or where the drive points out of it along its edges.
+/// Returns the steepest descent within the triangle. If its direction leaves the triangle, the path
+/// follows an edge.
 Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
                       BlendedForce& force) noexcept {
   Descent descent;
@@ -67,7 +69,7 @@ Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
   return descent;
 }
 
-/// The same point, of an edge or vertex, in another triangle there.
+/// Returns the same point, on an edge or vertex, in the coordinates of another triangle there.
 SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
                       const SurfacePoint& point) noexcept {
   SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
@@ -100,7 +102,7 @@ Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
   return best;
 }
 
-/// At most to the edge of the triangle; `length` becomes the way that was gone.
+/// Moves the point at most to the edge of the triangle; sets `length` to the distance moved.
 SurfacePoint moved(const Descent& descent, double& length) noexcept {
   const Eigen::Vector3d &from = descent.from.barycentric, &rate = descent.rate;
   Eigen::Index last = -1;
@@ -117,7 +119,8 @@ SurfacePoint moved(const Descent& descent, double& length) noexcept {
   return to;
 }
 
-/// m: twice the tool's motion and most_relaxation |F| / |dF/dX| together, and most_slide at most.
+/// Returns the distance allowed in this tick, m: min(most_slide, 2 motion + most_relaxation |F| /
+/// |dF/dX|).
 double wayAllowed(const ContactOptions& options, double motion, const Eigen::Vector3d& force,
                   const Eigen::Matrix3d& change) {
   const double stiffness = change.norm();
@@ -143,8 +146,8 @@ void slideAnchor(const HapticModel& model, std::size_t method, const ContactOpti
         descent.slope - options.friction * std::max(0.0, force.force().dot(normal));
     if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
 
-    // How fast the excess falls along the way. A flat direction gets a share of the largest
-    // stiffness, so that the way is bounded there too.
+    // Decrease of the excess per metre. A flat direction gets a share of the largest stiffness,
+    // which bounds its step too.
     const Eigen::Vector3d& direction = descent.direction;
     const double falls = direction.dot(descent.energy.hessian * direction) +
                          options.friction * normal.dot(descent.energy.change * direction);

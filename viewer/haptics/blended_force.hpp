@@ -8,42 +8,45 @@
 
 namespace palpate {
 
-/// How the stored energy W(X) = sum w_i(X) E_i(tool - X) of a contact, and its force, change when
-/// the anchor X moves along one triangle.
+/// Derivatives of the stored contact energy W(X) = sum w_i(X) E_i(tool - X) and of its force, for
+/// an anchor X that moves within one triangle.
 struct AnchorSlope {
-  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< N, dW/dX, in the plane of the triangle
-  /// N/m, d2W/dX2; its part in the plane means something
+  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< dW/dX, N, in the plane of the triangle
+  /// d2W/dX2, N/m; only its part in the plane is meaningful
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< N/m, dF/dX
+  Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< dF/dX, N/m
 };
 
-/// The force of the area that an anchor lies in, or of the spaces around it. Every space is asked
-/// once per displacement.
-/// One thread; real time: nothing here allocates, locks, throws or logs.
+/// Force at an anchor, from the energy of its area or blended from the spaces around it. Evaluates
+/// each space once per displacement.
+///
+/// One thread; real time: does not allocate, lock, throw or log.
 class BlendedForce {
  public:
-  /// anchor: in a touchable triangle. displacement: m. The model must outlive the use of this
-  /// object.
+  /// anchor: in a touchable triangle. displacement: m. The model must outlive later calls of
+  /// slopeAlong().
   void evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
                 const Eigen::Vector3d& displacement) noexcept;
 
   const SpaceBlend& blend() const { return blend_; }
   const Eigen::Vector3d& force() const { return sum_.force; }
   const Eigen::Matrix3d& stiffness() const { return sum_.stiffness; }
-  /// Sums by weight; energy and bound are NaN where one space has none; inside: all are; beyond:
-  /// the largest.
+  /// Weighted sums. energy and error_bound are NaN if one space has none. inside: all samples are
+  /// inside. beyond: the largest.
   const ForceSample& sum() const { return sum_; }
 
-  /// For a touchable triangle that the anchor lies in or at the edge of, in the same area or none.
-  /// In an area W(X) = E(X, tool - X), dW/dX = F - T; what T changes by is left out of `change` and
-  /// `hessian`, which only tell how long a step may be. Where a space has no
-  /// energy the tangent is that of the force alone.
+  /// Returns the derivatives along a touchable triangle that contains the anchor or has it on its
+  /// edge, in the anchor's area, or in no area like the anchor.
+  ///
+  /// In an area W(X) = E(X, tool - X) and dW/dX = F - T, with the configurational force T. `change`
+  /// and `hessian` leave out the change of T, because they only bound the step length. If a space
+  /// has no energy, the tangent is that of the force alone.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:
-  /// Around a vertex of a surface of which every vertex is active there are seven or so.
+  /// A vertex has about seven spaces around it if every vertex of the surface is active.
   static constexpr std::size_t most_samples = 32;
-  /// Null when more than most_samples were asked for.
+  /// Returns null if more than most_samples spaces were requested.
   const ForceSample* sampleOf(std::int32_t space) noexcept;
 
   const HapticModel* model_ = nullptr;
@@ -51,7 +54,7 @@ class BlendedForce {
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();
   SpaceBlend blend_;
   ForceSample sum_;
-  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();  ///< N, of an area
+  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();  ///< configurational force of an area, N
   std::array<std::int32_t, most_samples> spaces_{};
   std::array<ForceSample, most_samples> samples_;
   std::size_t size_ = 0;

@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// m: a tool no deeper than this has not missed the way in. Rounding decides on which side it is,
-/// and whether it is pushed.
+/// A tool that is this close behind the surface has not missed its entry, m. Rounding decides on
+/// which side of the surface it is and whether it is pushed.
 constexpr double graze = 1e-6;
 Eigen::Vector3d nowhere() noexcept {
   return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -41,7 +41,7 @@ const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
       last_tool_ = tool;
       return touch_;
     }
-    // What the tool's motion explains is no step.
+    // A change that the tool's motion explains is no step.
     end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
@@ -58,10 +58,10 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
   last_tool_ = tool;
 }
 
-/// The tool was outside and is inside.
+/// Called when the tool was outside and is now inside.
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
-  // A tool that was on the surface may have passed it without crossing it, by rounding.
+  // Rounding can carry a tool on the surface through it without a crossing.
   SurfacePoint entry = nearest;
   if (crossing.triangle >= 0) entry = crossing;
   if (model_->surface().touchable(entry.triangle)) {
@@ -91,9 +91,9 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   press(tool);
 }
 
-/// False where the tissue would pull back what leaves it; then nothing is touched. A tool behind
-/// the surface presses, whichever way the force leans: that of a lobe that bends is along its
-/// normal at rest no more.
+/// Computes the touch. Returns false if the tissue would pull back a tool that leaves; nothing is
+/// touched then. A tool behind the surface presses in any direction of the force, because the force
+/// on a bending lobe no longer follows its normal at rest.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;

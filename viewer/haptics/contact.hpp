@@ -9,9 +9,11 @@
 
 namespace palpate {
 
-/// What the tissue does to the tool: the force on it, not limited yet, with what is known of it,
-/// blended from the spaces of the anchor. stiffness: d force / d tool with the anchor held. inside:
-/// all of these spaces were computed as deep; else the force is that of their continuation.
+/// Contact force of the tissue on the tool, blended from the configuration spaces of the anchor and
+/// not yet limited by the guard.
+///
+/// stiffness is d force / d tool with the anchor held. inside is true if the displacement lies in
+/// the computed region of all these spaces; otherwise the force is their continuation.
 struct Touch : ForceSample {
   Touch() {  // nothing is touched: a force of zero, which is exact
     energy = error_bound = 0;
@@ -19,82 +21,83 @@ struct Touch : ForceSample {
     inside = true;
   }
   bool touching = false;
-  /// The raw force may differ from the last one by more than motion explains: contact began away
-  /// from the surface, ended with a force, or model or method were switched. The force guard fades
-  /// such steps in.
+  /// The raw force may change by more than the tool's motion explains. Contact began away from the
+  /// surface or ended with a force, or the model or method was switched. The force guard fades such
+  /// steps in.
   bool stepped = false;
   SurfacePoint anchor;                                        ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
-  /// outward, of the surface at rest in the anchor
+  /// outward unit normal of the surface at rest, at the anchor
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  /// of the anchor, m: what the spaces are asked
+  /// displacement of the anchor, m; argument of the spaces' force fields
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
-  double gap = 0;  ///< m, when not touching: distance to the body, negative inside of it
+  double gap = 0;  ///< distance to the body when not touching, m; negative inside it
 
-  /// m, what of the displacement lies beyond what was computed. Pictures leave it out: the tool
-  /// stops at the edge, and so does the shape.
+  /// Returns the part of the displacement beyond the computed region, m. Pictures leave it out, so
+  /// the tool and the deformed shape stop at the edge.
   Eigen::Vector3d excess() const noexcept { return excessOf(displacement); }
 };
 
-/// A point tool on a soft body.
+/// Contact of a point tool with a soft body.
 ///
-/// The tool touches when it crosses a touchable triangle from outside; where it does, the *anchor*,
-/// is the material point that moves with it: the displacement is tool - anchor, and the force
-///   F = sum w_i(anchor) h_i(tool - anchor)
-/// over the spaces of the anchor's blend. The displacement, and with it the force, is zero at
-/// first: contact begins without a jump. While it lasts the deformed surface passes through the
-/// tool at the anchor, so the anchor *is* the closest point of the deformed surface, and only a
-/// free tool needs a search.
+/// The tool touches when it crosses a touchable triangle from outside. The crossing point, the
+/// *anchor*, is the material point that moves with the tool. The displacement is tool - anchor, and
+/// the force over the spaces of the anchor's blend is
+///   F = sum w_i(anchor) h_i(tool - anchor).
+/// Both start at zero, so contact begins without a jump. During contact the deformed surface passes
+/// through the tool at the anchor, so the anchor *is* the closest point of the deformed surface.
+/// Only a free tool needs a search.
 ///
-/// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), X the anchor. Moving
-/// it along the surface changes W by (F + sum E_i grad w_i) . dX; call the tangential part of that
-/// T. Friction holds the anchor while |T| <= friction * F.n, else it slides against T until that
-/// holds again, walking over the edges of triangles. So sliding never creates energy, and takes
-/// none without friction. A method that has no energy slides by the tangential force alone. The
-/// anchor cannot leave the touchable surface: at its rim it stays. In one tick it slides no further
-/// than most_slide, than twice the tool's motion and what changes the force by most_relaxation
-/// (anchor_slide.cpp); what is left is slid in the next ticks. Since the anchor moves continuously
-/// and the weights are continuous, so is the force.
+/// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), where X is the
+/// anchor. Moving the anchor along the surface changes W by (F + sum E_i grad w_i) . dX; T is the
+/// tangential part of this gradient. Friction holds the anchor while |T| <= friction * F.n.
+/// Otherwise the anchor slides against T until this holds again, across the edges of triangles.
+/// Sliding therefore never creates energy, and dissipates none without friction. A method without
+/// an energy slides by the tangential force alone. The anchor cannot leave the touchable surface
+/// and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool motion + the distance
+/// that changes the force by most_relaxation) (anchor_slide.cpp); later ticks slide the rest. The
+/// anchor moves continuously and the weights are continuous, so the force is continuous too.
 ///
-/// Beyond the region that was computed the spaces go on with a continuation that only stiffens
-/// (fields/answered_region.hpp), of the same energy: nothing else changes here.
+/// Beyond the computed region each space returns a continuation that only stiffens
+/// (fields/answered_region.hpp). It derives from the same energy, so contact needs no special case.
 ///
-/// Release: nothing pulls back a tool that leaves. When F.n <= 0 (n outward, at rest), and the tool
-/// is outside of the body at rest and in front of the anchor's tangent plane, the contact ends. F.n
-/// may be <= 0 elsewhere too, on lobes that bend: there it goes on, and friction holds nothing. A
-/// tool that came in where nothing is touchable feels nothing until it has been outside.
+/// Release: nothing pulls back a tool that leaves. Contact ends when F.n <= 0 (n: outward normal at
+/// rest) and the tool is outside the body at rest and in front of the anchor's tangent plane. F.n
+/// <= 0 also occurs elsewhere, on bending lobes; contact goes on there, without friction. A tool
+/// that entered where the surface is not touchable feels nothing until it has been outside.
 ///
-/// Glued (the paper's mode): the tool takes hold of the nearest touchable point within
-/// grab_distance, and keeps it, pulling too, as long as `hold`; the displacement counts from where
-/// it was taken. After release() it takes hold again when `hold` was false or the tool farther than
-/// grab_distance in between.
+/// Glued (the paper's mode): the tool grips the nearest touchable point within grab_distance and
+/// keeps it while `hold` is true, also when it pulls. The displacement is measured from the tool
+/// position at the grip. After release() it grips again once `hold` was false or the tool was
+/// farther than grab_distance.
 ///
 /// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
 class Contact {
  public:
-  /// The model must outlive this object, or its replacement by use().
+  /// The model must outlive this object or be replaced by use().
   explicit Contact(const HapticModel& model, const ContactOptions& options = {});
 
-  /// tool: m, scene frame. Not finite: contact ends. hold: glued mode only.
+  /// Updates the contact for one tick. tool: m, scene frame; a position that is not finite ends the
+  /// contact. hold: glued mode only.
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
   /// Ends the contact; the tool must come from outside again.
   void release() noexcept;
-  /// Goes on with another model or method. Contact is kept where the surfaces have the same
-  /// triangles, vertex for vertex, and the anchor is touchable in the new one.
+  /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
+  /// and vertices and the anchor is touchable in the new model.
   void use(const HapticModel& model, std::size_t method) noexcept;
 
  private:
-  /// | from     | what happens                                            | to                 |
+  /// | from     | event                                                   | to                 |
   /// | -------- | ------------------------------------------------------- | ------------------ |
-  /// | shut     | the tool is outside; glued: hold is false, or it is far | ready              |
-  /// | ready    | it comes in where it can touch; glued: it takes hold    | touching           |
-  /// | ready    | it comes in elsewhere                                   | shut               |
+  /// | shut     | tool outside; glued: `hold` is false, or tool far away  | ready              |
+  /// | ready    | tool enters a touchable triangle; glued: tool grips     | touching           |
+  /// | ready    | tool enters elsewhere                                   | shut               |
   /// | touching | the tissue would pull back a tool that leaves           | shut               |
-  /// | touching | glued: hold is false                                    | ready              |
-  /// | any      | release(), or use() of another surface                  | shut               |
-  /// | any      | the tool is nowhere                                     | shut, glued: ready |
+  /// | touching | glued: `hold` is false                                  | ready              |
+  /// | any      | release(), or use() of a model with another surface     | shut               |
+  /// | any      | tool position not finite                                | shut, glued: ready |
   enum class State : std::uint8_t { shut, ready, touching };
 
   void seek(const Eigen::Vector3d& tool, bool hold) noexcept;
@@ -110,13 +113,13 @@ class Contact {
   Touch touch_;
   BlendedForce force_;
   SurfacePoint anchor_;
-  /// of the tool from the anchor at zero force; glued
+  /// tool - anchor at zero force, m; glued mode only
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
-  /// where the search for an entry goes on from; not finite: from the next tool
+  /// start of the segment for the next entry search, m; not finite: use the next tool position
   Eigen::Vector3d last_tool_;
   State state_;
-  bool step_follows_ = false;        ///< Touch::stepped of the next update
-  std::int32_t near_triangle_ = -1;  ///< where the nearest point was last
+  bool step_follows_ = false;        ///< value of Touch::stepped for the next update
+  std::int32_t near_triangle_ = -1;  ///< triangle of the last nearest point, a search hint
 };
 
 }  // namespace palpate

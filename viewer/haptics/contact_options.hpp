@@ -6,12 +6,12 @@ namespace palpate {
 
 struct ContactOptions {
   ContactMode mode = ContactMode::unilateral;
-  double friction = 0.2;         ///< Coulomb's coefficient, >= 0; unilateral only
-  double grab_distance = 0.005;  ///< m; glued: the tool takes hold of a surface this near
-  double most_slide = 0.002;     ///< m per tick that the anchor may slide at most
-  /// Of the force, per tick: what sliding may change it by beyond what the tool's own motion does.
-  /// So the force stays continuous where the anchor runs down from a ridge between two triangles.
-  /// Smaller is softer, and lags behind.
+  double friction = 0.2;         ///< Coulomb friction coefficient, >= 0; unilateral only
+  double grab_distance = 0.005;  ///< m; glued: the tool grips a surface within this distance
+  double most_slide = 0.002;     ///< largest slide of the anchor per tick, m
+  /// Largest relative change of the force per tick by sliding, beyond the change from the tool's
+  /// own motion. Keeps the force continuous while the anchor runs down from a ridge between two
+  /// triangles. Smaller values feel softer and lag more.
   double most_relaxation = 0.005;
 };
 

@@ -7,11 +7,11 @@
 namespace palpate {
 namespace {
 
-/// Adds bumps so that the anchor moves by the displacement.
+/// Adds bumps that move the anchor by the displacement.
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
                      std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
-  // A corner always lies within the radius.
+  // Large enough that a corner always lies within it.
   double radius = 0;
   for (std::size_t c = 0; c < 3; ++c)
     radius +=

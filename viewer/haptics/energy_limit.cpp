@@ -6,29 +6,30 @@
 namespace palpate {
 namespace {
 
-/// Of K (D + T/2): the least that holds for a mass of 20 g is some 2.5.
+/// Factor on K (D + T/2): a mass of 20 g needs about 2.5 for stability.
 constexpr double damping = 4;
-/// The measured acceleration lags behind, and grows with the force: factors on the way out, and
-/// when it is asked how soon the force must begin to fall.
+/// The measured acceleration lags, and the true one grows with the force. Factors for the way out,
+/// and for predicting when the force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
-constexpr double rest_radius = 2e-4;   // m: more than a device counts in, less than a slow press
+constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than a slow
+                                       // press
 constexpr double rest_duration = 0.1;  // s
-constexpr int halvings = 20;           // of the force that is searched for
+constexpr int halvings = 20;           // steps of the bisection for the force
 
-/// `otherwise` for NaN too.
+/// Returns `otherwise` also for NaN.
 double usableOr(double value, double otherwise) {
   return std::abs(value) <= EnergyLimit::largest_number ? value : otherwise;
 }
 
-/// The newer one when both agree on the direction.
+/// Returns the newer value if both have the same sign, otherwise 0.
 double agreed(double newer, double older) { return newer * older > 0 ? newer : 0; }
 
 }  // namespace
 
-/// Motion along the force, from the newest reading on.
+/// Predicted motion along the force, from the newest reading on.
 struct EnergyLimit::Outward {
   Eigen::Vector3d direction;  ///< unit
-  double speed;               ///< m/s, the mean of the last motion: as it was `lag` s ago
+  double speed;               ///< m/s, the mean of the last motion, which is the speed `lag` s ago
   double acceleration;        ///< m/s^2, >= 0
   double lag;                 ///< s
   double at(double time) const { return speed * time + acceleration * time * (lag + 0.5 * time); }
@@ -43,10 +44,10 @@ void EnergyLimit::give(const Eigen::Vector3d& force) noexcept {
   given_[tick_++ % remembered] = force;
 }
 
-/// Of the device on the hand; the largest of those that may be.
+/// Returns the work of the device on the hand; the largest value if several forces are possible.
 double EnergyLimit::work(const Eigen::Vector3d& motion, const HeldForces& held) const noexcept {
   if (held.newest == 0) return 0;
-  // Ticks without a reading had forces of their own, unless the device tells.
+  // Unless the device reports the interval, ticks without a reading had forces of their own.
   const std::uint32_t untold = held.interval > 0 ? 0 : held.newest + age_ - 1;
   const std::uint32_t oldest = std::min(std::max<std::uint32_t>(held.oldest, untold), remembered);
   double largest = given(held.newest).dot(motion);
@@ -123,8 +124,8 @@ EnergyLimit::Outward EnergyLimit::outward(const Eigen::Vector3d& direction,
           growing * std::max(acceleration, 0.0), 0.5 * interval_};
 }
 
-/// What is left of the energy when the next force begins to act, J: until then those given last
-/// are held. Of a device that holds them for longer than a period it is not known which.
+/// Returns the energy left when the next force begins to act, J. Until then the device holds the
+/// last forces. If it holds them for longer than a period, it is unknown which.
 double EnergyLimit::available(const Outward& path) const noexcept {
   constexpr double jitter = 0.25;  // of a period
   const auto more =
@@ -140,22 +141,22 @@ double EnergyLimit::available(const Outward& path) const noexcept {
   return std::max(left, 0.0);
 }
 
-/// The force on the way out, so that the energy lasts until the surface. N.
+/// Returns the force on the way out for which the energy lasts until the surface, N.
 double EnergyLimit::returned(double force, double stiffness, const Outward& path) const noexcept {
   const double middle = delay_ + 0.5 * hold_, speed = path.speedAt(middle);
   if (!(speed > 0)) return force;
   const double before = path.at(delay_);
   const double left = stored_ - force * before + 0.5 * rendered_ * stiffness * before * before;
   const double share = left > 0 ? available(path) / left : 1;
-  const double raw = force / rendered_;  // of which the clamp takes away the rest
+  const double raw = force / rendered_;  // before the clamp
   const double in_middle = std::clamp(raw - stiffness * path.at(middle), 0.0, force);
   const double wanted = std::min(force, share * in_middle);
   const double secant = stored_ > 0 ? 0.5 * force * force / stored_ : 0;
   return std::max(wanted, force - damping * std::max(stiffness, secant) * middle * speed);
 }
 
-/// The largest force that can be held for a period and then fall by max_slew without giving more
-/// than is there. N.
+/// Returns the largest force that can be held for a period and then fall by max_slew within the
+/// available energy, N.
 double EnergyLimit::releasable(double force, const Outward& path) const noexcept {
   const double end = delay_ + hold_, speed = path.speedAt(end);
   const double motion = path.at(end) - path.at(delay_), most = available(path);

@@ -11,49 +11,53 @@ namespace palpate {
 
 /// Bounds the force of a contact so that the hand gets back no more energy than it put in.
 ///
-/// A device holds each force for a period, and a force that a thread passes on begins to act a
-/// period or two after the reading that it answers. So a spring pushes harder on the way out than
-/// it did on the way in: with the stiffness K, the speed v and the delay D it creates the power
-/// K v^2 (D + T/2). This class keeps two sums, J:
-///   energy: the work of the hand against the force that was really held (HeldForces), the worst of
-///     those that may have been;
-///   stored: what the tissue gives back, by Touch::energy, or else by the path.
-/// On the way out the force is multiplied by energy / stored, both as they will be when it begins
-/// to act, and is that of the middle of its period: energy that the loop created is spread over the
-/// way that is left. On the way in the force is that of the tissue. The force falls below that of
-/// the tissue by at most `damping` K (D + T/2) v, so that it does not jump where the motion turns.
-/// A force that the slew limit could not take back in time is bounded too: holding it for a period
-/// and then letting it fall by max_slew may not cost more than there is.
+/// A device holds each force for a period, and a force that another thread passes on begins to act
+/// a period or two after its reading. A spring therefore pushes harder on the way out than on the
+/// way in. With stiffness K, speed v and delay D it creates the power K v^2 (D + T/2). This class
+/// keeps two sums, J:
+/// - energy: work of the hand against the force that the device held (HeldForces). If several
+///   forces are possible, it uses the worst case.
+/// - stored: energy that the tissue gives back, from Touch::energy or by integration along the
+///   path.
 ///
-/// At rest for a tenth of a second what is missing is forgiven: a device counts in steps, and the
-/// work of its flicker is none. A motion outward counts when two readings in turn say so.
+/// On the way in the force equals the tissue's force. On the way out it is the tissue's force at
+/// the middle of its period, multiplied by energy / stored, both predicted for the time when the
+/// force begins to act. This spreads the energy that the loop created over the rest of the way. The
+/// force falls below the tissue's force by at most `damping` K (D + T/2) v, so it does not jump
+/// when the motion reverses. The force is also bounded so that holding it for a period and then
+/// reducing it by max_slew costs no more than the available energy.
 ///
-/// One thread; real time; a function of its inputs alone.
+/// A deficit is forgiven after a tenth of a second at rest: a device counts in steps, and the
+/// flicker between two steps is not work. A motion outward counts only after two consecutive
+/// readings agree on it.
+///
+/// One thread; real time; deterministic.
 class EnergyLimit {
  public:
-  /// Ticks that it remembers forces for.
+  /// Number of past ticks with a stored force.
   static constexpr std::uint32_t remembered = 32;
 
-  /// Nothing a hand can feel or reach (N, m, J); squares and sums of such numbers do not overflow.
+  /// Larger numbers (N, m, J) are beyond any hand; squares and sums of numbers up to this one do
+  /// not overflow.
   static constexpr double largest_number = 1e9;
 
-  /// period: s; max_slew: N/s; credit: J, dissipated or owed, that is remembered at most.
+  /// period: s; max_slew: N/s; credit: largest surplus or deficit that is carried along, J.
   EnergyLimit(double period, double max_slew, double credit)
       : period_(period), max_slew_(max_slew), credit_(credit) {}
   void reset() noexcept { *this = EnergyLimit(period_, max_slew_, credit_); }
-  /// The tool is not where it was by a motion: a jump, or no position at all.
+  /// Forgets the last position and velocity: the tool jumped or has no position.
   void forgetMotion() noexcept;
-  /// Each tick with a position: the motion that ended with it. tool: m. rendered: the share of the
-  /// force that the clamp lets through.
+  /// Adds the motion that ended at `tool` (m). Call in each tick with a position. rendered: share
+  /// of the force that passes the clamp.
   void observe(const Eigen::Vector3d& tool, const Touch& touch, double rendered,
                const HeldForces& held, bool fresh) noexcept;
-  /// What is stored is this, J; of what was missing or left over, at most the credit is kept.
+  /// Sets the stored energy, J. Keeps a surplus or deficit up to the credit.
   void restart(double stored) noexcept;
-  /// force: N, shortened where it must be. Whether it was.
+  /// Shortens `force` (N) if necessary; returns whether it did.
   bool bound(Eigen::Vector3d& force, const Eigen::Matrix3d& stiffness) const noexcept;
-  /// Each tick: the force that is written, N.
+  /// Stores the force that is written, N. Call once per tick.
   void give(const Eigen::Vector3d& force) noexcept;
-  /// J, put in by the hand less what is stored.
+  /// Returns the work of the hand minus the stored energy, J.
   double passivity() const noexcept { return energy_ - stored_; }
 
  private:
@@ -74,18 +78,18 @@ class EnergyLimit {
     none.fill(Eigen::Vector3d::Zero());
     return none;
   }();
-  std::uint32_t tick_ = 0;   ///< of the next force in given_
-  std::uint32_t age_ = 0;    ///< ticks since the newest reading
-  bool known_ = false;       ///< tool_ is where the tool was
-  double delay_ = 0;         ///< s, from the newest reading to the force that will answer it
-  double hold_ = 0;          ///< s, that a force is held
-  double interval_ = 0;      ///< s, of the last motion
-  double rest_time_ = 0;     ///< s, that the tool has been near rest_
+  std::uint32_t tick_ = 0;   ///< number of the next force in given_
+  std::uint32_t age_ = 0;    ///< ticks since the last reading
+  bool known_ = false;       ///< tool_ is the last position of the tool
+  double delay_ = 0;         ///< from the last reading to its force, s
+  double hold_ = 0;          ///< time for which a force is held, s
+  double interval_ = 0;      ///< duration of the last motion, s
+  double rest_time_ = 0;     ///< time that the tool has stayed near rest_, s
   double energy_ = 0;        ///< J
   double stored_ = 0;        ///< J
-  double touch_energy_ = 0;  ///< J, of the last reading
-  double rendered_ = 1;      ///< of the last reading
-  // Of the last reading and the one before; m, m/s, m/s^2, N.
+  double touch_energy_ = 0;  ///< at the last reading, J
+  double rendered_ = 1;      ///< share at the last reading
+  // From the last reading and the one before; m, m/s, m/s^2, N.
   Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), rest_ = tool_, velocity_ = tool_,
                   last_velocity_ = tool_, acceleration_ = tool_, last_acceleration_ = tool_,
                   raw_ = tool_;

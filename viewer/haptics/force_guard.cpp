@@ -21,7 +21,8 @@ std::uint32_t bitIf(Guarded guarded, bool is) {
   return is ? static_cast<std::uint32_t>(guarded) : 0;
 }
 
-/// Shortens to `longest`, keeping the direction; the rounding of later sums included.
+/// Shortens to `longest`, keeping the direction and leaving room for the rounding of later sums.
+/// Returns whether it did.
 bool shorten(Eigen::Vector3d& v, double longest) {
   const double length = v.norm();
   if (length <= longest) return false;
@@ -52,7 +53,7 @@ const char* guardWord(int bit) {
 
 Eigen::Vector3d ForceRamp::next() noexcept {
   if (time_ >= duration_) return Eigen::Vector3d::Zero();
-  // Never at its begin: were every tick a step, the force would otherwise stay what it is.
+  // Advance first: with a step in every tick the force would otherwise never change.
   time_ += period_;
   const double t = std::min(1.0, time_ / duration_);
   return (1 - t * t * (3 - 2 * t)) * step_;
@@ -96,16 +97,16 @@ HeldForces ForceGuard::delayed(HeldForces held) const noexcept {
   return held;
 }
 
-/// Of a raw force, which the clamp lets through.
+/// Returns the share of a raw force that passes the clamp.
 double ForceGuard::renderedShare(const Eigen::Vector3d& raw) const noexcept {
   const double length = raw.norm();
   return length > options_.max_force ? options_.max_force / length : 1;
 }
 
-/// Takes in where the tool is. Whether its raw force is a step away from that of the last tick.
+/// Records the tool. Returns whether the raw force steps away from the last tick's.
 bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   const double since_fresh = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
-  // No hand is as fast.
+  // Faster than any hand.
   const bool jump =
       usable && usable_ && (input.tool - tool_).norm() > options_.max_speed * since_fresh;
   ticks_since_fresh_ = input.fresh ? 0 : ticks_since_fresh_ + 1;
@@ -121,10 +122,10 @@ bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   return input.touch.stepped || jump || usable != was_usable || (was_stalled && !stalled_);
 }
 
-/// What is given of a raw force, N, in the order of the class comment.
+/// Returns the rendered force for a raw force, N, in the order of the class comment.
 Eigen::Vector3d ForceGuard::shaped(const Eigen::Vector3d& raw, const Touch& touch, bool stepped,
                                    std::uint32_t& guards) noexcept {
-  // From the force that the hand feels now: one that was clamped, slewed or faded goes on there.
+  // From the force that the hand feels now, also if it was clamped, slewed or faded.
   if (stepped) ramp_.begin(raw - given_);
   const Eigen::Vector3d faded = ramp_.next();
   const bool ramped = !faded.isZero(0);

@@ -9,95 +9,97 @@
 
 namespace palpate {
 
-/// Limits of what a hand is given. There is no way to switch them off.
+/// Limits of the force on a hand. They cannot be switched off.
 struct GuardOptions {
-  double period = 1e-3;         ///< s, of the tick
-  double max_force = 3.3;       ///< N; default: of the smallest device
-  double max_slew = 0;          ///< N/s; 0: the whole force in 10 ms
-  double ramp = 0.05;           ///< s in which a step of the raw force is faded in
-  double stall = 0.02;          ///< s without a fresh reading, after which the force goes to zero
-  double max_stiffness = 400;   ///< N/m, of the device; recorded, and no limit of the guard
-  double energy_credit = 1e-4;  ///< J, dissipated or owed, that is remembered at most
-  /// s, from a reading to the force that answers it, beyond what the readings tell (HeldForces);
-  /// at most 30 periods
+  double period = 1e-3;         ///< length of a tick, s
+  double max_force = 3.3;       ///< N; default: limit of the smallest device
+  double max_slew = 0;          ///< N/s; 0: reaches max_force in 10 ms
+  double ramp = 0.05;           ///< duration of fading in a step of the raw force, s
+  double stall = 0.02;          ///< time without a fresh reading until the force goes to zero, s
+  double max_stiffness = 400;   ///< limit of the device, N/m; only recorded, not enforced
+  double energy_credit = 1e-4;  ///< largest surplus or deficit of energy that is carried along, J
+  /// Additional delay from a reading to its force, beyond the delay in the readings (HeldForces),
+  /// s; at most 30 periods.
   double delay = 0;
   double max_speed = 5;  ///< m/s, of a hand; a faster motion is a false reading: a step
 };
-/// Those of a device: its max_force and max_stiffness.
+/// Returns the default limits with max_force and max_stiffness of a device.
 GuardOptions guardFor(const DeviceProfile& profile, double period);
-/// N/s: max_slew, or what 0 stands for.
+/// Returns max_slew, or the value that 0 stands for, N/s.
 double slewOf(const GuardOptions& options);
 
-/// Why a rendered force is not the raw one. Bits.
+/// Reasons for a rendered force that differs from the raw one, as bits.
 enum class Guarded : std::uint32_t {
   ramped = 1,       ///< a step of the raw force is being faded in
-  damped = 2,       ///< the hand would get more energy back than it put in
+  damped = 2,       ///< the hand would get back more energy than it put in
   clamped = 4,      ///< longer than max_force
   slewed = 8,       ///< changing faster than max_slew
   stalled = 16,     ///< no fresh reading for `stall` seconds
   lost = 32,        ///< the device is gone
   not_finite = 64,  ///< the position or the raw force was not finite
-  late = 128,       ///< the loop itself hung; the force starts from zero again
-  beyond = 256      ///< deeper than was computed: the raw force is that of the continuation
+  late = 128,       ///< the loop hung; the force starts from zero again
+  beyond = 256      ///< outside the computed region; the raw force is that of the continuation
 };
 inline constexpr int guard_count = 9;
-/// "clamped", ... for bit n.
+/// Returns the word for bit n, such as "clamped".
 const char* guardWord(int bit);
 
 struct GuardInput {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< m, scene frame
   Touch touch;
   HeldForces held;
-  bool fresh = true;  ///< the reading is new
+  bool fresh = true;  ///< the reading is from this tick
   bool lost = false;  ///< the device is gone
-  bool away = false;  ///< no hand is in the scene: that the tool is not finite is no fault
+  bool away = false;  ///< no hand is in the scene; a tool position that is not finite is no error
   bool late = false;  ///< the loop hung before this tick
 };
 
 struct GuardedForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N; finite, |force| <= max_force
   std::uint32_t guards = 0;                         ///< Guarded bits
-  /// J, what the hand put in less what the tissue gives back. Negative: the loop created energy.
+  /// Work of the hand minus the energy that the tissue gives back, J. Negative: the loop created
+  /// energy.
   double passivity = 0;
 };
 
-/// Fades steps of a force in: smoothly, from none of a step to all of it. One thread; real time.
+/// Fades in a step of a force smoothly, from none of it to all of it. One thread; real time.
 class ForceRamp {
  public:
-  /// s, of a tick and of a step.
+  /// period: length of a tick, s; duration: of the fading, s.
   ForceRamp(double period, double duration)
       : period_(period), duration_(duration), time_(duration) {}
   void reset() noexcept { time_ = duration_; }
-  /// The force is to change by `step` N; what was left of another is in it.
+  /// Begins a step of the force, N. The step includes the rest of the last one.
   void begin(const Eigen::Vector3d& step) noexcept {
     step_ = step;
     time_ = 0;
   }
-  /// Each tick: what is left of the step, N, to be taken from the force.
+  /// Returns the part of the step still to be subtracted from the force, N. Call once per tick.
   Eigen::Vector3d next() noexcept;
 
  private:
-  double period_, duration_, time_;  ///< s; the last since the step
+  double period_, duration_, time_;  ///< s; time_: since the step began
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();
 };
 
-/// From the force of a contact to the force of a device, tick by tick:
-///   1. not finite, device gone, loop hung: the raw force counts as zero and a step;
-///   2. ramp: a step d of the raw force (Touch::stepped, 1., or a motion faster than max_speed) is
-///      faded in: F - d (1 - s(t)), s smooth from 0 to 1 in `ramp` seconds, so that the force goes
-///      on from where it was;
-///   3. clamp to max_force, keeping the direction;
-///   4. energy: the hand gets back no more than it put in (EnergyLimit). A step, which may change
-///      what is stored at will, is no work: until its ramp ends the sums begin anew;
-///   5. slew: no faster than max_slew;
-///   6. no fresh reading for `stall` seconds: toward zero as fast as max_slew allows.
-/// A device that is lost, or a loop that hung, is given exactly zero at once. Numbers beyond 1e9
-/// (N, m, J) are taken for not finite. Deterministic: a function of its inputs alone. One thread;
-/// real time.
+/// Computes the force of the device from the force of the contact, tick by tick:
+/// 1. Reading or force not finite, device lost, loop hung: the raw force is zero, and this is a
+///    step.
+/// 2. Ramp: a step d of the raw force (Touch::stepped, case 1, or a motion faster than max_speed)
+///    is faded in as F - d (1 - s(t)). The factor s goes smoothly from 0 to 1 in `ramp` seconds, so
+///    the force continues from its last value.
+/// 3. Clamp to max_force, keeping the direction.
+/// 4. Energy: the hand gets back no more energy than it put in (EnergyLimit). A step may change the
+///    stored energy by any amount and is not work, so the energy sums restart until its ramp ends.
+/// 5. Slew: the force changes by at most max_slew.
+/// 6. No fresh reading for `stall` seconds: the force goes to zero at max_slew.
+///
+/// A lost device or a loop that hung gets exactly zero at once. Numbers beyond 1e9 (N, m, J) count
+/// as not finite. Deterministic: the output depends on the inputs only. One thread; real time.
 class ForceGuard {
  public:
-  /// Error when a number is not finite, the period, max_force or max_speed not positive, another
-  /// negative, or the delay too long.
+  /// Throws Error if a number is not finite, the period, max_force or max_speed is not positive,
+  /// another option is negative, or the delay is longer than 30 periods.
   explicit ForceGuard(const GuardOptions& options);
   GuardedForce limit(const GuardInput& input) noexcept;
   void reset() noexcept;
@@ -112,11 +114,11 @@ class ForceGuard {
   GuardOptions options_;
   ForceRamp ramp_;
   EnergyLimit energy_;
-  Eigen::Vector3d given_ = Eigen::Vector3d::Zero();  ///< N, of the last tick
-  bool usable_ = false;                              ///< the last raw force counted
-  bool stalled_ = false;                             ///< the last tick was
+  Eigen::Vector3d given_ = Eigen::Vector3d::Zero();  ///< force of the last tick, N
+  bool usable_ = false;                              ///< the last raw force was used
+  bool stalled_ = false;                             ///< the last tick was stalled
   std::uint64_t ticks_since_fresh_ = 0;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, of the last fresh reading, when usable_
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading
 };
 
 }  // namespace palpate

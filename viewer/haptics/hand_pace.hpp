@@ -2,15 +2,14 @@
 
 namespace palpate {
 
-// How a hand without a device presses, alike in the window of `palpate view`
-// (viewer/picture/mouse_hand.hpp) and in the pages of `palpate share` (viewer/share).
+// Pace of a hand without a device, shared by the window of `palpate view`
+// (viewer/picture/mouse_hand.hpp) and the pages of `palpate share` (viewer/share).
 
-/// Of the depth, 1/s: it nears the wanted one at this rate, and a hand lets go faster than it
-/// presses.
+/// Rates at which the depth approaches its target, 1/s. A hand releases faster than it presses.
 inline constexpr double press_rate = 9, release_rate = 16;
-/// m, what is wanted first, or less where less was computed:
+/// Initial target depth, m, or less if less was computed:
 inline constexpr double usual_depth = 0.01;
-/// of the reach (the radius of the workspace).
+/// share of the reach (the radius of the workspace).
 inline constexpr double usual_share = 0.4;
 
 }  // namespace palpate

@@ -10,86 +10,85 @@
 namespace palpate {
 
 enum class DeviceStatus : std::uint8_t {
-  fresh,     ///< the reading is of this tick
-  repeated,  ///< nothing new came since the last tick; the last reading again
-  lost,      ///< unplugged, or silent for too long; the position means nothing
-  away       ///< all is well, and no hand is in the scene; the position means nothing
+  fresh,     ///< the reading is from this tick
+  repeated,  ///< no new reading since the last tick; the last one is repeated
+  lost,      ///< unplugged, or silent for too long; the position is meaningless
+  away       ///< the device works, but no hand is in the scene; the position is meaningless
 };
 
-/// Which forces a device held on the way to a reading, and how late it takes the next one: so the
-/// force guard knows the energy of the loop. The defaults are those of a device that is read and
+/// Forces that a device held before a reading, and the delay of its next force. The force guard
+/// computes the energy of the loop from them. The defaults describe a device that is read and
 /// written in the tick.
 struct HeldForces {
-  /// Ticks ago that they were written; 1: in the last tick, 0: the force was zero.
+  /// Number of ticks since the forces were written; 1: in the last tick, 0: the force was zero.
   std::uint16_t newest = 1, oldest = 1;
-  double delay = 0;     ///< s, from the motion that was read to the force that answers it
-  double interval = 0;  ///< s, since the reading before; 0: a period for each tick
-  double hold = 0;      ///< s, that a force is held; 0: a period
+  double delay = 0;     ///< from the motion that was read to its force, s
+  double interval = 0;  ///< since the last reading, s; 0: one period per tick
+  double hold = 0;      ///< time for which a force is held, s; 0: one period
   bool operator==(const HeldForces&) const = default;
 };
 
-/// One reading of a device. Nothing in it can be trusted: a device may send NaN.
+/// One reading of a device. Nothing in it can be trusted; a device may send NaN.
 struct DeviceReading {
   DeviceReading() = default;
   DeviceReading(const Eigen::Vector3d& at, std::uint32_t pressed, DeviceStatus is,
                 const HeldForces& forces = {})
       : position(at), buttons(pressed), status(is), held(forces) {}
 
-  /// m, in the frame of the device (HapticDevice)
+  /// m, in the device's frame (HapticDevice)
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 lets go (contact.hpp)
+  std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 releases (contact.hpp)
   DeviceStatus status = DeviceStatus::lost;
   HeldForces held;
 };
 
-/// Where the mouse of the picture has the tool.
+/// Position of the tool by the mouse in the picture.
 struct MouseTarget {
-  /// m, scene frame; not finite: nowhere
+  /// m, scene frame; not finite: no tool
   Eigen::Vector3d position = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  /// How often the tool came from nowhere. With another number than before it is there at once, and
-  /// was nowhere in between.
+  /// Number of times that the tool appeared. If it changed, the tool was absent in between and
+  /// jumps to the position.
   std::uint32_t appearance = 0;
 };
 
-/// A haptic device: something that says where the hand is, and may push it.
+/// A haptic device: reads the position of the hand and may push it.
 ///
 /// Frame: metres and newtons, right-handed, x to the right, y up, z toward the operator, origin in
-/// the middle of the workspace. A device that lives in the scene instead (virtual hand, mouse,
-/// replay) says so and is not mapped.
+/// the middle of the workspace. Devices that live in the scene (virtual hand, mouse, replay) use
+/// the scene's frame and are not mapped; see livesInScene().
 ///
-/// Threads: read() and write() belong to the haptic thread, which calls them once per tick, in this
-/// order; they do not allocate, lock, wait, throw or log. A device that must wait for something has
-/// a thread of its own and exchanges readings and forces with it (triple_buffer.hpp). All else may
-/// be called from any thread.
+/// Threads: the haptic thread calls read() and then write() once per tick; they do not allocate,
+/// lock, wait, throw or log. A device that must wait has a thread of its own and exchanges readings
+/// and forces with it (triple_buffer.hpp). All other functions may be called from any thread.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   virtual DeviceReading read() noexcept = 0;
-  /// Holds until the next call. Always finite and within profile().max_force. N.
+  /// Sets the force until the next call, N. Always finite and within profile().max_force.
   virtual void write(const Eigen::Vector3d& force) noexcept = 0;
 
-  /// The force is zero from now on, whatever is written, until resume(). The watchdog calls this
-  /// from its own thread while the haptic thread hangs.
+  /// Sets the force to zero until resume(), whatever is written. The watchdog calls this from its
+  /// own thread while the haptic thread hangs.
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Called by the picture's thread alone, and heard by the device that is this mouse alone.
+  /// Moves the mouse's tool. Only the picture's thread calls this; other devices ignore it.
   virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
-  /// Whether it is the mouse, and hears moveTo().
+  /// Returns whether this device is the mouse, which moveTo() moves.
   virtual bool isMouse() const { return false; }
 
-  /// Limits of its force, stiffness and workspace.
+  /// Returns the limits of its force, stiffness and workspace.
   virtual DeviceProfile profile() const = 0;
-  /// How many readings it has to give, after which it is lost; 0: no end.
+  /// Returns the number of readings after which the device is lost; 0: no end.
   virtual std::uint64_t readings() const { return 0; }
   virtual bool livesInScene() const { return false; }
   virtual bool hasButtons() const { return false; }
   virtual std::string name() const = 0;
-  /// Real-time priority for the device's own threads, one less than the loop's. Returns sentences
-  /// about what was refused; empty where nothing was.
+  /// Requests real-time priority for the device's own threads, one below the loop's. Returns
+  /// sentences about refusals; empty if there are none.
   virtual std::string askForRealTime() { return {}; }
-  /// What is wrong, as a sentence for a person ("no service at ws://localhost:10001: ..."); empty
-  /// when nothing is.
+  /// Returns the current problem as a sentence for a person ("no service at ws://localhost:10001:
+  /// ..."); empty if there is none.
   virtual std::string trouble() const { return {}; }
 };
 

@@ -39,7 +39,7 @@ void sleepUntil(std::int64_t ns) noexcept {
   }
 }
 
-/// So that no tick meets a page of the stack that is not there yet.
+/// Maps the pages of the stack, so that no tick faults on them.
 [[gnu::noinline]] void touchStack() noexcept {
   char stack[stack_bytes];
   volatile char* const bytes = stack;
@@ -59,7 +59,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
     recorded_ = std::make_unique<RecordedQueue>();
     while (recorded_->push({})) {
     }
-    recorded_->reset();  // its pages are there now
+    recorded_->reset();  // its pages are mapped now
   }
   statistics_.rate = options.rate;
   published_.write(statistics_);
@@ -115,7 +115,7 @@ LoopStatistics HapticLoop::statistics() const {
 }
 
 void HapticLoop::lockMemory() {
-  // With a limit, locking what is yet to come would make later allocations fail.
+  // With a limit, locking future pages would make later allocations fail.
   rlimit limit{};
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   memory_locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
@@ -161,7 +161,7 @@ void HapticLoop::runTicks() {
       if (end > due) {
         ++(computed > period_ns ? statistics_.missed_program : statistics_.missed_system);
         due = end;
-        continue;  // publishing takes time, which a late loop has not
+        continue;  // publishing takes time that a late loop does not have
       }
     }
     if (end - published <= publish_ns) continue;
@@ -170,14 +170,13 @@ void HapticLoop::runTicks() {
   }
 }
 
-/// False when it was the last.
+/// Returns false after the last tick.
 bool HapticLoop::oneTick(std::int64_t begin_ns) {
   const double away = last_begin_ns_ == 0 ? 0 : seconds(begin_ns - last_begin_ns_);
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.load(std::memory_order_acquire);
-  // Ticks that another loop ran before this one left a force behind; the device has held zero
-  // since.
+  // Ticks of an earlier loop left a force behind; the device has held zero since.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 
@@ -231,7 +230,7 @@ void HapticLoop::watch() {
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    // First: the rest is newer than a resume
+    // Read this first; the values below are then newer than a resume
     const bool halted = halted_.load(std::memory_order_acquire);
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);

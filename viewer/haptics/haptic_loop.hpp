@@ -18,55 +18,55 @@ namespace palpate {
 
 struct LoopOptions {
   double rate = 1000;         ///< Hz
-  bool real_time = false;     ///< ask for SCHED_FIFO and mlockall; refusals are told in trouble()
+  bool real_time = false;     ///< request SCHED_FIFO and mlockall; see trouble() for refusals
   bool free_running = false;  ///< no clock: one tick after the other, as fast as possible (tests,
                               ///< palpate view --fast)
-  double watchdog = 0.1;      ///< s without a tick, after which the device is halted
-  std::uint64_t ticks = 0;    ///< stop after so many; 0: never
-  /// Fill the queue that takeRecorded() empties; it holds 8192 states. When it is full, states are
-  /// lost and counted; a free-running loop waits instead.
+  double watchdog = 0.1;      ///< time without a tick until the device is halted, s
+  std::uint64_t ticks = 0;    ///< number of ticks until the loop stops; 0: never
+  /// Fill the queue for takeRecorded(), which holds 8192 states. A full queue drops states and
+  /// counts them; a free-running loop waits instead.
   bool record = false;
 };
 
-/// Runs a HapticTick at its rate on a thread of its own, and a watchdog beside it.
+/// Runs a HapticTick at its rate in its own thread, supervised by a watchdog thread.
 ///
-/// Absolute-time sleeps (clock_nanosleep, CLOCK_MONOTONIC): the rate does not drift. A tick that
-/// ends after the next should have begun is a missed deadline; the loop then goes on from now,
-/// without catching up. It is the program's when the thread itself computed for longer than the
-/// period (its processor time), the operating system's otherwise.
+/// Sleeps until absolute times (clock_nanosleep, CLOCK_MONOTONIC), so the rate does not drift. A
+/// tick that ends after the start of the next one is a missed deadline; the loop then continues
+/// from now and does not catch up. The program missed the deadline if the thread itself computed
+/// for longer than the period (its processor time); otherwise the operating system did.
 ///
-/// When no tick ends for `watchdog` seconds the watchdog thread halts the device, counts, and the
-/// loop starts from zero force when it comes back (Guarded::late). So it does when it finds by
-/// itself that it was away for so long, and when it goes on with a tick that ran before.
+/// If no tick ends for `watchdog` seconds, the watchdog thread halts the device and counts the
+/// halt. The loop starts from zero force when it returns (Guarded::late). It also restarts from
+/// zero if it notices such a gap itself, or resumes a tick that another loop ran.
 ///
-/// While the device is lost the watchdog keeps it halted too: a device whose own thread hangs would
-/// go on with the last force. It is resumed after the first tick that is not lost, which is late
-/// and writes zero. A free-running loop has no watchdog. With real_time the watchdog has one
-/// priority more than the loop, and threads of the device have one less (real_time.hpp).
+/// The watchdog also halts a lost device, because its own thread may hang and hold the last force.
+/// The device is resumed after the first tick that is not lost; that tick is late and writes zero.
+/// A free-running loop has no watchdog. With real_time the watchdog's priority is one above the
+/// loop's, and the priority of the device's threads one below (real_time.hpp).
 ///
-/// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded()
-/// from one thread, the rest from the owner.
+/// Threads: latest(), command() and takeRecorded() each from one thread, the rest from the owner.
+/// The picture calls latest().
 class HapticLoop {
  public:
-  /// tick and device must outlive this object; the device is that of the tick. The rate is the
-  /// tick's: Error when it is not 1 / period, or the watchdog is not positive.
+  /// tick and device must outlive this object; the tick must use this device. Throws Error if the
+  /// rate is not 1 / period of the tick or the watchdog is not positive.
   HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options);
   ~HapticLoop();  ///< stops
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;
-  void start();  ///< Error when no thread can be had; once only
-  void stop();   ///< zero force is written last; the statistics are complete then
-  /// From start() until the last tick: stop(), or LoopOptions::ticks.
+  void start();  ///< Error if no thread can be created; once only
+  void stop();   ///< writes zero force last and completes the statistics
+  /// Returns true from start() until the last tick, by stop() or LoopOptions::ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   const HapticState& latest() noexcept { return states_.read(); }
-  /// False when the queue is full (the loop hangs).
+  /// Returns false if the queue is full (the loop hangs).
   bool command(const HapticCommand& command) noexcept { return commands_.push(command); }
-  /// The next state that was recorded; empty when there is none yet.
+  /// Returns the next recorded state; empty if there is none yet.
   std::optional<HapticState> takeRecorded();
-  /// Statistics so far, at most a tenth of a second old; exact after stop().
+  /// Returns the statistics so far, at most a tenth of a second old; exact after stop().
   LoopStatistics statistics() const;
-  /// What real time asked for and did not get, as sentences; empty when nothing. Complete after
+  /// Returns the refused real-time requests as sentences; empty if there are none. Complete after
   /// start().
   std::string trouble() const { return trouble_; }
 
@@ -74,7 +74,7 @@ class HapticLoop {
   static constexpr std::size_t recorded_states = 8192;
   using RecordedQueue =
       boost::lockfree::spsc_queue<HapticState, boost::lockfree::capacity<recorded_states>>;
-  /// Of the thread in the loop, at its begin.
+  /// Counts of the loop's thread when the loop begins.
   struct Usage {
     std::uint64_t page_faults = 0, preemptions = 0;
   };
@@ -93,28 +93,28 @@ class HapticLoop {
   const LoopOptions options_;
   TripleBuffer<HapticState> states_;
   boost::lockfree::spsc_queue<HapticCommand, boost::lockfree::capacity<64>> commands_;
-  std::unique_ptr<RecordedQueue> recorded_;  ///< when recording
+  std::unique_ptr<RecordedQueue> recorded_;  ///< only when recording
   mutable TripleBuffer<LoopStatistics> published_;
 
-  // The owner's; the loop's thread before start() returns.
+  // Used by the owner, and by the loop's thread before start() returns.
   std::thread thread_, watchdog_;
   std::string trouble_;
   bool started_ = false, memory_locked_ = false;
 
-  // The loop's thread alone.
+  // Used by the loop's thread only.
   LoopStatistics statistics_;
   HapticState before_;
   Usage usage_at_start_;
   std::int64_t last_begin_ns_ = 0;  ///< 0: no tick yet
 
-  // Between the loop's thread, the watchdog and the owner.
+  // Shared by the loop's thread, the watchdog and the owner.
   std::atomic<bool> stop_ = false, running_ = false;
   std::atomic<std::uint64_t> ticks_done_ = 0, halts_ = 0;
   /// set by the watchdog after halt(), cleared by the loop after resume()
   std::atomic<bool> halted_ = false;
-  std::atomic<bool> lost_ = false;  ///< the device, in the last tick
+  std::atomic<bool> lost_ = false;  ///< the device was lost in the last tick
 
-  // Between owner, loop and watchdog outside of the ticks.
+  // Shared by owner, loop and watchdog outside the ticks.
   std::mutex waiting_;
   std::condition_variable woken_;
   bool prepared_ = false;  ///< guarded by waiting_

@@ -17,82 +17,85 @@
 namespace palpate {
 
 struct HapticModelOptions {
-  /// Prepared for switching between them while touching; the first is the one to start with.
+  /// Methods between which a touch can switch; the first is the initial one.
   std::vector<std::string> methods = {"potential", "trilinear"};
-  double reach = 0;  ///< m, TouchSurface
-  /// Keep the pressures of the surface too, where the dataset has them: 4 bytes per vertex and
-  /// solved point.
+  double reach = 0;  ///< Passed to TouchSurface, m
+  /// Also keep the pressures of the surface if the dataset has them: 4 bytes per vertex and solved
+  /// point.
   bool pressures = false;
-  /// In the constructor, all of them; else each by HapticModel::prepare(), and preparePressures().
+  /// Prepare everything in the constructor; otherwise call HapticModel::prepare() for each method,
+  /// and preparePressures().
   bool prepare = true;
-  /// Ends the reading of what is seen: the constructor throws an Error of an interrupt then.
+  /// Stops reading the shapes; the constructor then throws an Error of an interrupt.
   std::stop_token stop = {};
 };
 
-/// All of one dataset that a hand needs, in memory: the file may be replaced or go.
+/// Everything that touching one dataset needs, in memory. The file may be replaced or deleted.
 ///
-/// Threads: any may read. Methods can be prepared while others read: one becomes visible when it is
-/// whole, and stays as it is from then on.
+/// Threads: any thread may read, also while methods are prepared. A method becomes visible when it
+/// is complete, and does not change afterwards.
 class HapticModel {
  public:
-  /// Error when the dataset has nothing to touch, or a method is unknown.
+  /// Throws Error if the dataset has no touchable surface or a method is unknown.
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
 
-  /// Makes the fields of one method for all spaces, side by side on all cores: some 0.2 s of
-  /// processor time for a space of 515 points and `potential`, some 12 s for the area of 315 sites
-  /// on 37 solved points each, with the first method. Does nothing for a method that is prepared.
-  /// Not twice at once for a method. Until it is done or `stop` is requested; the next call goes on
-  /// from there, but begins areas anew. Error for an unknown method.
+  /// Prepares one method for all spaces, in parallel on all cores.
+  ///
+  /// Costs about 0.2 s of processor time for a space of 515 points and `potential`. The first
+  /// method also pays for the areas: about 12 s for 315 sites with 37 solved points each. Does
+  /// nothing if the method is prepared. Do not call twice at once for one method. If `stop` is
+  /// requested, the next call resumes the spaces but restarts the areas. Throws Error for an
+  /// unknown method.
   void prepare(std::size_t method, const std::stop_token& stop = {});
-  /// The same in this thread alone, but for areas.
+  /// As prepare(), in this thread alone; areas still use all cores.
   void prepareAlone(std::size_t method, const std::stop_token& stop);
-  /// How far a method is prepared, 0 to 1, and 1 only when it isPrepared(): the share of its
-  /// spaces, or of the work on areas, which all methods share; 0 for one that is not in methods().
-  /// Any thread; waits for nothing.
+  /// Returns the progress of a method, 0 to 1: the share of its spaces or of the work on the areas
+  /// that all methods share, whichever is larger. It is 1 only if the method isPrepared(), and 0
+  /// for a number beyond methods(). Any thread; does not wait.
   double preparedShare(std::size_t method) const noexcept;
-  /// Whether field() may be asked for a method. Any thread, real time.
+  /// Returns whether field() may be called for this method. Any thread, real time.
   bool isPrepared(std::size_t method) const noexcept {
     return method < fields_.size() &&
            fields_[method].made.load(std::memory_order_acquire) == spaces_.size();
   }
 
-  /// Makes pressures() ready, if they were asked for, in this thread alone, until it is done or
-  /// `stop` is requested: some milliseconds a space. Not twice at once.
+  /// Prepares pressures(), if the options ask for them, in this thread alone until `stop` is
+  /// requested; takes some milliseconds per space. Do not call twice at once.
   void preparePressures(const std::stop_token& stop = {});
 
   const std::string& name() const { return name_; }                ///< of the scene
   const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
-  ContactMode contactMode() const { return contact_; }  ///< what the scene asks for
-  double maxForce() const { return max_force_; }  ///< N, of the scene: nothing beyond it was solved
-  /// m, of the tool that a space was computed with: a finger's, or how far its patch reaches around
-  /// the active node; 0 of a single node.
+  ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
+  double maxForce() const { return max_force_; }        ///< N, from the scene; no solves beyond it
+  /// Returns the radius of the tool of a space, m: of the finger, or of the patch around the active
+  /// node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }
   const TouchSurface& surface() const { return surface_; }
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
   const std::vector<std::string>& methods() const { return methods_; }
-  /// Only of a method that isPrepared(). Real time.
+  /// Requires isPrepared(method). Real time.
   const ForceField& field(std::size_t method, std::size_t space) const noexcept {
     return *fields_[method].of_space[space];
   }
-  /// The energy of one of surface().areas(), of any method: between sites there is one only. Once
-  /// some method isPrepared(). Real time.
+  /// Returns the energy of an area of surface(). All methods share it. Requires that a method
+  /// isPrepared(). Real time.
   const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
-  /// Displacements of the surface's vertices.
+  /// Returns the displacements of the surface's vertices.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
-  /// Never prepared where they were not asked for.
+  /// Never prepared unless the options ask for them.
   const SurfacePressures& pressures() const { return pressures_; }
 
  private:
-  /// One method in all spaces. Threads write different elements, each before it counts it in
-  /// `made`.
+  /// One method in all spaces. Threads write different elements, and count each in `made` after
+  /// writing it.
   struct MethodFields {
     std::vector<std::unique_ptr<const ForceField>> of_space;
     std::atomic<std::size_t> made = 0;
   };
   void make(std::size_t method, std::size_t space);
-  bool makeAreas(const std::stop_token& stop);  ///< whether they are there
+  bool makeAreas(const std::stop_token& stop);  ///< returns whether they are complete
   void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
 
   std::string name_, file_;
@@ -103,10 +106,11 @@ class HapticModel {
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
   std::vector<double> tool_radii_;                    ///< m, [space]
-  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its collocation points
+  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< places around the sites of each area, m,
+                                                      ///< for its collocation points
   std::mutex making_areas_;
   bool areas_made_ = false;
-  std::atomic<double> areas_share_ = 0;                  ///< of the work on areas
+  std::atomic<double> areas_share_ = 0;                  ///< share of the work on areas, 0 to 1
   std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
   std::vector<std::int32_t> area_of_space_;              ///< -1: none
   std::vector<std::string> methods_;

@@ -15,7 +15,8 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// The guard's period is the tick's, and no force is beyond the device, whatever the options say.
+/// Sets the guard's period to the tick's, and limits the force to the device's whatever the options
+/// say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   const double most = device.profile().max_force;
@@ -25,7 +26,7 @@ TickOptions limited(TickOptions options, const HapticDevice& device) {
   return options;
 }
 
-/// The touchable vertices, one under the other.
+/// Positions of the touchable vertices, one per column.
 Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
   std::vector<Eigen::Vector3d> found;
   for (std::size_t v = 0; v < surface.vertices().size(); ++v)
@@ -73,7 +74,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   state_.reading = device_.read();
   const bool lost = state_.reading.status == DeviceStatus::lost;
   const bool away = state_.reading.status == DeviceStatus::away;
-  // A lost device has no position, whatever the reading says; contact ends with it.
+  // A lost device has no position, whatever the reading says; contact ends.
   const Eigen::Vector3d tool =
       lost || away
           ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
@@ -87,7 +88,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.fresh = away || state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
   input.away = away;
-  // While lost the device is halted; the tick in which it is back is late.
+  // A lost device is halted; the tick in which it returns is late.
   input.late = late && !lost;
   const GuardedForce guarded = guard_.limit(input);
 
@@ -101,11 +102,12 @@ const HapticState& HapticTick::run(bool late) noexcept {
 
 void HapticTick::obey(const HapticCommand& command) noexcept {
   if (command.kind == HapticCommand::Kind::release) return contact_.release();
-  const auto number = static_cast<std::size_t>(command.model);  // huge where it is negative
+  const auto number = static_cast<std::size_t>(command.model);  // huge if negative
   const auto method = static_cast<std::size_t>(command.method);
   if (number >= models_.size() || !models_[number]->isPrepared(method)) return;
   contact_.use(*models_[number], method);
-  // The touch was of the model before: who draws it before the next run() must not ask this one.
+  // The touch belongs to the previous model; a picture drawn before the next run() must not use it
+  // with this one.
   state_.touch = {};
   state_.model = command.model;
   state_.method = command.method;

@@ -10,25 +10,26 @@
 
 namespace palpate {
 
-/// All that one tick knew and did. Goes to other threads by value: picture, recording.
+/// Inputs and results of one tick. Passed to other threads (picture, recording) by value.
 struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
-  double time = 0;         ///< s, tick * period: not the clock of the wall
+  double time = 0;         ///< tick * period, s; not wall-clock time
   DeviceReading reading;
-  /// m, scene frame; the last that was known, always finite
+  /// m, scene frame; the last finite position
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();
   Touch touch;
-  /// N, scene frame: what was written to the device
+  /// force written to the device, N, scene frame
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   std::uint32_t guards = 0;            ///< Guarded bits
   double passivity = 0;                ///< J, GuardedForce
   std::int32_t model = 0, method = 0;  ///< in use
 
-  /// m, scene frame: where pictures show the tool, which stops where the answers end.
+  /// Returns the tool position for pictures, m, scene frame. It stops at the edge of the computed
+  /// region.
   Eigen::Vector3d shownTool() const noexcept { return tool - touch.excess(); }
 };
 
-/// What another thread asks of the haptic thread.
+/// A command from another thread to the haptic thread.
 struct HapticCommand {
   enum class Kind : std::uint8_t {
     use,      ///< model and method, by number
@@ -37,9 +38,9 @@ struct HapticCommand {
   std::int32_t model = 0, method = 0;
 };
 
-/// From the frame of a device to that of the scene: tool = origin + scale * rotation * position.
-/// Forces go back by the transposed rotation alone: newtons stay newtons, only lengths are scaled
-/// (the hand then feels `scale` times the stiffness per metre of its own motion).
+/// Maps a device's frame to the scene: tool = origin + scale * rotation * position. Forces are
+/// rotated back without scaling, so newtons stay newtons: the hand feels `scale` times the
+/// stiffness per metre of its own motion.
 struct WorkspaceMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   double scale = 1;
@@ -51,9 +52,10 @@ struct WorkspaceMap {
     return rotation.transpose() * force;
   }
 };
-/// The device's workspace around what is touchable: identity for devices that live in the scene;
-/// else the scale at which the workspace of `limits` holds the touchable vertices and the
-/// displacements around them, at least 1; the device's axes are the scene's.
+/// Returns the map that fits a device's workspace around the touchable surface. It is the identity
+/// for devices that live in the scene. For others the axes are the scene's, and the scale, at least
+/// 1, makes the workspace of `limits` hold the touchable vertices and the displacements around
+/// them.
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
                           const DeviceProfile& limits);
 
@@ -64,20 +66,21 @@ struct TickOptions {
   WorkspaceMap map;
 };
 
-/// One tick of the haptic loop: read, find contact, evaluate, guard, write. Knows no clock and no
-/// thread, so that the same readings give the same forces to the last bit. run() and obey() are
-/// real time: they do not allocate, lock, throw or log.
+/// One tick of the haptic loop: read, find contact, evaluate, guard, write. It has no clock and no
+/// thread, so the same readings give the same forces to the last bit. run() and obey() are real
+/// time: they do not allocate, lock, throw or log.
 class HapticTick {
  public:
-  /// models: at least one, to be switched between, the first method of the first prepared; they and
-  /// the device must outlive this object.
+  /// models: at least one; the first method of the first model must be prepared. The models and the
+  /// device must outlive this object.
   HapticTick(std::vector<const HapticModel*> models, HapticDevice& device,
              const TickOptions& options);
 
-  /// late: the loop hung before this tick, or the device was halted; not told while the device is
-  /// lost.
+  /// Runs one tick. late: the loop hung before this tick or the device was halted; ignored while
+  /// the device is lost.
   const HapticState& run(bool late = false) noexcept;
-  /// Commands that name what does not exist, or a method that is not prepared, are ignored.
+  /// Applies a command. Ignores commands for unknown models or methods, and for methods that are
+  /// not prepared.
   void obey(const HapticCommand& command) noexcept;
   const HapticState& state() const noexcept { return state_; }
   const TickOptions& options() const noexcept { return options_; }

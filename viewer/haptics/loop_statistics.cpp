@@ -14,7 +14,7 @@ namespace {
 
 constexpr double smallest_time = 16e-9;  // s, lower edge of the first bin
 
-/// The histograms by the names that text and JSON give them.
+/// The histograms with their names in text and JSON.
 constexpr std::array<std::pair<const char*, TimeHistogram LoopStatistics::*>, 4> histograms = {
     {{"period", &LoopStatistics::period},
      {"latency", &LoopStatistics::latency},
@@ -37,7 +37,7 @@ nlohmann::ordered_json toJson(const TimeHistogram& times) {
 }  // namespace
 
 void TimeHistogram::add(double seconds) noexcept {
-  const double time = seconds > 0 ? seconds : 0;  // a clock that went back, or NaN
+  const double time = seconds > 0 ? seconds : 0;  // 0 for NaN or a clock that went back
   const double bin =
       time > smallest_time ? std::floor(bins_per_octave * std::log2(time / smallest_time)) : 0;
   ++bins_[static_cast<std::size_t>(std::min(bin, static_cast<double>(bins_.size() - 1)))];

@@ -34,7 +34,8 @@ struct Channel {
 template <class Value>
 Channel(const char*, const char*, Value (*)(const HapticState&)) -> Channel<Value>;
 
-/// Anchor and displacement mean nothing where nothing is touched: zero, so that no plot shows more.
+/// Returns zero without contact, where anchor and displacement are meaningless, so that plots show
+/// nothing else.
 Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) {
   return touch.touching ? value : Eigen::Vector3d::Zero().eval();
 }
@@ -48,7 +49,7 @@ HeldForces heldForces(std::uint32_t forces, const Eigen::Vector3d& times) {
           times[1], times[2]};
 }
 
-/// Every list of a recording: the path of its array, its unit, and what it takes from a state.
+/// Every list of a recording: path of its array, unit, and its value in a state.
 auto makeChannels() {
   using State = const HapticState&;
   return std::tuple{
@@ -78,7 +79,7 @@ auto makeChannels() {
       Channel{"/method", "1", +[](State s) { return s.method; }}};
 }
 
-/// A list of text as JSON; names of files may hold bytes that are not UTF-8.
+/// Returns a list of texts as JSON; file names may hold bytes that are not UTF-8.
 std::string jsonOf(const std::vector<std::string>& texts) {
   return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -143,7 +144,7 @@ double readNotNegative(const Reader& in, const char* attribute) {
   return value;
 }
 
-/// The limits of the recorded device, under a name that lives as long as the program.
+/// Returns the limits of the recorded device, with a name that lives as long as the program.
 DeviceProfile readProfile(const Reader& in) {
   const DeviceProfile* const known = deviceNamed(in.text("profile"));
   return {known == nullptr ? "replay" : known->name, readNotNegative(in, "profile_max_force"),
@@ -222,7 +223,7 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
-  // Recordings from before they were written: as of a device that is read in the tick.
+  // Older recordings lack these arrays; assume a device that is read in the tick.
   const bool held =
       std::ranges::count(in.arrays(), "/device/held_times", &hdf5::ArrayInfo::path) > 0;
   std::vector<Eigen::Vector3d> times;

@@ -12,46 +12,47 @@ namespace palpate {
 
 /// One dataset of a run.
 struct RecordedModel {
-  std::string name;   ///< of the scene
-  std::string file;   ///< as it was given
-  ContentId dataset;  ///< content id: the file may have been replaced since
+  std::string name;   ///< name of the scene
+  std::string file;   ///< path as given
+  ContentId dataset;  ///< content id; the file may have been replaced since
 };
 
-/// What a run was made with: enough to make it again.
+/// Setup of a run, sufficient to repeat it.
 struct RecordedRun {
-  std::vector<RecordedModel> models;  ///< HapticState::model counts in these
-  std::vector<std::string> methods;   ///< HapticState::method counts in these
+  std::vector<RecordedModel> models;  ///< HapticState::model is an index into these
+  std::vector<std::string> methods;   ///< HapticState::method is an index into these
   std::string device;                 ///< HapticDevice::name()
   DeviceProfile profile;              ///< of the device
   bool scene_frame = false;           ///< HapticDevice::livesInScene()
   TickOptions options;
 };
-/// That of these models and this device.
+/// Describes a run of these models with this device.
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
-/// Collects the states of a run, 200 bytes each, in memory: 10 minutes at 1 kHz are 120 MB. Any one
-/// thread; not the haptic one, since it allocates (HapticLoop::takeRecorded).
+/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. Any
+/// single thread except the haptic one, because it allocates (HapticLoop::takeRecorded).
 class Recorder {
  public:
-  /// Error when the period is not positive.
+  /// Throws Error if the period is not positive.
   explicit Recorder(RecordedRun run);
   Recorder(Recorder&&) noexcept;
   ~Recorder();
-  /// In the order of the ticks; Error when not.
+  /// Adds a state. Throws Error if it is not later than the last one.
   void add(const HapticState& state);
   std::size_t size() const { return size_; }
-  /// No tick is missing from the first one of the run to the last.
+  /// Returns whether no tick is missing from the first tick of the run to the last.
   bool complete() const { return complete_; }
-  /// Writes an HDF5 file aside and renames it, so that `file` is the old one or a whole new one.
-  /// Error that names the file when it cannot be written (a full disk); nothing is left of the
-  /// attempt then, and save() may be called again. The same recording gives the same bytes.
+  /// Writes an HDF5 file aside and renames it, so `file` is either the old file or a complete new
+  /// one. Throws Error with the file's name if it cannot be written (a full disk); the attempt then
+  /// leaves nothing behind, and save() may be called again. The same recording gives the same
+  /// bytes.
   ///
   ///   /time                 float64  n     s, tick * period: increasing
-  ///   /device/position      float64  n x 3 m, of device or scene (scene_frame); also NaN
+  ///   /device/position      float64  n x 3 m, frame of device or scene (scene_frame); may be NaN
   ///   /device/buttons       int32    n     bits
   ///   /device/status        uint8    n     DeviceStatus: 0 fresh, 1 repeated, 2 lost, 3 away:
-  ///                                      part of the format
+  ///                                        part of the format
   ///   /device/held_times    float64  n x 3 s, HeldForces: delay, interval, hold
   ///   /device/held_forces   int32    n     HeldForces: newest + 65536 oldest
   ///   /tool/position        float64  n x 3 m, scene frame
@@ -61,10 +62,10 @@ class Recorder {
   ///   /contact/displacement float64  n x 3 m, of the anchor; 0 when not touching
   ///   /contact/inside       uint8    n     0 or 1; 1 when not touching
   ///   /contact/coverage     float64  n     0 to 1; 1 when not touching
-  ///   /contact/energy       float64  n     J, in the tissue; NaN where the method has none
-  ///   /contact/error_bound  float64  n     N; NaN where the method gives none
+  ///   /contact/energy       float64  n     J, in the tissue; NaN if the method has none
+  ///   /contact/error_bound  float64  n     N; NaN if the method gives none
   ///   /guards               int32    n     bits of Guarded: part of the format, only append
-  ///   /model, /method       int32    n     in use: counted in attributes models, methods
+  ///   /model, /method       int32    n     in use: indices into attributes models, methods
   ///   /workspace/rotation   float64  3 x 3 scene = origin + scale * rotation * device
   ///   /workspace/origin     float64  3     m
   ///
@@ -83,18 +84,19 @@ class Recorder {
   bool complete_ = true;
 };
 
-/// What a recorded device said, to be said again: one reading per tick. With the datasets, methods
-/// and options of the run the same forces follow, to the last bit, as long as no tick is missing
+/// Readings of a recorded device, one per tick, for replay. With the datasets, methods and options
+/// of the run they give the same forces to the last bit, if no tick is missing
 /// (Recorder::complete()) and the loop never hung (Guarded::late).
 struct Recording {
-  double rate = 0;           ///< Hz
-  bool scene_frame = false;  ///< positions are in the frame of the scene, not of the device
-  DeviceProfile profile;     ///< of the device; its name is "replay" where it is no usual one
-  std::vector<DeviceReading> readings;  ///< positions may be anything, also NaN
+  double rate = 0;                      ///< Hz
+  bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
+  DeviceProfile profile;                ///< of the device; named "replay" if its profile is unknown
+  std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
 };
 
-/// Error (bad input) when `file` is missing or no recording; Error when it is damaged: every array
-/// is compared with its hash, also those that a replay does not need, and what it does is checked.
+/// Reads a recording. Throws Error (bad input) if `file` is missing or no recording, and Error if
+/// it is damaged. Compares every array with its hash, also arrays that a replay does not need, and
+/// checks the values that it uses.
 Recording readRecording(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -13,7 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t leaf_size = 4;
-/// Halving 2^31 triangles down to a leaf takes 30 levels, and a level leaves one entry on a stack.
+/// Halving 2^31 triangles down to a leaf takes 30 levels, and each level leaves one entry on the
+/// stack.
 constexpr std::size_t stack_size = 64;
 
 double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -31,9 +32,9 @@ double squaredDistance(const Eigen::Vector3d& center, const Eigen::Vector3d& hal
   return ((point - center).cwiseAbs() - half).cwiseMax(0.0).squaredNorm();
 }
 
-/// A segment in the coordinates of the watertight test of Woop, Benthin and Wald (2013): sheared so
-/// that it lies on the third axis. The coordinates of a vertex do not depend on the triangle it is
-/// seen from, so two triangles agree about the side on which their common edge is passed.
+/// A segment in the coordinates of the watertight test of Woop, Benthin and Wald (2013), sheared so
+/// that it lies on the third axis. The coordinates of a vertex do not depend on the triangle, so
+/// two triangles agree on which side of their common edge the segment passes.
 class ShearedSegment {
  public:
   ShearedSegment(const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept
@@ -46,12 +47,12 @@ class ShearedSegment {
     length_ = direction[z_];
     shear_x_ = direction[x_] / length_;
     shear_y_ = direction[y_] / length_;
-    // Room for the rounding of the box test itself.
+    // Allows for the rounding of the box test.
     reach_ = half_.cwiseAbs().array() + 1e-13 * (middle_.cwiseAbs() + half_.cwiseAbs()).sum();
   }
 
-  /// Whether the segment may meet a box: three axes and three cross products separate them or
-  /// nothing does.
+  /// Returns whether the segment may meet a box, by the separating-axis test with three axes and
+  /// three cross products.
   bool mayMeet(const Eigen::Vector3d& center, const Eigen::Vector3d& half) const noexcept {
     const Eigen::Vector3d m = middle_ - center, room = half + reach_;
     if ((m.cwiseAbs().array() > room.array()).any()) return false;
@@ -61,7 +62,7 @@ class ShearedSegment {
            cross[2] <= half[0] * reach_[1] + half[1] * reach_[0] + slack(half);
   }
 
-  /// Replaces `best` where the triangle is entered, from its outer side, before it.
+  /// Replaces `best` if the segment enters the triangle from its outer side before `best`.
   void meet(const std::array<Eigen::Vector3d, 3>& corners, std::int32_t triangle,
             Crossing& best) const noexcept {
     const Eigen::Vector3d a = corners[0] - from_, b = corners[1] - from_, c = corners[2] - from_;
@@ -69,7 +70,7 @@ class ShearedSegment {
     const double bx = b[x_] - shear_x_ * b[z_], by = b[y_] - shear_y_ * b[z_];
     const double cx = c[x_] - shear_x_ * c[z_], cy = c[y_] - shear_y_ * c[z_];
     const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-    if (u < 0 || v < 0 || w < 0) return;  // beside it, or from inside
+    if (u < 0 || v < 0 || w < 0) return;  // misses, or comes from inside
     const double sum = u + v + w;
     if (sum <= 0) return;
     const double fraction = (u * a[z_] + v * b[z_] + w * c[z_]) / (sum * length_);
@@ -131,7 +132,7 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     }
 }
 
-/// Halves by the median of the centroids along the longest side of their box.
+/// Splits at the median of the centroids along the longest side of their box.
 std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   PALPATE_ASSERT(count > 0, "no half of what is more than a leaf is empty");
   Eigen::AlignedBox3d box, centroids;
@@ -146,7 +147,7 @@ std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   const auto index = static_cast<std::int32_t>(nodes_.size());
   Node node;
   node.center = box.center();
-  // Rounding of the centre may not cut a corner off.
+  // Keeps the corners inside despite rounding of the centre.
   node.half =
       box.sizes() / 2 + Eigen::Vector3d::Constant(1e-15 * (1 + box.max().cwiseAbs().maxCoeff()));
   if (count <= leaf_size) {
@@ -214,7 +215,7 @@ NearestPoint SurfaceTree::nearest(const Eigen::Vector3d& point, std::int32_t hin
   best.distance = std::sqrt(best_squared);
   const Face& face = faces_[at(best.triangle)];
   const auto zeros = (best.barycentric.array() == 0).count();
-  Eigen::Index edge = 0, vertex = 0;  // that it lies on, when it does
+  Eigen::Index edge = 0, vertex = 0;  // the feature that the point lies on, if any
   best.barycentric.minCoeff(&edge);
   best.barycentric.maxCoeff(&vertex);
   const Eigen::Vector3d& normal = zeros == 0   ? face.normal

@@ -14,11 +14,11 @@ namespace palpate {
 struct NearestPoint : SurfacePoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< m
   double distance = std::numeric_limits<double>::infinity();  ///< m, >= 0
-  /// of the body, by the angle-weighted normal of the nearest face, edge or vertex
+  /// outside the body, by the angle-weighted normal of the nearest face, edge or vertex
   bool outside = true;
 };
 
-/// Where a segment enters a surface first.
+/// The first point where a segment enters a surface.
 struct Crossing : SurfacePoint {
   double fraction = 0;  ///< of the segment, 0..1
 };
@@ -32,23 +32,24 @@ class SurfaceTree {
   /// Copies what it needs. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
-  /// For any finite point. hint: a triangle that is likely near, as the last answer for a point
-  /// that moves; it makes the search shorter, and no other difference but the choice between
-  /// equally near triangles.
+  /// Returns the nearest point, for any finite point.
+  ///
+  /// hint: a triangle that is likely near, such as the last one for a moving point. It shortens the
+  /// search and otherwise only decides between equally near triangles.
   NearestPoint nearest(const Eigen::Vector3d& point, std::int32_t hint = -1) const noexcept;
-  /// The first triangle that the segment from `from` to `to` passes from outside to inside. A
-  /// segment through an edge or a vertex hits one of the triangles there: there are no cracks.
+  /// Returns the first triangle that the segment from `from` to `to` passes from outside to inside.
+  /// A segment through an edge or a vertex hits one of the triangles there, so there are no cracks.
   Crossing entry(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const noexcept;
 
  private:
   struct Node {
-    Eigen::Vector3d center, half;  ///< of the box, m
-    /// leaf: the first place in order_; else its right child, the left is next
+    Eigen::Vector3d center, half;  ///< of the bounding box, m
+    /// leaf: index into order_; otherwise the right child (the left child is the next node)
     std::int32_t first = 0;
-    std::int32_t count = 0;  ///< triangles of a leaf; 0: not a leaf
+    std::int32_t count = 0;  ///< number of triangles of a leaf; 0: not a leaf
   };
-  /// Of one triangle: where it lies, and the normals that tell inside from outside beside its
-  /// features.
+  /// Corners of a triangle, and the normals that tell inside from outside near its face, edges and
+  /// vertices.
   struct Face {
     std::array<Eigen::Vector3d, 3> corners;
     Eigen::Vector3d normal;

@@ -19,7 +19,8 @@ struct Candidate {
   double distance, reach;  ///< m
 };
 
-/// In place: the nearest three at most, as weights that sum to 1.
+/// Sorts and truncates the candidates in place; returns the nearest three at most, as weights that
+/// sum to 1.
 std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   PALPATE_ASSERT(!candidates.empty(), "a vertex out of every reach has no shares");
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
@@ -31,7 +32,7 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   std::vector<SpaceWeight> shares;
   double sum = 0;
   for (const Candidate& candidate : candidates) {
-    // A vertex exactly at the reach, as those of the first ring are, keeps a little of the weight.
+    // A vertex exactly at the reach, like those of the first ring, keeps a little weight.
     const double taper = std::max(1 - candidate.distance / candidate.reach, 1e-3);
     const double weight = candidate.distance > 0 ? taper * taper / candidate.distance : 1;
     shares.push_back({candidate.space, weight});
@@ -77,9 +78,9 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     ActivePatch patch = space.patch;
     patch.node = vertexOf(patch.node);
     for (std::int32_t& node : patch.nodes) node = vertexOf(node);
-    std::erase(patch.nodes, -1);  // inside of the body, or in the middle of an edge
+    std::erase(patch.nodes, -1);  // inside the body, or the middle of an edge
     active_vertices_.push_back(patch.node);
-    // Sites share their area; they are no patches beside each other.
+    // Sites are part of their area, not separate patches.
     if (in_area[patches.size()]) patch.node = -1;
     patches.push_back(patch);
   }
@@ -145,7 +146,8 @@ void TouchSurface::setNeighbors() {
       around_[at(vertex)].push_back(static_cast<std::int32_t>(n));
 }
 
-/// Dijkstra's: the vertices within `reach` (m) of the sources along edges, and how far away.
+/// Dijkstra's algorithm: returns the vertices within `reach` (m) of the sources along edges, with
+/// their distances.
 std::map<std::int32_t, double> TouchSurface::distancesFrom(const std::vector<std::int32_t>& sources,
                                                            double reach) const {
   using Item = std::pair<double, std::int32_t>;
@@ -190,7 +192,7 @@ void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double rea
     shares_.push_back(of_vertex.empty() ? std::vector<SpaceWeight>() : sharesFrom(of_vertex));
 }
 
-/// Vertices near the sites of an area belong to it, and triangles of such vertices, unless all
+/// Assigns vertices near the sites of an area to it, and triangles of such vertices unless all
 /// three are fixed.
 void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
                             const std::vector<std::int32_t>& fixed) {
@@ -228,7 +230,8 @@ void TouchSurface::setTouchable() {
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
     if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
-    // No blend of forces leads out of an area: its sites answer for its own triangles only.
+    // Forces are not blended across the rim of an area: its sites answer for its own triangles
+    // only.
     const bool at_its_rim =
         std::ranges::any_of(t, [this](std::int32_t v) { return area_of_vertex_[at(v)] >= 0; });
     if (at_its_rim && area_of_[n] < 0) continue;

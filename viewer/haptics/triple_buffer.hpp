@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-/// The latest value from one writing thread to one reading thread. Both sides are wait-free: no
-/// lock, no allocation, no retry. Values that are not read in time are lost; that is the purpose. A
-/// queue (boost::lockfree::spsc_queue) is for what must not be lost.
+/// Passes the latest value from one writing thread to one reading thread. Both sides are wait-free:
+/// no lock, no allocation, no retry. A value that is not read in time is lost, by design; use a
+/// queue (boost::lockfree::spsc_queue) for values that must not be lost.
 ///
-/// Three slots: the writer owns one, the reader one, and the third is exchanged with `shared_`,
-/// whose bit 2 says that the writer put something new there.
+/// There are three slots: the writer and the reader own one each, and the third is exchanged
+/// through `shared_`. Bit 2 of `shared_` means that the writer put a new value there.
 template <class T>
 class TripleBuffer {
-  // Copies must neither allocate nor throw; Eigen's small matrices are not trivially copyable.
+  // Copies must not allocate or throw; Eigen's small matrices are not trivially copyable.
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
@@ -26,8 +26,8 @@ class TripleBuffer {
     slots_[writing_] = value;
     writing_ = shared_.exchange(writing_ | fresh, std::memory_order_acq_rel) & index;
   }
-  /// Reading thread only. The last value that was written, or the first; the reference holds until
-  /// the next call.
+  /// Reading thread only. Returns the last written value, or the first one; the reference is valid
+  /// until the next call.
   const T& read() noexcept {
     if ((shared_.load(std::memory_order_relaxed) & fresh) != 0)
       reading_ = shared_.exchange(reading_, std::memory_order_acq_rel) & index;
