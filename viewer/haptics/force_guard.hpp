@@ -118,7 +118,7 @@ class ForceGuard {
   bool usable_ = false;                              ///< the last raw force was used
   bool stalled_ = false;                             ///< the last tick was stalled
   std::uint64_t ticks_since_fresh_ = 0;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading, if usable_
 };
 
 }  // namespace palpate

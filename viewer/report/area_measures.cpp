@@ -18,31 +18,32 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< of the ball's radius
+constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< in radii of the ball
 constexpr std::size_t shown_sites = 3;
-constexpr int sideways = 4;  ///< directions 45 degrees off the normal, beside the normal itself
+constexpr int sideways = 4;  ///< directions at 45 degrees to the normal, in addition to the normal
 
-/// What was asked at one depth of one triangle.
+/// Bound and force at one displacement of a triangle.
 struct Sample {
   double bound, force;
 };
 
-/// Unit vectors into the body.
+/// Returns unit vectors into the body.
 std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d across = normal.unitOrthogonal(), along = normal.cross(across);
   return {-normal, (across - normal).normalized(), (-across - normal).normalized(),
           (along - normal).normalized(), (-along - normal).normalized()};
 }
 
-/// 1/N: makes an error relative to the force, or to that at which the floor is what is allowed.
+/// Returns the factor that makes an error relative, 1/N: to the force, or to the force at which the
+/// allowed error is the floor.
 double relativeTo(double force, const AccuracyTarget& target) {
   return 1 / std::max(force, target.force_floor / target.force_error);
 }
 
-/// Per triangle of the mesh's surface and depth.
+/// [triangle of the mesh's surface][depth].
 using Samples = std::vector<std::array<std::vector<Sample>, depths.size()>>;
 
-/// Asks the area at the middle of every triangle.
+/// Samples the area at the centroid of every triangle.
 Samples samplesOf(const AreaField& area, const Dataset& dataset, double radius,
                   const AccuracyTarget& target) {
   const Mesh& mesh = dataset.mesh();
@@ -95,7 +96,7 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
       "every triangle was asked at every depth");
 }
 
-/// Errors at probes, by how deep they press.
+/// Computes the errors at probes by depth.
 void measureDepths(AreaMeasures& measures) {
   std::vector<double> all;
   for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);
@@ -112,7 +113,7 @@ void measureDepths(AreaMeasures& measures) {
   }
 }
 
-/// The fields of sites alone, made when they are asked for.
+/// The fields of single sites, made on first use.
 class NearestSite {
  public:
   explicit NearestSite(const std::vector<const SpaceTable*>& sites)
@@ -138,7 +139,7 @@ AreaProbes measureProbes(const AreaField& area, NearestSite& nearest,
   AreaProbes measures;
   std::vector<ForceComparison> of_area, of_nearest;
   for (const SpaceTable* place : places) {
-    // Without a rest position there is no probe either.
+    // A place without a rest position has no probe.
     const auto& [displacement, record] = place->probes.empty() ? Probe() : place->probes.front();
     measures.counts.add(record);
     if (record.tag != Tag::expandable) continue;
@@ -170,7 +171,7 @@ void sampleWay(const AreaField& area, NearestSite& nearest, const Eigen::Vector3
       [&](const Eigen::Vector3d& p) { return nearest.force(place, p); }, way.direction, 0, length));
 }
 
-/// The axis of the lattice, in either sense, that leads most into the body at a place.
+/// Returns the lattice axis, with sign, that points most into the body at a place.
 Eigen::Vector3d axisInto(const Mesh& mesh, const Eigen::Vector3d& place) {
   const Eigen::Vector3d into = -normalOf(mesh, nearestOnSurface(mesh, place).triangle);
   Eigen::Index axis = 0;

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-/// Radius / spacing below which a thinned lattice says nothing; only every 2nd point may have less.
+/// Radius / spacing below which a thinned lattice has too few points; every 2nd point is kept in
+/// any case.
 constexpr double smallest_ratio = 1.5;
 constexpr double same_spacing = 1e-3;  ///< relative
 
@@ -44,7 +45,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
   coarse.patch = space.patch;
   coarse.probes = space.probes;
   coarse.lattice = Lattice(dense.radius(), std::min(factor * dense.spacing(), dense.radius()));
-  // Of each dense point in the coarse lattice.
+  // Index in the coarse lattice of each dense point; -1: none.
   std::vector<std::int32_t> number(space.points.size(), -1);
   const std::int32_t step = factor * dense.divisions();
   for (std::int32_t n = 0; n < coarse.lattice.size(); ++n) {
@@ -52,7 +53,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     for (std::int32_t& coordinate : point) coordinate *= step;
     const auto found = dense.indexOf(point);
     if (!found) {
-      // Of a part of the ball (PushedPart): nothing was computed there.
+      // A PushedPart of the ball lacks this point; nothing was computed there.
       PointRecord& missing = coarse.points.emplace_back();
       missing.tag = Tag::failed;
       missing.cause = Cause::unreachable;
@@ -61,7 +62,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     number[*found] = n;
     coarse.points.push_back(space.points[*found]);
   }
-  // A parent that is gone had one of its own; the origin is everyone's in the end.
+  // A dropped parent becomes the origin, where every chain of parents ends.
   for (PointRecord& point : coarse.points)
     if (point.parent >= 0) point.parent = std::max(number[point.parent], 0);
   for (FailedAttempt attempt : space.attempts) {
@@ -80,7 +81,7 @@ std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets) {
   };
   for (std::size_t d = 0; d < datasets.size(); ++d)
     add(d, 0, datasets[d].spaces().front().lattice.spacing());
-  // Datasets as they are come first, so that a thinned lattice gives way to a built one.
+  // Whole datasets come first, so a thinned lattice is left out in favour of a built one.
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Lattice& dense = datasets[d].spaces().front().lattice;
     const std::int32_t first = datasets[d].scene().accuracy.adaptive() ? 1 : 2;

@@ -4,30 +4,32 @@
 
 namespace palpate {
 
-/// What a build with `factor` times the spacing would have found: the uniform lattice points whose
-/// coordinates, in spacings, are multiples of `factor`, with their records. No refinement and no
-/// splits, so that factor 1 is the space as it was before it was refined. Parents and attempts that
-/// are gone become the origin, or are dropped; the probes stay. Error when factor < 1, or factor
-/// times the spacing exceeds the radius (isThinnable).
+/// Returns the space that a build with `factor` times the spacing would have found.
+///
+/// Keeps the uniform lattice points whose coordinates are multiples of `factor` spacings, with
+/// their records and the probes. Refinement and splits are dropped, so factor 1 returns the space
+/// before refinement. A dropped parent becomes the origin; attempts at or from dropped points are
+/// dropped. Throws Error if factor < 1 or factor times the spacing exceeds the radius
+/// (isThinnable).
 SpaceTable thinned(const SpaceTable& space, std::int32_t factor);
 
-/// A lattice with `factor` times the spacing has more than the origin.
+/// Returns whether a lattice with `factor` times the spacing has more points than the origin.
 bool isThinnable(const Lattice& lattice, std::int32_t factor);
 
-/// A lattice that methods are compared on: a dataset as it is, or a coarser lattice in it.
+/// A lattice on which methods are compared: a dataset as it is, or a coarser lattice in it.
 struct ComparedLattice {
-  std::size_t dataset = 0;  ///< which of the datasets
-  std::int32_t factor = 0;  ///< 0: the dataset as it is; else thinned by this factor
+  std::size_t dataset = 0;  ///< index of the dataset
+  std::int32_t factor = 0;  ///< 0: the dataset as it is; otherwise thinned by this factor
   std::string label;        ///< "liver.h5", "liver.h5, every 2nd point"
   double spacing = 0;       ///< m, before refinement
 };
 
-/// The datasets as they are, the refined ones before that, and of each every 2nd, 3rd and 4th
-/// point, but for lattices of a spacing that another one has already, and those with hardly a
-/// point.
+/// Returns the lattices in the datasets: each dataset as it is, refined ones also before
+/// refinement, and every 2nd, 3rd and 4th point of each. Leaves out thinned lattices with hardly
+/// any points, or with the spacing of another uniform lattice.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
-/// The table of active node `space` on a lattice in `datasets`, which must outlive it.
+/// Returns the table of active node `space` on a lattice of `datasets`, which must outlive it.
 std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space);
 

@@ -4,12 +4,12 @@
 
 namespace palpate {
 
-/// A property of both, in words.
+/// A property of both datasets, in words.
 struct ComparedProperty {
   std::string name, first, second;
 };
 
-/// Body, materials, workspace, size of two datasets side by side.
+/// Returns body, materials, workspace and size of two datasets side by side.
 std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& datasets,
                                                  const std::vector<DatasetFacts>& facts);
 

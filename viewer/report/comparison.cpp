@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr int ball_samples = 13;  ///< of a grid over the ball, along an axis
+constexpr int ball_samples = 13;  ///< samples along an axis of the grid over the ball
 constexpr std::size_t most_differences = 400;
 constexpr int distance_samples = 24;  ///< from rest to the sphere
 
@@ -28,7 +28,7 @@ Eigen::Vector3d restPlace(const Dataset& dataset, const SpaceTable& space) {
                             : dataset.mesh().nodes[at(space.patch.node)];
 }
 
-/// Sites of areas are named by numbers, which mean other places on another body.
+/// Sites of areas have numbers as names, which mean other places on another body.
 bool isOnePlace(const SpaceTable& a, const SpaceTable& b) {
   if (a.patch.finger.has_value() != b.patch.finger.has_value()) return false;
   return !a.patch.finger || (a.patch.finger->center - b.patch.finger->center).norm() <=
@@ -72,13 +72,13 @@ BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
   return fields;
 }
 
-/// The force where the field answers, else NaN.
+/// Returns the force if the field answers, else NaN.
 Eigen::Vector3d answerOf(const ForceField& field, const Eigen::Vector3d& p) {
   const ForceSample sample = field.evaluate(p);
   return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
 }
 
-/// Whether a sample is something to compare: within the force limit of its scene.
+/// Returns whether a sample can be compared: answered, and within the force limit of its scene.
 bool isComparable(const ForceSample& sample, const Dataset& dataset) {
   return sample.inside && sample.force.norm() <= dataset.scene().workspace.max_force;
 }
@@ -113,7 +113,7 @@ void compareOverBall(const Comparison& comparison, const BothFields& fields, dou
     place.relative = place.difference.mean / place.sides[0].mean_force;
 }
 
-/// Of the neighbours of a place in a lattice, 26 of them.
+/// Returns the directions to the 26 neighbours of a lattice point.
 std::vector<Eigen::Vector3d> allDirections() {
   std::vector<Eigen::Vector3d> directions;
   for (int i = -1; i <= 1; ++i)
@@ -126,7 +126,7 @@ std::vector<Eigen::Vector3d> allDirections() {
 void compareOverDistance(const BothFields& fields, double radius, ComparedPlace& place) {
   const std::vector<Eigen::Vector3d> directions = allDirections();
   for (int n = 0; n <= distance_samples; ++n) {
-    // A little less than the radius: by round-off a place on the sphere may lie beyond it.
+    // Slightly less than the radius: rounding may put a point on the sphere beyond it.
     const double distance = radius * (1 - 1e-9) * n / distance_samples;
     std::vector<double> first, second, difference;
     for (const Eigen::Vector3d& direction : directions) {
@@ -177,7 +177,7 @@ ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) 
   return place;
 }
 
-/// What is not compared, or only with care.
+/// Returns sentences about the limits of the comparison.
 std::vector<std::string> limitsOf(const Comparison& comparison) {
   const Dataset &first = comparison.open[0], &second = comparison.open[1];
   std::vector<std::string> limits;

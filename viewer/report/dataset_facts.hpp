@@ -6,42 +6,43 @@
 
 namespace palpate {
 
-/// The room that arrays of one kind take in a dataset.
+/// Size of the arrays of one kind in a dataset.
 struct ArraySize {
-  std::string kind;            ///< their group, "mesh"; of nodal fields their name, "displacement"
+  std::string kind;            ///< group ("mesh"); name of a nodal field ("displacement")
   std::uint64_t stored = 0;    ///< bytes in the file, compressed
-  std::uint64_t unpacked = 0;  ///< bytes of their values
+  std::uint64_t unpacked = 0;  ///< bytes of the values
 };
 
-/// What a dataset is made of, over all its active nodes.
+/// Contents of a dataset, over all its active nodes.
 struct DatasetFacts {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
   std::size_t configurations = 0;  ///< solved lattice points
   std::size_t lattice_points = 0;
   ProbeCounts probes;
-  std::vector<ArraySize> sizes;  ///< of all arrays together, the largest first
+  std::vector<ArraySize> sizes;  ///< all arrays, the largest first
 };
 
-/// Reads the sizes from the file; nothing else of it is looked at. Error when it cannot be read any
-/// more. One thread at a time (HDF5 is not thread-safe).
+/// Counts the contents, and reads the array sizes from the file. Throws Error if the file can no
+/// longer be read. One thread at a time (HDF5 is not thread-safe).
 DatasetFacts factsOf(const Dataset& dataset);
 
-/// How often a cause made something fail.
+/// Number of failures by one cause.
 struct FailureCount {
-  std::int64_t points = 0;    ///< lattice points that stayed without a solution
-  std::int64_t attempts = 0;  ///< transitions that failed; another may have reached the point
+  std::int64_t points = 0;    ///< lattice points without a solution
+  std::int64_t attempts = 0;  ///< failed transitions; another one may have reached the point
   std::int64_t probes = 0;
 };
 
-/// Only causes that occur.
+/// Returns the causes that occur, with their counts.
 std::map<Cause, FailureCount> failuresOf(const Dataset& dataset);
 
-/// In what two datasets are not of one scene, in the words of scene files: "material",
-/// "workspace.radius"; empty when they are. workspace.spacing and [accuracy] may differ.
+/// Returns the differences between the scenes of two datasets in the words of scene files
+/// ("material", "workspace.radius"); empty if they are of one scene. workspace.spacing and
+/// [accuracy] may differ.
 std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b);
 
-/// Error (bad input) unless all are of one scene (sceneDifferences).
+/// Throws Error (bad input) unless all datasets are of one scene (sceneDifferences).
 void refuseOtherScenes(const std::vector<Dataset>& datasets);
 
 }  // namespace palpate

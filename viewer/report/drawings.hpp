@@ -5,8 +5,8 @@
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report.hpp"
 
-// The arrays that the pages draw (page/report.js), and the sentences that they share with the text.
-// SI units, rounded to a few digits; numbers that do not exist are null.
+// Arrays for the drawings of the pages (page/report.js), and the sentences that pages share with
+// the text. SI units, rounded to a few digits; null for missing numbers.
 
 namespace palpate {
 

@@ -21,12 +21,11 @@ constexpr int timed_positions = 4096, batch = 256;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Methods whose samples tell what is covered: they interpolate in cells.
+/// Methods that interpolate in cells, so their samples know the coverage.
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
-  // The numbers of the engine are the same everywhere; those of the library's distributions are
-  // not.
+  // The engine gives the same numbers everywhere; the library's distributions do not.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);
@@ -40,7 +39,7 @@ std::vector<Eigen::Vector3d> positionsInBall(double radius) {
 }
 
 double medianQuery(const ForceField& field, double radius, double budget) {
-  // Drawn before the clock runs.
+  // Drawn before the clock starts.
   const std::vector<Eigen::Vector3d> positions = positionsInBall(radius);
   std::vector<double> times;
   double sum = 0;
@@ -52,7 +51,7 @@ double medianQuery(const ForceField& field, double radius, double budget) {
     times.push_back(seconds(Clock::now() - start) / batch * 1e9);
     next = (next + batch) % timed_positions;
   } while (seconds(Clock::now() - begin) < budget);
-  // Else the compiler could leave the queries out.
+  // Keeps the compiler from removing the queries.
   [[maybe_unused]] const volatile double used = sum;
   return spreadOf(std::move(times)).median;
 }
@@ -70,7 +69,7 @@ struct Circle {
   }
 };
 
-/// Circles inside of a ball, the same for every field.
+/// Circles inside a ball, the same for every field.
 class RandomCircles {
  public:
   explicit RandomCircles(double radius) : radius_(radius) {}
@@ -91,7 +90,7 @@ class RandomCircles {
   std::mt19937 random_{20};
 };
 
-/// Nothing when the coverage is too low somewhere.
+/// Returns nothing if the coverage is too low somewhere.
 std::optional<double> relativeWork(const ForceField& field, const Circle& circle,
                                    double least_coverage) {
   double work = 0, effort = 0;
@@ -115,7 +114,7 @@ double loopWork(const ForceField& field, double radius, double least_coverage) {
     const auto work = relativeWork(field, circles.next(), least_coverage);
     if (!work) continue;
     ++used;
-    // Takes the number where the other is NaN, as at first.
+    // fmax ignores the initial NaN.
     largest = std::fmax(largest, *work);
   }
   return largest;
@@ -126,7 +125,7 @@ bool isCovered(const ForceSample& sample) noexcept {
 }
 
 MadeField tryToMake(const std::string& method, const SpaceTable& space) {
-  // One method that cannot be had of these points must not end the report on the others.
+  // One method that cannot be made of these points must not stop the report on the others.
   try {
     return {makeForceField(method, space), ""};
   } catch (const std::bad_alloc&) {
@@ -154,7 +153,7 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
     if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
       cells = std::move(made.field);
   }
-  // Without a method that knows cells, one is made for nothing else.
+  // If no method interpolates in cells, make one just for this.
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;
   if (!cells) return results;

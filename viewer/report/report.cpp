@@ -29,7 +29,7 @@ std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   return chosen;
 }
 
-/// At most `count` numbers below `size`, evenly spread.
+/// Returns at most `count` indices below `size`, evenly spread.
 std::vector<std::size_t> evenly(std::size_t size, std::size_t count) {
   std::vector<std::size_t> chosen(std::min(size, count));
   for (std::size_t n = 0; n < chosen.size(); ++n) chosen[n] = n * size / chosen.size();
@@ -40,7 +40,8 @@ bool isFirstDataset(const ComparedLattice& lattice) {
   return lattice.dataset == 0 && lattice.factor == 0;
 }
 
-/// The scene's, of the first dataset that has one; else a measuring stick.
+/// Returns the target of the first dataset's scene that has one, and true; else a default
+/// yardstick, and false.
 std::pair<AccuracyTarget, bool> targetOf(const std::vector<Dataset>& open) {
   for (const Dataset& dataset : open)
     if (const Accuracy& accuracy = dataset.scene().accuracy; accuracy.adaptive())
@@ -54,14 +55,14 @@ bool isTouchedByFingersAlone(const Scene& scene) {
   });
 }
 
-/// What is compared, and with what.
+/// Inputs of the comparison.
 struct Study {
   const ReportOptions& options;
   const std::vector<Dataset>& open;
   const std::vector<std::string>& methods;
   const AccuracyTarget& target;
   const HeldOut& held_out;
-  std::vector<std::size_t> compared;  ///< numbers of active nodes
+  std::vector<std::size_t> compared;  ///< indices of active nodes
 
   std::size_t spaces() const { return open.front().spaces().size(); }
   std::shared_ptr<const SpaceTable> table(const ComparedLattice& lattice, std::size_t space) const {
@@ -70,12 +71,12 @@ struct Study {
 };
 
 using NodeComparison = std::vector<MethodComparison>;        ///< per method
-using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< per compared node and method
+using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< [compared node][method]
 
-/// With what its solved points took.
+/// Returns the lattice with the number of its solved points and their factorizations.
 LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   LatticeMeasures measures{std::move(lattice), 0, 0, {}, {}, {}};
-  // Sums of whole numbers, exact in doubles.
+  // The sums are of integers, so they are exact in doubles.
   for (const std::size_t s : study.compared) {
     std::int64_t& configurations = measures.node_configurations.emplace_back(0);
     const std::shared_ptr<const SpaceTable> of_node = study.table(measures, s);
@@ -91,7 +92,7 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   return measures;
 }
 
-/// The densest that can be measured; but the first dataset as it is, where it can.
+/// Returns the first dataset as it is if it can be measured, else the densest lattice that can.
 std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
                                       const HeldOut& held_out) {
   std::optional<std::size_t> measured;
@@ -101,9 +102,9 @@ std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattic
   return measured;
 }
 
-/// One after the other, while nothing else runs.
+/// Times the methods one after the other, while nothing else runs.
 std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lattice) {
-  // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
+  // One node is enough: preparing takes seconds for some methods, and all nodes are alike.
   const auto first = study.table(lattice, study.compared.front());
   std::vector<MethodMeasures> measures;
   for (const std::string& method : study.methods)
@@ -111,12 +112,12 @@ std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lat
   return measures;
 }
 
-/// Per compared node.
+/// Returns the results per compared node.
 std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& lattice) {
   spdlog::info("{}: comparing {} on {}", lattice.label, counted(study.methods.size(), "method"),
                counted(study.compared.size(), "active node"));
   const bool is_measurable = study.held_out.measures(lattice);
-  // A place each in the result, so that threads share nothing.
+  // Each thread writes its own element.
   std::vector<NodeComparison> nodes(study.compared.size());
   inParallel(nodes.size(), [&](std::size_t n) {
     const std::size_t space = study.compared[n];
@@ -128,7 +129,7 @@ std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& 
   return nodes;
 }
 
-/// One method on all compared nodes.
+/// Pools one method over all compared nodes.
 void pool(const Study& study, const std::vector<NodeComparison>& nodes, std::size_t method,
           MethodMeasures& measures) {
   std::vector<ForceComparison> pooled;
@@ -165,7 +166,8 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
   return measureWays(methods, radius, study.target);
 }
 
-/// All active nodes; errors: of the compared ones on the measured lattice, none without one.
+/// Returns all active nodes. errors: of the compared nodes on the measured lattice; empty without
+/// one.
 std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) {
   PALPATE_ASSERT(errors.empty() || errors.size() == study.compared.size(),
                  "a measured lattice has errors of every compared node");
@@ -190,7 +192,7 @@ std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) 
   return nodes;
 }
 
-/// The default method on the nodes that were not compared.
+/// Measures the default method on the nodes that were not compared.
 void measureOthers(const Study& study, const LatticeMeasures& measured,
                    std::vector<NodeMeasures>& nodes) {
   if (study.compared.size() == nodes.size()) return;
@@ -302,7 +304,7 @@ std::vector<std::size_t> worstFirst(const Report& report) {
   std::iota(nodes.begin(), nodes.end(), 0);
   const auto error = [&](std::size_t node) {
     const double mean = report.nodes[node].methods.front().error.mean;
-    // Not measured: after all that are.
+    // nodes without a measurement last
     return std::isnan(mean) ? -1 : mean;
   };
   std::ranges::stable_sort(nodes, std::greater(), error);

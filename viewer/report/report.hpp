@@ -10,38 +10,38 @@
 namespace palpate {
 
 struct ReportOptions {
-  /// At least one; several must be of one scene, with other spacings or accuracies.
+  /// At least one; several must be of one scene and may differ in spacing or accuracy.
   std::vector<std::filesystem::path> datasets;
   std::vector<std::string> methods;  ///< empty: all
-  /// How long queries are repeated to time one method on one lattice.
+  /// Time for repeated queries of one method on one lattice, s.
   double seconds_per_timing = 0.05;
-  /// Active nodes on which all methods are compared, evenly chosen where there are more; the
-  /// default method is measured on all.
+  /// Active nodes on which all methods are compared, evenly chosen if there are more. The default
+  /// method is measured on all nodes.
   std::size_t compared_nodes = 12;  ///< > 0
-  /// Of these, nodes on which work around closed loops is measured; a few seconds each.
+  /// The first of these nodes, on which work around closed loops is measured; a few seconds each.
   std::size_t looped_nodes = 2;
-  /// Active nodes, the worst first, whose fields are sampled for the pictures of the page; some
-  /// tenths of a second each.
+  /// Number of active nodes with pictures on the page, the worst first. Sampling their fields takes
+  /// some tenths of a second each.
   std::size_t pictured_nodes = 0;
 };
 
-/// One method on one lattice, over the compared active nodes together; timed on one of them.
+/// One method on one lattice, pooled over the compared active nodes; timed on one of them.
 struct MethodMeasures : MethodTiming {
-  std::string problem{};    ///< why it could not be made for some active node; empty when it could
+  std::string problem{};    ///< why the method failed for an active node; otherwise empty
   ErrorMeasures all{};      ///< over the whole ball
-  ErrorMeasures covered{};  ///< over covered points alone: the same points for every method
-  /// Work around closed loops relative to the effort (loopWork): the largest of
+  ErrorMeasures covered{};  ///< over covered points only, the same points for every method
+  /// Work around closed loops relative to the effort (loopWork): the largest over
   /// ReportOptions::looped_nodes.
   double loop_work = not_measured;
 };
 
-/// What was measured on a lattice.
+/// Measurements on one lattice.
 struct LatticeMeasures : ComparedLattice {
-  double configurations = 0;            ///< solved points per active node, mean of the compared
-  double factorizations = 0;            ///< the work they took, per active node
-  std::vector<MethodMeasures> methods;  ///< in the order of Report::methods
+  double configurations = 0;                      ///< solved points, mean per compared active node
+  double factorizations = 0;                      ///< spent on these points, per active node
+  std::vector<MethodMeasures> methods;            ///< in the order of Report::methods
   std::vector<std::int64_t> node_configurations;  ///< solved points, per compared active node
-  /// Mean error over the whole ball, N: per compared active node, per method.
+  /// Mean error over the whole ball, N: [compared active node][method].
   std::vector<std::vector<double>> node_errors;
 };
 
@@ -49,59 +49,58 @@ struct LatticeMeasures : ComparedLattice {
 struct NodeMeasures {
   std::string name;
   std::array<std::int32_t, 4> tags{};  ///< lattice points, by Tag
-  std::size_t held_out = 0;            ///< exact solutions that it is measured with
+  std::size_t held_out = 0;            ///< exact solutions to measure it with
   std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
-  double largest_force = 0;            ///< N, of a solved lattice point
-  /// N, error bound of the default method all over the ball, on the shown lattice; all NaN unless
-  /// there are pictures.
+  double largest_force = 0;            ///< N, over solved lattice points
+  /// Error bound of the default method over the whole ball, on the shown lattice, N; all NaN
+  /// without pictures.
   Spread bound;
-  /// Its number among the compared active nodes; on the others only the default method was
-  /// measured.
+  /// Index among the compared active nodes. On the others only the default method is measured.
   std::optional<std::size_t> compared;
   std::vector<ErrorMeasures> methods;  ///< on the measured lattice, in the order of Report::methods
 };
 
-/// Everything `palpate report` says, measured; its writers only format (report_text.hpp,
+/// All measurements of `palpate report`. Its writers only format them (report_text.hpp,
 /// report_json.hpp, report_page.hpp).
 struct Report {
   std::vector<Dataset> open;  ///< the datasets, as given
   std::vector<DatasetFacts> datasets;
   std::vector<std::string> methods;  ///< the default first
   AccuracyTarget target;
-  bool target_of_scene = false;  ///< else the target is only a measuring stick
+  bool target_of_scene = false;  ///< false: the target is only a yardstick
   HeldOut held_out;
   std::vector<LatticeMeasures> lattices;  ///< from few configurations to many
-  /// Index into lattices of the one that stands for the dataset: the first dataset as it is when
-  /// there are probes, else its densest part that leaves something out. Nothing when nothing can be
-  /// measured.
+  /// Index into `lattices` of the lattice that represents the dataset. This is the first dataset as
+  /// it is if there are probes, else its densest part that leaves points out. Empty if nothing can
+  /// be measured.
   std::optional<std::size_t> measured;
-  /// Of the measured lattice, by distance from rest; empty when nothing can be measured, and of
-  /// areas alone.
+  /// Errors on the measured lattice, by distance from rest. Empty if nothing can be measured, or if
+  /// areas_alone.
   std::vector<WayShell> ways;
-  std::vector<AreaMeasures> areas;  ///< of fingers, of the first dataset
-  /// All that can be touched are fingers' areas. What their sites are as active nodes is not what
-  /// is felt: methods are compared on one of them only, and text and page leave it out.
+  std::vector<AreaMeasures> areas;  ///< areas of fingers, in the first dataset
+  /// Everything touchable is an area of a finger. A user does not feel a single site there, so
+  /// methods are compared on one site only, and text and page leave it out.
   bool areas_alone = false;
-  std::vector<NodeMeasures> nodes;         ///< all, as Dataset::spaces()
-  std::size_t compared = 0;                ///< active nodes on which all methods were compared
+  std::vector<NodeMeasures> nodes;         ///< all, in the order of Dataset::spaces()
+  std::size_t compared = 0;                ///< number of active nodes with all methods compared
   std::map<Cause, FailureCount> failures;  ///< of the first dataset
-  std::vector<NodePictures> pictures;      ///< of the first of worstFirst()
+  std::vector<NodePictures> pictures;      ///< of the first nodes of worstFirst()
 };
 
-/// Measures the datasets `open`; ReportOptions::datasets is not looked at. Takes seconds to two
-/// minutes; uses all cores for the comparison, one for the timings. Error (bad input) for datasets
-/// of different scenes, and unknown methods.
+/// Measures the datasets `open`; ignores ReportOptions::datasets. Takes seconds to two minutes, on
+/// all cores for the comparison and on one for the timings. Throws Error (bad input) for datasets
+/// of different scenes and for unknown methods.
 Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
 
-/// Error (bad input) for one that cannot be opened, or when there is none.
+/// Opens datasets. Throws Error (bad input) if one cannot be opened or `files` is empty.
 std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 
-/// The lattice that pictures and summaries speak of: the measured one, else the first dataset as it
+/// Returns the lattice for pictures and summaries: the measured one, else the first dataset as it
 /// is.
 const LatticeMeasures& shownLattice(const Report& report);
 
-/// Numbers of all active nodes, by the mean error of the default method: the largest first, those
-/// without one last.
+/// Returns the indices of all active nodes by the mean error of the default method: the largest
+/// first, unmeasured nodes last.
 std::vector<std::size_t> worstFirst(const Report& report);
 
 }  // namespace palpate

@@ -37,7 +37,7 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
   return [options] { return report(*options, std::cout); };
 }
 
-/// What curves are made by: one method, the default unless another was asked for.
+/// Returns the method of the curves: the requested one, or the default.
 std::string methodOf(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
   if (asked.empty()) return known.front();
@@ -59,7 +59,7 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
 }  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
-  // Before minutes of measuring, not after.
+  // Check before minutes of measuring, not after.
   if (!options.html.empty()) {
     refuseInput(options.html, "--html", options.report.datasets);
     refuseUnwritable(options.html, "--html");
@@ -68,7 +68,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())
     return compare(options, std::move(open), output);
   ReportOptions wanted = options.report;
-  // Text and JSON show no pictures, and sampling fields for them takes a while.
+  // Text and JSON have no pictures, and sampling for them takes time.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted, std::move(open));
   if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");

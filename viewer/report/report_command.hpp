@@ -13,13 +13,13 @@ struct ReportCommandOptions {
   bool json = false;
 };
 
-/// `palpate report`: measures every method of interpolation of a dataset, prints a table for a
-/// person or one JSON object, and writes the page when asked for. Two datasets that are not of one
-/// scene are compared instead. Error (bad input) as makeReport and compareDatasets, and when the
-/// page would replace a dataset; Error when it cannot be written (then it is not there at all).
+/// Runs `palpate report`: measures every interpolation method on a dataset and prints a table or
+/// one JSON object. Writes the page if requested. Compares two datasets if they are of different
+/// scenes. Throws Error (bad input) like makeReport and compareDatasets, and if the page would
+/// replace a dataset; throws Error if the page cannot be written, and then leaves no file.
 ExitCode report(const ReportCommandOptions& options, std::ostream& output);
 
-/// The verb `report` of palpate-answers, on standard output.
+/// Returns the verb `report` of palpate-answers, which writes to standard output.
 Verb reportVerb();
 
 }  // namespace palpate

@@ -7,11 +7,11 @@ namespace palpate {
 struct Comparison;
 struct Report;
 
-/// What `report --json` prints (docs/commands.md).
+/// Return the output of `report --json` (docs/commands.md).
 nlohmann::ordered_json toJson(const Report& report);
 nlohmann::ordered_json toJson(const Comparison& comparison);
 
-/// On one line. Numbers that do not exist are null, bytes that are no UTF-8 are replaced.
+/// Returns the JSON on one line. Missing numbers are null; bytes that are not UTF-8 are replaced.
 std::string jsonText(const nlohmann::ordered_json& json);
 
 }  // namespace palpate

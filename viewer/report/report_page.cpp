@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// page/report.html and page/report.js, made into a source by CMake.
+/// page/report.html and page/report.js, embedded by CMake.
 extern const char* const report_markup;
 extern const char* const report_script;
 

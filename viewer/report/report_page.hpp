@@ -7,9 +7,9 @@ namespace palpate {
 struct Comparison;
 struct Report;
 
-/// One HTML page that needs nothing from the network: the JSON of the report, with arrays for the
-/// drawings, and a script that makes tables, figures and sentences of it. Pictures are of
-/// Report::pictures.
+/// Return an HTML page that needs no network: the report's JSON with arrays for the drawings, and a
+/// script that makes the tables, figures and sentences. Report::pictures are the nodes with
+/// pictures.
 std::string reportPage(const Report& report);
 std::string comparisonPage(const Comparison& comparison);
 

@@ -7,7 +7,8 @@ namespace palpate {
 struct Comparison;
 struct Report;
 
-/// For a terminal: at most 100 columns but for names of files, ends with a newline.
+/// Return the report for a terminal: at most 100 columns except for file names, with a final
+/// newline.
 std::string reportText(const Report& report);
 std::string comparisonText(const Comparison& comparison);
 

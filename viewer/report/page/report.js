@@ -1,13 +1,13 @@
 "use strict";
-// The page of `palpate report`: writes its sentences, tables and drawings from the JSON that lies
-// in the page. docs/commands.md has the fields of that; `drawings` are arrays for this page alone.
+// The page of `palpate report`: builds its sentences, tables and drawings from the JSON in the
+// page. docs/commands.md describes the JSON; `drawings` are arrays for this page only.
 
-// A number that does not exist is null in JSON. As NaN no sum makes a zero of it.
+// Missing numbers are null in JSON. NaN keeps sums from treating them as zero.
 const report = JSON.parse(document.getElementById("report").textContent,
     (key, value) => value === null ? NaN : value);
 const drawings = report.drawings;
 
-// ---- Markup. What is put into html`...` is text, unless html made it.
+// ---- Markup. html`...` escapes inserted values, except those that html made.
 
 class Markup {
   constructor(text) { this.text = text; }
@@ -22,11 +22,11 @@ const html = (parts, ...values) => new Markup(String.raw({ raw: parts }, ...valu
 // ---- Numbers as people read them.
 
 const isNumber = Number.isFinite;
-/// In at most so many significant digits.
+/// With at most `digits` significant digits.
 const brief = (value, digits) => String(Number(value.toPrecision(digits)));
 const counted = (count, noun, plural = noun + "s") => `${count} ${count === 1 ? noun : plural}`;
 
-/// "0.0012", "1.2e-06", "34", "-" for a number that does not exist.
+/// "0.0012", "1.2e-06", "34", or "-" for a missing number.
 function number(value, digits = 2) {
   if (!isNumber(value)) return "-";
   const size = Math.abs(value);
@@ -35,13 +35,13 @@ function number(value, digits = 2) {
   return value.toFixed(size === 0 ? 0 : Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
 }
 
-/// "99.5 %"; never rounded up to 100 %, which would say that there is no exception.
+/// "99.5 %"; never rounds up to 100 %, which would mean that there is no exception.
 function share(value) {
   if (!isNumber(value)) return "-";
   return value < 1 && value > 0.9995 ? ">99.9 %" : (100 * value).toFixed(1) + " %";
 }
 
-/// Means over active nodes are seldom whole.
+/// A mean over active nodes is rarely whole.
 const count = (value) =>
   value.toFixed(Math.abs(value - Math.round(value)) < 1e-6 || value >= 100 ? 0 : 1);
 
@@ -74,7 +74,7 @@ function linearTicks(lowest, highest, wanted = 5) {
   return ticks;
 }
 
-/// Powers of ten; 2 and 5 between them, then all digits, where there would be fewer than three.
+/// Powers of ten, with 2 and 5 between them, or all digits, if there would be fewer than three.
 function logarithmicTicks(lowest, highest) {
   const first = Math.floor(Math.log10(lowest)), last = Math.ceil(Math.log10(highest));
   const every = Math.max(1, Math.floor((last - first + 7) / 8));  // labels must not touch
@@ -102,7 +102,7 @@ function tickLabel(value) {
 
 // ---- Drawings: SVG.
 
-/// An element. Numbers are places in the drawing, to a tenth of its unit.
+/// Returns an element. Numbers are coordinates, rounded to a tenth of a unit.
 function shape(tag, attributes, content = "") {
   const written = Object.entries(attributes).map(([name, value]) =>
     ` ${name}="${escaped(typeof value === "number" ? Math.round(10 * value) / 10 : value)}"`);
@@ -119,7 +119,7 @@ const at = (x, y) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 
 // ---- Plots. A series has a label, points [x, y, note], a look, and a line, marks or both.
 
-/// Colours that colour-blind readers can tell apart (Okabe and Ito); marks and dashes differ too.
+/// Colours that colour-blind readers can tell apart (Okabe and Ito); marks and dashes also differ.
 function look(n) {
   const colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
     "#7a5195", "#8c6d31", "#7f7f7f"];
@@ -137,11 +137,11 @@ const looks = {
 const series = (label, style, points = []) => ({ label, style, points, line: true, marks: true });
 const marksOnly = (label, style, points) => ({ ...series(label, style, points), line: false });
 const lineOnly = (label, style, points) => ({ ...series(label, style, points), marks: false });
-/// A series for each method: points(name, number).
+/// Returns a series for each method: points(name, number).
 const methodSeries = (points) =>
   report.methods.map((name, n) => series(name, look(n), points(name, n)));
 
-/// Disc, square, triangle, diamond, ring, triangle that points down.
+/// Draws a disc, square, triangle, diamond, ring, or triangle that points down.
 function markAt(x, y, { mark, colour }, note) {
   if (mark === 0) return circle(x, y, 4.2, { fill: colour }, titled(note));
   if (mark === 4)
@@ -156,7 +156,7 @@ function markAt(x, y, { mark, colour }, note) {
 const stroke = ({ colour, width, dash = "none" }) =>
   ({ fill: "none", stroke: colour, "stroke-width": width, "stroke-dasharray": dash });
 
-/// Line and mark of a series, for a key.
+/// Line and mark of a series, for a legend.
 const seriesKey = ({ label, style, line, marks }) => ({
   text: label, width: 34, height: 12,
   svg: [line ? path({ d: "M1 6H33", ...stroke(style) }) : "", marks ? markAt(17, 6, style) : ""],
@@ -164,12 +164,13 @@ const seriesKey = ({ label, style, line, marks }) => ({
 
 const frame = { left: 62, right: 14, top: 30, bottom: 46 };
 
-/// From values to places between `from` and `to`, with some room around the values.
+/// Returns the scale that maps values to places between `from` and `to`, with a margin at both
+/// ends.
 function axisScale({ logarithmic }, values, from, to) {
   const shows = (value) => isNumber(value) && (!logarithmic || value > 0);
   const inner = logarithmic ? Math.log10 : (value) => value;
   const shown = values.filter(shows).map(inner);
-  // An empty plot has axes all the same.
+  // An empty plot has axes too.
   let [lowest, highest] = rangeOf(shown.length ? shown : [inner(1), inner(10)]);
   const pad = highest > lowest ? 0.04 * (highest - lowest)
     : logarithmic ? 0.5 : Math.max(0.5 * Math.abs(highest), 0.5);
@@ -209,7 +210,7 @@ function axesOf({ title, x: { label: across }, y: { label: up }, width, height }
 const linear = (label) => ({ label, logarithmic: false });
 const logarithmic = (label) => ({ label, logarithmic: true });
 
-/// A panel: series on common axes, the first on top.
+/// Returns a panel with series on common axes, the first on top.
 function plot(given) {
   const wanted = { width: 480, height: 340, caption: "", ...given };
   const { title, width, height, caption, series: all } = wanted;
@@ -249,8 +250,8 @@ function percentile(sorted, part) {
   return sorted[below] + (place - below) * (above - sorted[below]);
 }
 
-/// Limits are powers of ten around all but the outermost 2 % of the values, at most five decades.
-/// disc: what a disc in one of the colours means.
+/// Limits are powers of ten around the values between the 2nd and 98th percentile, at most five
+/// decades. disc: the meaning of a coloured disc, for the legend.
 function colourScale(values, unit, disc = "") {
   const sorted = values.filter((value) => isNumber(value) && value > 0).sort((a, b) => a - b);
   let base = -3, top = 0;
@@ -268,7 +269,7 @@ function colourScale(values, unit, disc = "") {
   return { base, top, unit, disc, levelOf, text, colourOf };
 }
 
-/// The colours with their numbers, for a key.
+/// The colours with their numbers, for a legend.
 function colourBar({ base, top, unit }) {
   const width = 350, margin = 24, box = (width - 2 * margin) / levels;
   const svg = [];
@@ -283,9 +284,9 @@ function colourBar({ base, top, unit }) {
   return { text: "", width, height: 40, svg };
 }
 
-// ---- Figures: numbered, each drawing with what can be saved of it.
+// ---- Figures: numbered, each drawing with buttons that save it.
 
-const saved = [];  // panels, with the names of their files
+const saved = [];  // panels, with their file names
 let figures = 0;
 
 const keyHtml = (key) => html`<p class="legend">${key.map(({ svg, text, width, height }) =>
@@ -304,8 +305,8 @@ function panelHtml(panel, letter) {
 ${panel.caption && html`<span>${panel.caption}</span> `}${buttons}</p></div>`;
 }
 
-/// Panels under one number and caption, lettered where there are several; about three in a row, or
-/// as the CSS class `layout` says.
+/// Panels under one number and caption, lettered if there are several. About three in a row, or as
+/// the CSS class `layout` arranges them.
 function figure({ caption, panels, layout = "", key = panels[0].key }) {
   ++figures;
   const shown = panels.map((panel, n) =>
@@ -315,11 +316,11 @@ function figure({ caption, panels, layout = "", key = panels[0].key }) {
 <figcaption><b>Figure ${figures}.</b> ${caption}</figcaption></figure>`;
 }
 
-/// What names of files begin with, on every system.
+/// Start of the names of saved files, valid on every system.
 const fileStem = () => (report.compared ? drawings.names.join("-and-") : report.scene)
   .replace(/[^A-Za-z0-9_-]+/g, "-").replace(/^-+|-+$/g, "") || "palpate";
 
-/// A drawing as a file of its own: with its styles and its key, on white.
+/// A drawing as a separate file: with its styles and its legend, on white.
 function svgFile({ width, height, svg, key }) {
   let x = 8, y = height;
   const entries = key.map((entry) => {
@@ -337,7 +338,7 @@ function svgFile({ width, height, svg, key }) {
     shape("rect", { width, height: whole, fill: "#fff" }), svg, entries]).text;
 }
 
-/// Lines of cells (RFC 4180); nothing where a number does not exist.
+/// Lines of cells (RFC 4180); empty for missing numbers.
 const csvFile = (rows) => rows.map((cells) => cells.map((cell) => {
   if (typeof cell === "number") return isNumber(cell) ? brief(cell, 8) : "";
   return /[,"\n\r]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
@@ -371,18 +372,18 @@ function barCell(value, largest) {
 const cards = (title, all) => html`<p class="how">${title}</p><div class="cards">
 ${all.map(([value, meaning]) =>
   html`<div class="card"><b>${value}</b><span>${meaning}</span></div>`)}</div>`;
-/// Some of the numbers of a spread.
+/// Some numbers of a spread.
 const numbersOf = (spread, ...which) => which.map((one) => number(spread?.[one]));
 const sharesOf = (spread, ...which) => which.map((one) => share(spread[one]));
 
-// ---- Drawings of a body with values in its surface.
+// ---- Drawings of a body with values on its surface.
 
 const cross = (a, b) => [0, 1, 2].map((n) =>
   a[(n + 1) % 3] * b[(n + 2) % 3] - a[(n + 2) % 3] * b[(n + 1) % 3]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const minus = (a, b) => a.map((c, n) => c - b[n]);
 
-/// Three looks at the body: rows of axes to the right, up, and towards the eye.
+/// Three views of the body, as axes: to the right, up, and towards the eye.
 function bodyViews(eye) {
   const axes = (towards, hint) => {
     const across = cross(hint, towards), right = across.map((c) => c / norm(across));
@@ -394,7 +395,7 @@ function bodyViews(eye) {
     ["from above", axes(front[1], behind)]];
 }
 
-/// The body without perspective: where its nodes are seen, and which triangles face the eye.
+/// Orthographic view of the body: the projected nodes, and the triangles that face the eye.
 function lookAt(axes) {
   const { nodes, triangles } = drawings.body, width = 420, margin = 12;
   const seenFrom = (p) => axes.map((axis) => dot(axis, p)), seen = [];
@@ -412,7 +413,7 @@ function lookAt(axes) {
     width, margin, scaled, seen, seenFrom, cornersOf, facing, span: right - left,
     height: Math.round(scaled * (top - bottom) + 2 * margin + 30),
     x: (p) => margin + scaled * (p[0] - left), y: (p) => margin + scaled * (top - p[1]),
-    /// Those that are seen, the farthest first.
+    /// Visible triangles, the farthest first.
     order: [...facing.keys()].filter((t) => facing[t] > 0).sort((a, b) => depth[a] - depth[b]),
   };
 }
@@ -422,7 +423,7 @@ function bodyTriangles({ order, facing, cornersOf, x, y }, values, scale) {
     const grey = Math.round(176 + 58 * facing[t]), known = isNumber(values[t]);
     const fill = known ? scale.colourOf(values[t]) : `rgb(${grey},${grey + 3},${grey + 3})`;
     const d = `M${cornersOf(t).map((p) => at(x(p), y(p))).join("L")}z`;
-    // A note over each of very many makes pages that browsers do not print.
+    // Browsers cannot print pages with a title on each of very many triangles.
     return path({ d, fill, stroke: fill },
       titled(known && facing.length <= 4000 ? scale.text(values[t]) : ""));
   });
@@ -435,7 +436,7 @@ function fixedNodes({ order, seen, x, y }) {
     .map((node) => `M${at(x(seen[node]) - 2, y(seen[node]) - 2)}l4 4m0 -4l-4 4`).join("") });
 }
 
-/// A disc is on the sides from which one of its triangles is seen.
+/// A disc is drawn in the views that show one of its triangles.
 function bodyMarks({ facing, seenFrom, x, y }, marks, scale) {
   const shown = marks.filter(({ at: { triangles } }) => triangles.some((t) => facing[t] > 0));
   return shown.map(({ at: { place }, value, note: text }) => {
@@ -451,8 +452,8 @@ function lengthBar({ span, scaled, margin, height }) {
     words(margin + wide + 8, height - 9, brief(millimetres(bar), 3) + " mm")];
 }
 
-/// Panels of the body from three sides. values: by triangle; without one it is grey. marks:
-/// [{at: {place, triangles}, value, note}]. meaning: what the values are, for their file.
+/// Panels of the body from three sides. values: per triangle; grey without one. marks: [{at:
+/// {place, triangles}, value, note}]. meaning: description of the values, for the saved file.
 function bodyPanels({ values = [], marks = [], scale, meaning }) {
   const panels = bodyViews(drawings.body.front).map(([caption, axes]) => {
     const seen = lookAt(axes);
@@ -464,7 +465,7 @@ function bodyPanels({ values = [], marks = [], scale, meaning }) {
       lengthBar(seen)],
     };
   });
-  // All sides are of the same numbers.
+  // All views show the same numbers.
   panels[0].files = [["CSV", ".csv", () => bodyRows(values, marks, meaning)]];
   return panels;
 }
@@ -488,7 +489,7 @@ function bodyKey(scale, hasMarks) {
   return hasMarks ? [...key, entry(disc, scale.disc)] : key;
 }
 
-// ---- Curves of force against way.
+// ---- Curves of force against displacement.
 
 const axisNames = ["x", "y", "z"];
 const onMillimetres = ([ways, forces]) => ways.map((way, n) => [millimetres(way), forces[n]]);
@@ -506,7 +507,7 @@ function forcePlot(way, names, title, along) {
     width: 380, height: 290, caption: along === "along the way" ? `direction (${direction})` : "",
     series: [...(unseen.length ? [exactMarks.unseen(unseen)] : []),
       ...(solved.length || !unseen.length ? [exactMarks.solved(solved)] : []),
-      // The default, the widest line, below the others.
+      // The default method, with the widest line, below the others.
       ...curves.reverse()],
   });
 }
@@ -544,7 +545,7 @@ function methodCards() {
     [share(all.relative_to_mean_force), "the same, of the mean force"],
     [share(all.within_target), withinTarget()],
     [share(all.covered), "of them lie in cells whose 8 corners are solved"]];
-  // Without probes there may be errors of a part of it, which say little of the whole.
+  // Without probes the errors may cover only part of the dataset, and say little about the whole.
   return cards(`The method ${method} on ${asItIs.label}:`, [...(all.count ? errors : []),
     [number(measures.nanoseconds_per_query, 3) + " ns", onThisMachine],
     [count(asItIs.configurations_per_node), "configurations per active node"]]);
@@ -594,7 +595,7 @@ where it has some.`,
 }
 
 function areaMaps({ probes, median, largest }) {
-  const least = 1e-3;  // errors below have the same colour
+  const least = 1e-3;  // smaller errors have the same colour
   const errors = probes.map(({ error }) => Math.max(error, least));
   const scale = colourScale([...median, ...largest, ...errors], "share",
     "probe, in the colour of the error there");
@@ -644,7 +645,7 @@ function frontierPanel([name, of], overTime) {
     title: `${name}: error against ${overTime ? "time" : "configurations"}`,
     x: logarithmic(overTime ? "ns per query" : "configurations per active node"),
     y: logarithmic("error of the force, N"),
-    // Not measured there: the lattice has what it would be measured with.
+    // Errors are not measured on a lattice that contains the held-out points.
     series: methodSeries((one) => report.lattices.map((lattice) => pointOf(one, lattice))
       .filter(([, error]) => isNumber(error))),
   });
@@ -677,7 +678,7 @@ function frontierRow(name, lattice) {
 }
 
 function frontierSection() {
-  // The rows of a method stand together, under a line.
+  // The rows of a method form a group under a line.
   const rows = report.methods.map((name, n) => [n > 0 ? html`</tbody><tbody>` : "",
     report.lattices.map((lattice) => frontierRow(name, lattice))]);
   const lattices = report.lattices.map((lattice) => row([lattice.label,
@@ -688,7 +689,7 @@ function frontierSection() {
     how: `Lower is more accurate, further left is cheaper; a curve below another gives the same
 accuracy from fewer configurations. Each mark is one lattice density.`,
     content: [
-      // Without exact solutions the plots would be empty; the table still has times.
+      // Without exact solutions the plots would be empty; the table still has timings.
       report.references.kind === "none" ? "" : frontierFigure(), html`<h3>In numbers</h3>`,
       table(["method", "configu\u00adrations", "mean", "median", "95 %", "max", "mean, covered",
         "max, covered", "relative", "in target", "covered", "loop work", "ns per query",
@@ -710,7 +711,7 @@ function wayPanel([title, unit, of]) {
   };
   return plot({
     title, x: linear("way from rest, mm"), y: logarithmic("error, " + unit),
-    // Where no exact solution lies the curve goes on at the next.
+    // The curve skips shells without exact solutions.
     series: methodSeries((name) => report.ways.filter(({ methods }) => methods[name].count > 0)
       .map((shell) => pointOf(name, shell))),
   });
@@ -743,7 +744,7 @@ ${relativeFloor} N counts as ${relativeFloor} N.`, [
   ["Eq. 14, mean", "%", (measures) => measures.mean_relative_component],
   ["Eq. 14, maximum", "%", (measures) => measures.max_relative_component]]);
 
-/// Rows of the methods whose errors on the shown lattice are `wanted`.
+/// Returns table rows for the methods whose measures on the shown lattice are `wanted`.
 const methodRows = (wanted, cellsOf) => report.methods
   .map((name) => [name, shownLattice.methods[name].whole_ball])
   .filter(([, all]) => wanted(all)).map(([name, all]) => row([name, ...cellsOf(all)]));
@@ -767,7 +768,7 @@ the interpolated force against exact solutions, over the way from rest.`,
 });
 
 function loopsSection() {
-  const least = 1e-10;  // what is below is the error of the sum
+  const least = 1e-10;  // smaller values are rounding of the sum
   const pointOf = (name, { methods, configurations_per_node: configurations }) => {
     const { loop_work: work } = methods[name];
     return [configurations, Math.max(work, least),
@@ -805,7 +806,7 @@ many times the error.`,
   };
 }
 
-/// Numbers of the active nodes: the largest mean error of the default method first.
+/// Returns the indices of the active nodes, the largest mean error of the default method first.
 function worstFirst() {
   const error = (node) => report.nodes[node].methods[method]?.error.mean ?? -1;
   return [...report.nodes.keys()].sort((a, b) => error(b) - error(a));
@@ -854,7 +855,8 @@ smoothly.${others}`,
     content: [table(["active node", "expandable", "terminating", "failed", "jumps",
       "largest force, N", "exact solutions", "mean", "median", "95 %", "max", "in target",
       "within bound"], listed.map(nodeRow)),
-    // One method is in the table above already, and the plot of one node is that of all nodes.
+    // A single method is already in the table above, and the plot of a single node repeats the plot
+    // of all.
     report.methods.length > 1 ? table(["mean error, N", ...report.methods],
       all.filter(isCompared).map(methodRow)) : "",
     isNumber(report.measured_lattice) && all.length > 1 ? nodesFigure(all) : ""],
@@ -864,7 +866,7 @@ smoothly.${others}`,
 function organFigure(which, word, scale) {
   const { triangles } = drawings.body;
   const atNode = new Map(drawings.nodes.map((node) => [node.node, node[which]]));
-  // A triangle has the mean of its corners where all three are active.
+  // A triangle with three active corners has their mean.
   const values = Array.from({ length: triangles.length / 3 }, (_, t) =>
     [0, 1, 2].reduce((sum, n) => sum + (atNode.get(triangles[3 * t + n]) ?? NaN) / 3, 0));
   const marks = drawings.nodes.map((node, n) => ({ at: node.at, value: node[which],
@@ -879,7 +881,7 @@ three active nodes a triangle has their mean. Without perspective; logarithmic c
 
 function organSection() {
   const bounds = drawings.nodes.flatMap((node) => [node.mean_bound, node.largest_bound]);
-  // One scale, so that the two maps can be compared.
+  // One scale makes the two maps comparable.
   const scale = colourScale(bounds, "newtons", "active node, in the colour of its bound");
   return {
     id: "organ", heading: "Where on the organ the error is",
@@ -901,7 +903,7 @@ function latticeMark(x, y, tag) {
   return path({ class: "failed", d: `M${at(x - 3.5, y - 3.5)}l7 7m0 -7l-7 7` });
 }
 
-/// A path for each colour, of runs of samples along the rows: no seams between neighbours.
+/// One path per colour, of runs of samples along the rows, which avoids seams between neighbours.
 function sliceColours({ side, bound }, scale) {
   const { left, base } = slice, step = slice.edge / side, paths = Array(levels).fill("");
   const levelAt = (n) => isNumber(bound[n]) ? scale.levelOf(bound[n]) : -1;
@@ -916,7 +918,7 @@ function sliceColours({ side, bound }, scale) {
     paths.map((d, level) => d && path({ d, fill: colourOfLevel(level) })));
 }
 
-/// The sides between samples that are covered and samples that are not.
+/// Edges between covered and uncovered samples.
 function coverEdge({ side, covered }) {
   const { left, base } = slice, step = slice.edge / side;
   let d = "";
@@ -929,7 +931,7 @@ function coverEdge({ side, covered }) {
   return path({ class: "cover", d });
 }
 
-/// The rim of the ball, and two axes with -radius, the name, and radius.
+/// Outline of the ball, and two axes with -radius, the name, and radius.
 function sliceFrame({ across, up, radius }) {
   const { edge, left, top, base } = slice, axisX = left - 4, axisY = base + 4;
   const rounded = Math.round(1e4 * radius) / 10;
@@ -973,7 +975,7 @@ function slicePanel(map, scale) {
   };
 }
 
-/// From the lowest to the highest; the first line and the first column are places.
+/// Rows from the lowest to the highest; the first row and the first column are coordinates.
 function boundRows({ side, radius, across, up, bound }) {
   const place = (n) => Number(brief(millimetres(radius * (2 * (n + 0.5) / side - 1)), 5));
   const samples = [...Array(side).keys()];
@@ -987,7 +989,7 @@ const markRows = ({ across, up, marks, errors }) => [
   ...marks.map((mark) => [mark.tag, ...mark.at.map(millimetres), NaN]),
   ...errors.map((mark) => ["exact solution", ...mark.at.map(millimetres), mark.error])];
 
-/// Of which active nodes there are pictures; nothing when of all.
+/// Sentence about the active nodes with pictures; empty if all have one.
 const pictured = () => drawings.pictures.length === report.nodes.length ? ""
   : ` Those with the largest errors: ${counted(drawings.pictures.length, "active node")}.`;
 
@@ -1083,7 +1085,7 @@ may have reached the point all the same). palpate explain tells the story of a s
 
 function sizesTable({ arrays, bytes: whole, configurations }) {
   const all = Object.entries(arrays), most = Math.max(...all.map(([, { stored }]) => stored));
-  // A list of thirty small arrays would hide the three that matter.
+  // Thirty small arrays would hide the three large ones.
   const isSmall = ([, { stored }]) => stored < 0.01 * whole, small = all.filter(isSmall);
   const rest = small.reduce((sum, [, { stored }]) => sum + stored, 0);
   const each = (stored) => configurations ? bytes(stored / configurations) : "-";
@@ -1152,7 +1154,7 @@ dataset does not answer.`,
 
 function comparedDistances({ name }, { distances }) {
   const forces = (n) => distances.map((one) => [millimetres(one[0]), one[1 + n]]);
-  // At rest there is no force to be relative to.
+  // At rest the force is zero, so nothing is relative to it.
   const relative = (n) => distances.filter(([way, first]) => way > 0 && first > 0)
     .map((one) => [millimetres(one[0]), 100 * one[1 + n] / one[1]]);
   return figure({
@@ -1224,7 +1226,7 @@ say how sure the interpolations are: a difference below them says nothing.`,
   content: [table(["active node", "apart, mm", "displace\u00adments", "stiffness A, N/m",
     "stiffness B, N/m", "mean |force| A, N", "mean |force| B, N", "|B − A| mean, N",
     "|B − A| max, N", "of force A", "bound A, N", "bound B, N"], report.nodes.map(differenceRow)),
-  // One place needs no map.
+  // A single place needs no map.
   drawings.everywhere.length > 1 ? differenceMap() : "",
   report.nodes.map((node, n) => comparedDistances(node, drawings.places[n]))],
 });
