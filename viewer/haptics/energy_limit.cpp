@@ -11,8 +11,7 @@ constexpr double damping = 4;
 /// The measured acceleration lags, and the true one grows with the force. Factors for the way out,
 /// and for predicting when the force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
-constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than a slow
-                                       // press
+constexpr double rest_radius = 2e-4;   // m: above a device's resolution, below a slow press
 constexpr double rest_duration = 0.1;  // s
 constexpr int halvings = 20;           // steps of the bisection for the force
 

@@ -7,9 +7,9 @@ namespace palpate {
 
 /// Rates at which the depth approaches its target, 1/s. A hand releases faster than it presses.
 inline constexpr double press_rate = 9, release_rate = 16;
-/// Initial target depth, m, or less if less was computed:
+/// Initial target depth: usual_depth (m), or usual_share of the reach (the workspace radius) if
+/// that is less.
 inline constexpr double usual_depth = 0.01;
-/// share of the reach (the radius of the workspace).
 inline constexpr double usual_share = 0.4;
 
 }  // namespace palpate

@@ -230,8 +230,7 @@ void TouchSurface::setTouchable() {
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
     if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
-    // Forces are not blended across the rim of an area: its sites answer for its own triangles
-    // only.
+    // Forces are not blended across the rim of an area: its sites answer only in its triangles.
     const bool at_its_rim =
         std::ranges::any_of(t, [this](std::int32_t v) { return area_of_vertex_[at(v)] >= 0; });
     if (at_its_rim && area_of_[n] < 0) continue;

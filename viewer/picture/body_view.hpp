@@ -15,50 +15,52 @@
 
 namespace palpate {
 
-/// All that is drawn of one model: its surface as tissue, or coloured by what is known of it, and
-/// where it is deformed the shape at rest as a ghost: its outline, and a translucent fill of what
-/// of it stands out beyond the body. Belongs to the thread of the Window. The model must outlive
-/// it.
+/// Draws one model: its surface as tissue or coloured by a quantity, and the shape at rest as a
+/// ghost where the surface is deformed. The ghost is an outline, and a translucent fill that shows
+/// only outside the deformed body. Used by the thread of the Window only. The model must outlive
+/// this object.
 class BodyView {
  public:
   explicit BodyView(const HapticModel& model);
 
   const HapticModel& model() const { return model_; }
-  /// The ball around all vertices at rest, nearly the smallest.
+  /// A ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
-  /// m, at the end of the colours of the surface: a round number that grows with what was seen
-  /// since the body was at rest, or forgetScale().
+  /// End of the displacement scale, m: a round number that grows with the largest displacement
+  /// since the body was at rest, or since forgetScale().
   double fullColour() const { return full_colour_; }
-  /// Pa, the same of how strong pressures were, up to the usual(). 0: none were seen yet.
+  /// End of the pressure scale, Pa: likewise with strengthOf() the pressures, limited by usual().
+  /// 0: none seen yet.
   double fullPressure() const { return full_pressure_; }
-  /// The same colours as another's mean the same from the next shade() on.
+  /// From the next shade() on, both views use the larger of both scales.
   void useScaleOf(const BodyView& other) {
     full_colour_ = std::max(full_colour_, other.full_colour_);
     full_pressure_ = std::max(full_pressure_, other.full_pressure_);
   }
-  /// The scales begin anew with the next shade().
+  /// Restarts the scales with the next shade().
   void forgetScale();
-  /// Whether there are parts where nothing can be felt.
+  /// Returns whether some parts of the surface are not touchable.
   bool hasUntouchable() const { return has_untouchable_; }
-  /// From where the touchable surface is seen best, a direction of any length: along its mean
-  /// normal, and a little from above and beside it; of a body that is touched all around along its
-  /// thinnest axis.
+  /// Returns the direction from which the touchable surface is seen best, of any length. It is
+  /// along the mean normal, slightly from above and from the side; for a body that is touchable all
+  /// around, along its thinnest axis.
   Eigen::Vector3d bestView() const;
-  /// Where the active node of a space is at rest, m.
+  /// Returns the rest position of the active node of a space, m.
   Eigen::Vector3d originOf(std::size_t space) const;
 
   void setShadow(const SoftLight::Shadow& shadow) { shadow_ = shadow; }
   void showGhost(bool shown) { ghost_ = shown; }
-  /// The displacements of the surface in a touch of this model.
+  /// Computes the displacements of the surface in a touch of this model.
   void deform(const Touch& touch);
-  /// Positions, normals and colours of what deform() said. method: prepared; of the error bounds,
-  /// which take some milliseconds when they are seen for the first time. Without pressures, or
-  /// before they are prepared, tissue.
+  /// Computes positions, normals and colours after deform().
+  ///
+  /// method: a prepared method, whose error bounds take some milliseconds on first use. Pressures
+  /// that are missing or not prepared yet show as tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
-  // They change OpenGL's state, and begin with its default (Stage).
+  // These change OpenGL's state and require its default (Stage).
   void draw(const SoftLight& light) const;
-  /// Its soft edges and the ghost: after the body and what is behind both.
+  /// Draws the soft edges and the ghost. Call after the body and its background are drawn.
   void drawOver(const SoftLight& light);
 
  private:
@@ -75,17 +77,17 @@ class BodyView {
   Contour contour_;
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
-  SpaceBlend blend_;                  ///< of the touch that deformed it; of no space: at rest
+  SpaceBlend blend_;                  ///< of the deforming touch; empty: at rest
   Eigen::Vector3d touch_displacement_ = Eigen::Vector3d::Zero();  ///< m
-  std::vector<float> pressures_;  ///< by vertex, Pa; empty until they are seen
+  std::vector<float> pressures_;  ///< per vertex, Pa; empty until first shown
   double full_colour_ = 0, full_pressure_ = 0;
   bool has_untouchable_ = false;
-  std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
+  std::map<std::int32_t, std::vector<float>> error_places_;  ///< per method and vertex, 0 to 1
   SoftLight::Shadow shadow_;
   bool ghost_ = true;
-  std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1
-  std::vector<std::uint32_t> ghost_colours_;  ///< by vertex, bytes
-  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles that have a share
+  std::vector<float> ghost_shares_;           ///< per vertex, 0 to 1
+  std::vector<std::uint32_t> ghost_colours_;  ///< per vertex, bytes
+  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles with a share above 0
 };
 
 }  // namespace palpate

@@ -9,14 +9,14 @@ namespace palpate {
 /// The forces of the last seconds, for the plot. One thread.
 class ForceHistory {
  public:
-  static constexpr double span = 5;  ///< s that are kept
+  static constexpr double span = 5;  ///< length of the history, s
   struct Sample {
     double time = 0;  ///< s, HapticState::time
     Eigen::Vector3f force = Eigen::Vector3f::Zero();
-    float bound = 0;  ///< N, of the error; NaN: unknown
+    float bound = 0;  ///< of the error, N; NaN: unknown
   };
 
-  /// The same time again adds nothing; an earlier one begins anew (another run).
+  /// Adds a sample. Ignores a repeated time; an earlier time is another run and clears the history.
   void add(double time, const Eigen::Vector3d& force, double error_bound) {
     if (!samples_.empty() && time == samples_.back().time) return;
     if (!samples_.empty() && time < samples_.back().time) samples_.clear();
@@ -24,10 +24,10 @@ class ForceHistory {
     while (samples_.front().time < time - span || samples_.size() > most_samples)
       samples_.pop_front();
   }
-  /// The oldest first.
+  /// Returns the samples, the oldest first.
   const std::deque<Sample>& samples() const { return samples_; }
-  /// N, of the lengths with their bounds, which count as no more than the length itself: one that
-  /// is all uncertain must not make the others small. 0 when empty.
+  /// Returns the largest |force| + bound, N; 0 if empty. A bound counts at most as the force
+  /// itself, so an uncertain force does not make the others small.
   double largest() const {
     float largest = 0;
     for (const auto& [time, force, bound] : samples_) {

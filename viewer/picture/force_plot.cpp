@@ -15,17 +15,17 @@
 namespace palpate {
 namespace {
 
-// px: the curves within the panel, and its texts.
+// px: margins of the curves in the panel, and text.
 constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bottom = 24;
 constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
 constexpr float key_length = 16, key_gap = 5, band_height = 8;
 constexpr float label_gap = 8, time_gap = 3;
-constexpr float closest_points = 4;  // of a curve
+constexpr float closest_points = 4;  // between points of a curve
 constexpr float least_step = 26;     // between lines of the grid
 
-constexpr double headroom = 1.08;       // above the largest force
-constexpr double smallest_limit = 0.5;  // N: below it the plot does not grow
-constexpr int most_steps = 2;           // of the grid, up and down from zero
+constexpr double headroom = 1.08;       // relative to the largest force
+constexpr double smallest_limit = 0.5;  // N: smallest limit of the axis
+constexpr int most_steps = 2;           // of the grid, on each side of zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
@@ -34,11 +34,11 @@ constexpr const char* plot_title = "force on the tool, N";
 constexpr const char* short_plot_title = "force, N";
 constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);
 
-/// Where the curves of the plot go on the screen.
+/// Maps times and forces to the screen.
 struct PlotArea {
   ImVec2 from, to;
   double end = 0;    ///< s, at the right edge
-  double limit = 1;  ///< N, at the upper edge; minus that at the lower one
+  double limit = 1;  ///< N, at the upper edge; the lower edge is -limit
   ImVec2 at(double time, double force) const {
     const double across = 1 - (end - time) / ForceHistory::span, up = 0.5 * (1 + force / limit);
     return {static_cast<float>(std::lerp(from.x, to.x, across)),
@@ -47,7 +47,7 @@ struct PlotArea {
 };
 
 void plotGrid(ImDrawList& draw, const PlotArea& area) {
-  // A low panel has no room for more than zero and the ends.
+  // A low panel has room only for zero and the ends.
   const int most = area.to.y - area.from.y > px(least_step) * 2 * most_steps ? most_steps : 1;
   const double step = roundUp(area.limit / most * 0.8);
   const int steps = static_cast<int>(area.limit / step * 1.001);
@@ -67,10 +67,10 @@ void plotGrid(ImDrawList& draw, const PlotArea& area) {
   }
 }
 
-/// Around the length of the force what it may be; where no bound is known there is no band.
+/// Draws the error bound as a band around the magnitude; none if the bound is unknown.
 void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
   const auto& samples = history.samples();
-  // Whole triangles: soft edges would cost as much as the curves.
+  // Not antialiased: soft edges would cost as much as the curves.
   const ImDrawListFlags flags = draw.Flags;
   draw.Flags &= ~ImDrawListFlags_AntiAliasedFill;
   for (std::size_t n = 1; n < samples.size(); ++n) {
@@ -85,7 +85,7 @@ void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& histor
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
-  // More points than this would cost, and not be seen.
+  // More points would be costly and invisible.
   const double slot_length = ForceHistory::span * closest_points / (area.to.x - area.from.x);  // s
   std::vector<ImVec2> points;
   points.reserve(history.samples().size());
@@ -93,20 +93,20 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
     points.clear();
     double last = -1;
     for (const auto& [time, force, bound] : history.samples()) {
-      // By time, not by place: the same samples in picture after picture.
+      // By time, not by screen position: consecutive pictures use the same samples.
       const double slot = std::floor(time / slot_length);
       if (slot == last && time != area.end) continue;
       last = slot;
       points.push_back(
           area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));
     }
-    // Whole widths: ImGui draws those with few triangles.
+    // Integer widths: ImGui draws them with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
                      ImDrawFlags_None, std::round(px(curve == 3 ? 2.0F : 1.0F)));
   }
 }
 
-/// The title, then every entry with its key.
+/// Width of the title and all entries with their keys.
 float plotLegendWidth() {
   float width = ImGui::CalcTextSize(plot_title).x;
   const auto add = [&](const char* name) {
@@ -117,7 +117,7 @@ float plotLegendWidth() {
   return width;
 }
 
-/// As many entries as fit above the curves.
+/// Draws as many entries as fit above the curves.
 void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
   const float middle = at.y + ImGui::GetTextLineHeight() / 2;
   const auto entry = [&](const char* text, float key) {

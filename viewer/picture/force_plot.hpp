@@ -5,9 +5,10 @@
 
 namespace palpate {
 
-/// Lays out the panel below the view: the force of the last ForceHistory::span seconds, its
-/// components and its length, with the error bound as a band around it. view: what the panels leave
-/// free, in ImGui's units.
+/// Lays out the panel below the view: components and magnitude of the force in the last
+/// ForceHistory::span seconds, with the error bound as a band.
+///
+/// view: the area without panels, in ImGui's units.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
 
 }  // namespace palpate

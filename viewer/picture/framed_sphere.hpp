@@ -6,13 +6,13 @@
 
 namespace palpate {
 
-/// The sphere that F shows.
+/// The sphere that key F brings into view.
 struct FramedSphere {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m
   double radius = 0.1;                               ///< m
 };
 
-/// Around all vertices, m, nearly the smallest: about the middle of their box.
+/// Returns a sphere around all vertices (m), nearly the smallest, centred in their bounding box.
 inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);
@@ -22,8 +22,8 @@ inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   return sphere;
 }
 
-/// Whether a camera that frames one shows the other well: nearly in the same place, and of nearly
-/// the same size.
+/// Returns whether a camera that frames one sphere also shows the other well: they have nearly the
+/// same place and size.
 inline bool isFramedWith(const FramedSphere& one, const FramedSphere& other) {
   const double larger = std::max(one.radius, other.radius);
   return 2 * std::min(one.radius, other.radius) > larger &&

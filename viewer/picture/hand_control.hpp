@@ -9,23 +9,23 @@
 
 namespace palpate {
 
-/// What mouse and keys do in one picture.
+/// Input by mouse and keys for one picture.
 struct PersonsInput {
   MouseMotion motion = {};
-  HandInput hand = {};  ///< of the keys; the mouse is in `motion`
+  HandInput hand = {};  ///< from the keys; the mouse is in `motion`
 };
 
-/// Gives mouse and keys to the hand or to the camera, and tells what is shown of it. Knows no
-/// graphics. One thread.
+/// Routes mouse and keys to the hand or to the camera, and returns the marks to show. Independent
+/// of the graphics. One thread.
 class HandControl {
  public:
-  /// One picture of the model in `state`, after which marks() are its. Where the tool is to be;
-  /// none: another device moves it.
+  /// Handles the input of one picture of the model in `state`, and updates marks(). Returns the
+  /// target of the tool; empty if another device moves it.
   std::optional<MouseTarget> apply(const PersonsInput& input, const HapticModel& model,
                                    const HapticState& state, const PictureStatus& status,
                                    OrbitCamera& camera);
   const HandMarks& marks() const { return marks_; }
-  /// There is a tool in the scene, which can be drawn.
+  /// Returns whether there is a tool in the scene to draw.
   bool toolIsThere(const HapticState& state, const PictureStatus& status) const;
 
  private:

@@ -3,13 +3,13 @@
 namespace palpate {
 namespace {
 
-/// It came in where nothing is touchable, or was let go there.
+/// The tool entered an untouchable part, or was released inside.
 bool feelsNothingInside(const HapticState& state) {
   return !state.touch.touching && state.touch.gap < 0 &&
          state.reading.status != DeviceStatus::away && state.reading.status != DeviceStatus::lost;
 }
 
-/// Where the keys have hold, or the ring: nothing is said of a button that is not held.
+/// For the keys' ring or press; a hint about the button would be wrong.
 const char* keysHint(bool glued, bool holds) {
   if (!holds)
     return glued ? "Enter takes hold here, arrows move the ring."

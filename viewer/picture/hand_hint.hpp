@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// What the person at mouse and keys can do now, in a sentence. state: of the loop, whose contact
-/// is as told. hand: as of this picture.
+/// Returns a sentence about what the user can do with mouse and keys now. state, contact: of the
+/// loop. hand: in this picture.
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand);
 
-/// The same where another device moves the tool; empty: nothing.
+/// Returns the hint for a tool that another device moves; empty: none.
 std::string deviceHint(const HapticState& state);
 
 }  // namespace palpate

@@ -7,10 +7,10 @@
 namespace palpate {
 namespace {
 
-constexpr double turned_per_picture = 0.2;  // of the way: a tool does not jump from side to side
-constexpr double high = 0.5;                // of the extent: from there no shadow is seen
+constexpr double turned_per_picture = 0.2;  // share of the turn; avoids jumps to the other side
+constexpr double high = 0.5;                // of the extent: a tool this high casts no shadow
 constexpr double darkest = 0.45;
-constexpr double contact_reach = 1.7;  // of the radius of the tool
+constexpr double contact_reach = 1.7;  // of the tool's radius
 
 }  // namespace
 

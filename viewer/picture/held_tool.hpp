@@ -7,19 +7,18 @@
 
 namespace palpate {
 
-/// From where a tool is to how a hand would hold it, picture by picture: away from the skin, and
-/// toward the side of the eye, so that it hides little of what it touches. Knows no graphics. One
-/// thread.
+/// Pose of a tool as a hand would hold it, updated per picture: away from the skin and toward the
+/// eye, so that it hides little of the touched place. Independent of the graphics. One thread.
 class HeldTool {
  public:
-  /// state: of a touch of the model. there: the tool is in the scene; else its pose is not finite.
-  /// extent: m, radius of the body.
+  /// state: of a touch of the model. there: the tool is in the scene; otherwise its pose is not
+  /// finite. extent: radius of the body, m.
   void update(const HapticModel& model, const HapticState& state, bool there,
               const OrbitCamera& camera, double extent);
 
   const ToolPose& pose() const { return pose_; }
   const SkinBelow& skin() const { return skin_; }  ///< while nothing is touched
-  /// What a tool of this radius throws on the skin below it, or where it touches.
+  /// Returns the shadow of a tool of this radius on the skin below it, or at the contact.
   SoftLight::Shadow shadow(double radius) const;
 
  private:

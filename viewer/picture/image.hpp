@@ -12,18 +12,18 @@ struct Image {
   std::vector<std::uint8_t> pixels;  ///< height x width x 3: rows from the top, red, green, blue
 };
 
-/// Writes a PNG file: aside as FILE.tmp, then renamed, so that FILE is the old one or whole. Error
-/// that names the file; nothing is left behind then.
+/// Writes a PNG file as FILE.tmp and renames it, so FILE is either the old file or complete. Throws
+/// Error with the file's name, and then leaves nothing behind.
 void writePng(const Image& image, const std::filesystem::path& file);
 
-/// The pictures of a run as numbered files: DIR/frame-000001.png, ... They become a film by any
-/// program that reads numbered pictures.
+/// Pictures of a run as numbered files, DIR/frame-000001.png and so on, which video encoders can
+/// read.
 class VideoFrames {
  public:
-  /// Makes the folder where it is missing. Error when that fails, or when it holds frames already:
-  /// two runs would mix.
+  /// Creates the folder if it is missing. Throws Error if that fails, or if the folder already
+  /// holds frames, because two runs would mix.
   explicit VideoFrames(std::filesystem::path folder);
-  /// Error as writePng's.
+  /// Writes the next frame. Throws Error like writePng().
   void add(const Image& image);
   int count() const { return count_; }
 

@@ -16,12 +16,14 @@ struct ThickLine {
   double radius = 0;
 };
 
-/// Whether a box covers any of a line.
+/// Returns whether a box covers part of a line.
 bool covers(const ScreenBox& box, const ThickLine& line);
 
-/// Where the label of an arrow goes: beyond its tip, along it; where that covers something or does
-/// not fit, beside it. arrow: from its tail to its tip. size: of the label. view: it stays inside.
-/// keep_clear, taken: with the arrow, what it does not cover where that is possible.
+/// Returns the place for the label of an arrow: beyond its tip, or beside it if the label would
+/// cover something or not fit.
+///
+/// arrow: from tail to tip. size: of the label. view: contains the label. keep_clear, taken: not
+/// covered if possible, like the arrow.
 ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const ScreenBox& view,
                      std::span<const ThickLine> keep_clear, std::span<const ScreenBox> taken = {});
 

@@ -9,8 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Rounding must not drop the points of the plane half a spacing away on one side and keep the
-/// other's.
+/// Keeps points half a spacing away on both sides of the plane, despite rounding.
 constexpr double slack = 1 + 1e-9;
 
 bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displacement,

@@ -14,26 +14,25 @@
 
 namespace palpate {
 
-/// The lattice of one configuration space in the view: of the space with the largest weight in the
-/// touch, or the last that had it. Its dots are drawn in front of everything drawn before (the
-/// body), and in depth among themselves. Belongs to the thread of the Window.
+/// The lattice of one configuration space in the view: the space with the largest weight in the
+/// touch, now or last. Its dots are drawn in front of everything before them (the body), and sorted
+/// by depth among themselves. Used by the thread of the Window only.
 class LatticeView {
  public:
-  /// Shows the dots that the person chose to see of the model, which is that of the state, or none.
-  /// Where a method's errors are seen for the first time all cells are evaluated: some
-  /// milliseconds.
+  /// Shows the dots that the user chose, or none. body must be the model of the state. The first
+  /// time a method's errors are shown, all cells are evaluated, which takes some milliseconds.
   void show(const BodyView& body, const HapticState& state, const ViewChoices& choices);
-  /// The space that was shown last; 0 after another model came.
+  /// Returns the space that was shown last; 0 after a change of model.
   std::int32_t space() const { return space_; }
-  /// origin: added to the displacements, m, scene frame. size: of a dot without its white rim,
-  /// pixels where the picture has 800 from top to bottom; more in a larger one.
+  /// origin: added to the displacements, m, scene frame. size: diameter of a dot without its white
+  /// rim, in pixels of a picture 800 pixels high; larger in a larger picture.
   void setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin, double size);
   void show(bool shown) { shown_ = shown; }
-  /// Changes OpenGL's state, and begins with its default (Stage).
+  /// Changes OpenGL's state and requires its default (Stage).
   void draw() const;
 
  private:
-  /// What decides which dots there are.
+  /// Determines the dots.
   struct Key {
     std::int32_t model = -1, method = -1;  ///< method: -1 for dots by tag
     std::int32_t space = 0;
@@ -45,12 +44,12 @@ class LatticeView {
   bool shown_ = false;
   std::vector<float> places_;          ///< [dot][axis], m
   std::vector<std::uint8_t> colours_;  ///< [dot][red, green, blue]
-  float size_ = 4;                     ///< px, as for setDots()
+  float size_ = 4;                     ///< px, as in setDots()
 
   std::int32_t model_ = -1;
   std::int32_t space_ = 0;
   Key filled_;
-  /// By model, method, space.
+  /// [model, method, space].
   std::map<std::array<std::int32_t, 3>, std::vector<CellError>> errors_;
 };
 

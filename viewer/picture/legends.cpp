@@ -19,7 +19,7 @@ namespace {
 // px
 constexpr float legend_margin = 18, lattice_legend_gap = 40;
 constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9;
-constexpr float note_width = 156;  // beside it begins the hint
+constexpr float note_width = 156;  // leaves room for the hint
 constexpr float swatch_size = 11, swatch_gap = 7;
 constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // of the view's height
 
@@ -28,12 +28,12 @@ ImU32 imColour(const Rgb& rgb) {
                   255);
 }
 
-/// A legend that grows upward from where it stands.
+/// A legend that grows upward from its lower left corner.
 class Legend {
  public:
   Legend(ImDrawList& draw, ImVec2 lower_left) : draw_(draw), at_(lower_left) {}
 
-  /// The last first: a square of a colour and what it means.
+  /// Adds a coloured square with its meaning. Add the last entry first.
   void swatch(const Rgb& colour, const std::string& meaning, bool hatched = false) {
     at_.y -= line();
     const float top = at_.y + (line() - px(swatch_size)) / 2, size = px(swatch_size);
@@ -45,7 +45,7 @@ class Legend {
     word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
   }
   void gap() { at_.y -= px(note_gap); }
-  /// A sentence, in lines of its own.
+  /// Adds a sentence on separate lines.
   void note(const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, px(note_width));
     at_.y -= size.y;
@@ -54,11 +54,11 @@ class Legend {
   }
 
   struct Mark {
-    double place;  ///< 0: at the bottom of the bar, 1: at its top
+    double place;  ///< 0: bottom of the bar, 1: top
     std::string text;
     bool limit = false;  ///< drawn as a line across the bar
   };
-  /// colour: of a place, 0 to 1.
+  /// colour: for a place, 0 to 1.
   void bar(const char* title, float height, const std::function<Rgb(double)>& colour,
            const std::vector<Mark>& marks) {
     const float bottom = at_.y - line() / 2;
@@ -116,7 +116,7 @@ void pressureBar(Legend& legend, float height, double full) {
               mark(1, "  compression")});
 }
 
-/// What the colours of errors mean (errorPlace).
+/// Legend for the colours of errors (errorPlace).
 void errorBar(Legend& legend, float height, const char* title) {
   const auto mark = [](double error, const char* meaning) {
     return Legend::Mark{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),
@@ -127,7 +127,7 @@ void errorBar(Legend& legend, float height, const char* title) {
               mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
 }
 
-/// What is seen as tissue, and why.
+/// Explains the parts shown as tissue.
 void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour) {
   const bool pressures = colour == SurfaceColour::pressure && contents.pressure.sentence.empty();
   if (pressures && !contents.pressure.everywhere) {
@@ -145,7 +145,7 @@ void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour c
   legend.gap();
 }
 
-/// What the colours of the surface mean.
+/// Legend for the colours of the surface.
 void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
                    float bar_height) {
   tissueLegend(legend, contents, colour);
@@ -156,7 +156,7 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
     pressureBar(legend, bar_height, contents.pressure.full);
 }
 
-/// What the dots of the lattice mean.
+/// Legend for the dots of the lattice.
 void latticeLegend(Legend& legend, bool errors, float bar_height) {
   if (errors) {
     errorBar(legend, bar_height, "error bound, % of the force");

@@ -7,9 +7,10 @@
 
 namespace palpate {
 
-/// Draws what the colours of the surface and of the lattice mean, of what is shown alone, at the
-/// lower left. The part of the view that they take. size: of the view, whose upper left is 0, or of
-/// its part above a hint.
+/// Draws the legends for the colours of surface and lattice that are shown, at the lower left.
+/// Returns the part of the view that they take.
+///
+/// size: of the view, whose upper left corner is 0, or of its part above a hint.
 ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                       ImVec2 size);
 

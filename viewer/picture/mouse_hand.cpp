@@ -13,13 +13,13 @@ namespace {
 
 constexpr double largest_share = 0.95;    // of the reach, where the workspace ends
 constexpr double notches = 50;            // of the wheel, over the reach
-constexpr double waiting_share = 0.03;    // of the body's radius, outside of the skin
-constexpr double lifted = 0.75;           // of that way: then the tool may go elsewhere
+constexpr double waiting_share = 0.03;    // of the body's radius, outside the skin
+constexpr double lifted = 0.75;           // of that distance, from which the tool may go elsewhere
 constexpr double fastest = 6;             // radii of the body per second, along the skin
-constexpr double stroke = 0.015;          // heights of the view, per stroke of an arrow
-constexpr double longest_picture = 0.05;  // s: after a longer one a hand goes on where it was
+constexpr double stroke = 0.015;          // heights of the view per stroke of an arrow key
+constexpr double longest_picture = 0.05;  // s: after a longer one a hand continues where it was
 
-/// Also of two that are nowhere.
+/// Also true if both are not finite.
 bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a == b || (!a.allFinite() && !b.allFinite());
 }
@@ -33,10 +33,10 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
   double seconds = std::clamp(input.seconds, 0.0, longest_picture);
   const bool pressed = input.button && !last_.button;
   if (pressed && seen_ && seen_->touchable) {
-    // From a press by keys: it comes out there and appears here.
+    // Takes over from the keys: the tool disappears there and appears here.
     if (held_) ++target_.appearance;
     takeHold(*seen_, false);
-    seconds = 0;  // first the tool is outside, before the place
+    seconds = 0;  // first the tool is outside, in front of the place
   } else if (held_) {
     if (input.out || (by_key_ ? input.take || pressed : !input.button))
       letGo();
@@ -62,7 +62,7 @@ void MouseHand::use(const HapticModel& model, bool glued) {
   radius_ = sphereAround(model.surface().vertices()).radius;
 }
 
-/// What a key begins with where nothing is pointed at.
+/// Returns the place where a key begins if the pointer is at none.
 PointedPlace MouseHand::placeInFront(const OrbitCamera& camera) const {
   const auto middle = placeUnder(model_->surface(), camera, Eigen::Vector2d::Zero());
   if (middle && middle->touchable) return *middle;
@@ -84,7 +84,7 @@ void MouseHand::letGo() {
   if (glued_) place_.reset();
 }
 
-/// Before what is pointed at; by keys, from where it was.
+/// Waits in front of the place under the pointer, or of the place that keys move.
 void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
   if (!input.strokes.isZero()) {
     const PointedPlace from = place_.value_or(placeInFront(camera));
@@ -92,13 +92,13 @@ void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
     place_ = touchablePlace(model_->surface(),
                             from.position + camera.moveInPlane(from.position, way.x(), way.y()));
     by_key_ = true;
-  } else if (!same(input.pointer, pointed_)) {  // else the keys keep their place
+  } else if (!same(input.pointer, pointed_)) {  // otherwise the place of the keys stays
     pointed_ = input.pointer;
     place_ = seen_ && seen_->touchable ? seen_ : std::nullopt;
     by_key_ = false;
   }
   if (place_) depth_ = -gap();
-  // An edge of the body may still have the tool that is outside: it lets go here at the latest.
+  // Contact may persist at an edge of the body although the tool is outside; reappearing ends it.
   if (std::exchange(came_in_, false)) ++target_.appearance;
 }
 
@@ -112,7 +112,7 @@ void MouseHand::follow(const OrbitCamera& camera, const HandInput& input, double
     pullBy(camera.moveInPlane(place_->position + pulled_, way.x(), way.y()));
   else if (by_key_ && !way.isZero())
     slideTo(place_->position + camera.moveInPlane(place_->position, way.x(), way.y()), seconds);
-  else if (!by_key_ && seen_ && seen_->touchable)  // beside it the tool stays where it was
+  else if (!by_key_ && seen_ && seen_->touchable)  // off the body the tool stays where it was
     slideTo(seen_->position, seconds);
 }
 
@@ -129,7 +129,7 @@ void MouseHand::slideTo(const Eigen::Vector3d& goal, double seconds) {
   place_ = touchablePlace(model_->surface(), place_->position + way);
 }
 
-/// Where the way from the last place would lead through the skin, the tool appears.
+/// Moves the tool; makes it reappear if the straight way would lead through the skin.
 void MouseHand::goTo(const Eigen::Vector3d& position) {
   const bool from_nowhere = !target_.position.allFinite();
   const bool outside = depth_ < 0 && !glued_;
@@ -150,7 +150,7 @@ void MouseHand::moveTool(double seconds) {
   goTo(place_->position - depth_ * place_->normal + pulled_);
 }
 
-/// m, how far the spaces that are felt at the place go.
+/// Returns the largest displacement that the spaces at the place answer, m.
 double MouseHand::reach() const {
   double reach = 0;
   for (const CornerShares& share : model_->surface().cornerSharesOf(place_->triangle))
@@ -158,7 +158,8 @@ double MouseHand::reach() const {
   return reach;
 }
 
-/// m, between the skin and the tool that waits; less where the body is near on the other side.
+/// Returns the distance between the skin and the waiting tool, m; less if the body is close on the
+/// other side.
 double MouseHand::gap() const {
   double gap = waiting_share * radius_;
   const SurfaceTree& tree = model_->surface().tree();

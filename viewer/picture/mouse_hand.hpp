@@ -11,48 +11,50 @@
 
 namespace palpate {
 
-/// What a person does with the hand, by mouse and keys, since the last picture.
+/// Input for the hand by mouse and keys since the last picture.
 struct HandInput {
-  /// heights of the view, (0, 0) its middle; not finite: not over the view
+  /// in heights of the view, (0, 0) at its middle; not finite: not over the view
   Eigen::Vector2d pointer = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  bool button = false;  ///< is held
-  double deeper = 0;    ///< notches of the wheel, strokes of a key; < 0: higher
+  bool button = false;  ///< the button is held
+  double deeper = 0;    ///< notches of the wheel or strokes of a key; < 0: higher
   /// strokes of the arrow keys, to the right and upward on the screen
   Eigen::Vector2d strokes = Eigen::Vector2d::Zero();
-  bool take = false;   ///< the key that takes hold, and lets go
-  bool out = false;    ///< the key that lets go, whatever holds
+  bool take = false;   ///< the key that presses or grips, and releases
+  bool out = false;    ///< the key that always releases
   double seconds = 0;  ///< since the last picture
 };
 
-/// A hand without a device: mouse and keys become the place of the tool.
+/// A hand without a device: turns mouse and keys into the position of the tool.
 ///
-/// The tool waits before the place that is pointed at, a little outside of the skin. While the
-/// button is held, or the key took hold, it is pressed in along the normal, to a depth that the
-/// wheel changes, and slides over the surface after the pointer; then it comes out the way it went
-/// in. The button takes a press by keys over where it can touch, and ends it elsewhere. Where
-/// contact is glued there is no tool until it takes hold in the place; it is pulled in the plane of
-/// the screen then. The tool never goes through the body from one place to another: it vanishes
-/// here and appears there.
+/// The tool waits slightly outside the skin, in front of the place under the pointer. While the
+/// button is held, or after the key, it is pressed in along the normal and slides over the surface
+/// after the pointer. The wheel changes the depth. The tool then comes out along the way it went
+/// in. The button takes over a press by keys on a touchable place, and ends it elsewhere.
 ///
-/// Places are of the surface at rest: what is seen of the deformed one would slip away under a
-/// pointer that stands still. One thread.
+/// In glued contact there is no tool until it grips the place; then it is pulled in the plane of
+/// the screen. The tool never passes through the body from one place to another: it disappears and
+/// reappears.
+///
+/// Places are on the surface at rest. Places on the deformed surface would slip away under a still
+/// pointer. One thread.
 class MouseHand {
  public:
-  /// One picture. contact: of the loop. The model may be another than the last.
+  /// Handles one picture. contact: mode of the loop. The model may change between calls.
   void update(const HapticModel& model, ContactMode contact, const OrbitCamera& camera,
               const HandInput& input);
 
-  /// Where the tool is to be.
+  /// Returns the target position of the tool.
   const MouseTarget& target() const { return target_; }
-  /// Something is held: button and wheel are the hand's, not the camera's.
+  /// Returns whether the tool presses or grips; button and wheel then belong to the hand, not the
+  /// camera.
   bool holds() const { return held_; }
-  /// The key took hold: no button is held that could be let go.
+  /// Returns whether the key holds the tool, so there is no button to release.
   bool holdsByKey() const { return held_ && by_key_; }
-  /// What is pointed at, whether it can be touched or not.
+  /// Returns the place under the pointer, touchable or not.
   const std::optional<PointedPlace>& seen() const { return seen_; }
-  /// What the tool waits before, or presses.
+  /// Returns the place that the tool waits in front of, or presses.
   const std::optional<PointedPlace>& place() const { return place_; }
-  /// Keys chose place(), if there is one, and not the pointer.
+  /// Returns whether keys chose place(), not the pointer.
   bool placedByKeys() const { return by_key_; }
 
  private:
@@ -71,16 +73,16 @@ class MouseHand {
 
   const HapticModel* model_ = nullptr;
   bool glued_ = false;
-  double radius_ = 0;  ///< m, of the body
+  double radius_ = 0;  ///< radius of the body, m
   std::optional<PointedPlace> seen_, place_;
   bool held_ = false;
-  bool by_key_ = false;   ///< keys took hold last, or moved the place
-  bool came_in_ = false;  ///< since the tool was free last
+  bool by_key_ = false;   ///< keys pressed last, or moved the place
+  bool came_in_ = false;  ///< since the tool was last free
   HandInput last_;
-  Eigen::Vector2d pointed_ = HandInput().pointer;  ///< where it was when it chose the place
+  Eigen::Vector2d pointed_ = HandInput().pointer;  ///< pointer when it chose the place
   std::optional<double> wanted_;                   ///< m, along the inward normal, while held
-  double depth_ = 0;                               ///< m, now; < 0: outside
-  /// m, from the place; glued
+  double depth_ = 0;                               ///< current depth, m; < 0: outside
+  /// offset from the place, m; glued only
   Eigen::Vector3d pulled_ = Eigen::Vector3d::Zero();
   MouseTarget target_;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-/// OpenGL, with the functions of version 2 (shaders): every source of this room has it from here,
-/// since whoever includes it first decides what it declares.
+/// OpenGL with the functions of version 2 (shaders). Every source of this folder includes it from
+/// here, because the first include decides which functions are declared.
 #ifndef GL_GLEXT_PROTOTYPES
 #define GL_GLEXT_PROTOTYPES
 #endif
@@ -13,18 +13,19 @@
 
 namespace palpate {
 
-/// How much larger lines and points are than in a picture of 800 pixels from top to bottom.
+/// Returns the factor on widths of lines and points, relative to a picture 800 pixels high; at
+/// least 1.
 inline float pictureScale() {
   std::array<GLint, 4> viewport{};
   glGetIntegerv(GL_VIEWPORT, viewport.data());
   return std::max(1.0F, static_cast<float>(viewport[3]) / 800);
 }
 
-/// Width of lines from here on, for a picture of 800 pixels from top to bottom; in proportion wider
-/// in a larger one.
+/// Sets the width of lines, for a picture 800 pixels high; a larger picture has proportionally
+/// wider lines.
 inline void setLineWidth(float pixels) { glLineWidth(pixels * pictureScale()); }
 
-/// The same of points.
+/// Sets the size of points, likewise.
 inline void setPointSize(float pixels) { glPointSize(pixels * pictureScale()); }
 
 }  // namespace palpate

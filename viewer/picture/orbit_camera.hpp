@@ -4,40 +4,43 @@
 
 namespace palpate {
 
-/// A perspective camera that goes around a point. Metres, scene frame; angles in radians; places on
-/// the screen in heights of the picture, (0, 0) its middle, x to the right, y upward.
+/// A perspective camera that orbits a point. Metres, scene frame; angles in radians. Screen
+/// positions are in heights of the picture, (0, 0) at its middle, x to the right, y upward.
 class OrbitCamera {
  public:
-  /// radians that the picture shows from bottom to top
+  /// vertical angle of view, radians
   static constexpr double height_angle = 0.6;
 
-  /// Looks at a sphere, from where `from` (any length but 0) points to, so that it fits. aspect:
-  /// width over height. `up` is the direction that stays upward; not parallel to `from`.
+  /// Looks at a sphere so that it fits.
+  ///
+  /// from: direction from the sphere to the camera, of any length but 0. up: direction that stays
+  /// upward, not parallel to `from`. aspect: width / height.
   void frame(const Eigen::Vector3d& centre, double radius, const Eigen::Vector3d& from,
              const Eigen::Vector3d& up, double aspect);
-  /// The same sphere from the same side.
+  /// Frames a sphere from the current side.
   void frame(const Eigen::Vector3d& centre, double radius, double aspect);
 
-  /// Turns around the centre; angles: to the right, and upward. It stops short of the poles.
+  /// Turns around the centre by angles to the right and upward. Stops short of the poles.
   void orbit(double right, double upward);
-  /// The scene follows a hand that moves by so much on the screen.
+  /// Moves the scene with the pointer, by a distance on the screen.
   void pan(double right, double upward);
-  /// Distance times factor; within what the sphere allows.
+  /// Multiplies the distance by a factor, within the limits that the sphere sets.
   void zoom(double factor);
 
   Eigen::Vector3d position() const { return centre_ + distance_ * back(); }
-  /// Columns: right, up, back (toward the viewer).
+  /// Returns the axes in columns: right, up, back (toward the viewer).
   Eigen::Matrix3d axes() const;
-  double distance() const { return distance_; }  ///< from position() to the centre of turning
+  double distance() const { return distance_; }  ///< from position() to the centre of rotation
   double near() const;                           ///< m, clipping planes around the framed sphere
   double far() const;
 
-  /// Where a point is seen, and in `z` its distance from the plane of the camera (> 0: in front of
-  /// it).
+  /// Returns the screen position of a point, and in `z` its distance from the plane of the camera
+  /// (> 0: in front of it).
   Eigen::Vector3d project(const Eigen::Vector3d& point) const;
-  /// The direction, unit, in which from position() all is that is seen at a place on the screen.
+  /// Returns the unit direction from position() through a place on the screen.
   Eigen::Vector3d ray(const Eigen::Vector2d& place) const;
-  /// How far in the scene a move on the screen is, in the plane parallel to it through `at`.
+  /// Returns the distance in the scene of a move on the screen, in the plane through `at` parallel
+  /// to the screen.
   Eigen::Vector3d moveInPlane(const Eigen::Vector3d& at, double right, double upward) const;
 
  private:
@@ -45,7 +48,7 @@ class OrbitCamera {
 
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), framed_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitY();
-  Eigen::Vector3d east_ = Eigen::Vector3d::UnitX();  ///< where azimuth is 0; right angles to up_
+  Eigen::Vector3d east_ = Eigen::Vector3d::UnitX();  ///< azimuth 0; perpendicular to up_
   double azimuth_ = 0, elevation_ = 0;
   double distance_ = 1, radius_ = 0.3;
 };

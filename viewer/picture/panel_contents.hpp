@@ -17,58 +17,58 @@
 
 namespace palpate {
 
-/// What the person chose to see.
+/// Display options chosen by the user.
 struct ViewChoices {
   bool ghost = true, lattice = false, help = false;
   SurfaceColour colour = SurfaceColour::displacement;
-  bool errors = false;  ///< the lattice by the error bound; else by tag
-  bool beside = false;  ///< another dataset beside the one that is touched
-  bool cut = false;     ///< only a plane of the lattice
+  bool errors = false;  ///< lattice by error bound; otherwise by tag
+  bool beside = false;  ///< show another dataset beside the touched one
+  bool cut = false;     ///< show only a plane of the lattice
   LatticeCut plane;
 };
 
-/// The number at an arrow. Metres, scene frame.
+/// The number at a force arrow. Metres, scene frame.
 struct ViewLabel {
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< the arrow
-  /// What it must not cover beside the arrow: the tip of the tool, and its handle from there.
+  /// Must also stay uncovered: the tip of the tool, and its handle.
   std::array<Eigen::Vector3d, 2> tool = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double tip_radius = 0, handle_radius = 0;
-  std::string text;        ///< empty: none
-  bool uncertain = false;  ///< the arrow is amber, and says why
+  std::string text;        ///< empty: no label
+  bool uncertain = false;  ///< the arrow is amber; the text gives the reason
 };
 
-/// What of a hand without a device lies over the view.
+/// Marks over the view for a hand without a device.
 struct HandMarks {
-  /// Around the place that is pointed at, a circle of `ring_radius` metres; none: none.
+  /// A circle of `ring_radius` metres around the place under the pointer; empty: none.
   std::optional<PointedPlace> ring = {};
   double ring_radius = 0;
   std::string hint = {};  ///< a sentence; empty: none
 };
 
-/// Beside the touched body another dataset in the same touch.
+/// Another dataset in the same touch, shown beside the touched body.
 struct BesideContents {
   std::string dataset, tissue;  ///< its name and material
   ViewLabel label = {};         ///< of its arrow
-  double force = 0;             ///< N, of its tissue
-  std::string sentence = {};    ///< why there is no such touch; empty: there is
-  /// Why it has not the colours that are shown; empty: it has.
+  double force = 0;             ///< of its tissue, N
+  std::string sentence = {};    ///< why there is no such touch; empty if there is
+  /// Why it lacks the colours that are shown; empty if it has them.
   std::string colourless = {};
 };
 
-/// What is to be said where the colours show pressures.
+/// Contents of the pressure legend.
 struct PressureContents {
-  double full = 0;            ///< Pa, end of the colours; 0: there are none, beside it neither
-  bool everywhere = true;     ///< every part of the body has one
-  std::string sentence = {};  ///< why there are none; empty: there are
+  double full = 0;            ///< end of the scale, Pa; 0: no pressures in either body
+  bool everywhere = true;     ///< every part of the body has a pressure
+  std::string sentence = {};  ///< why there are none; empty if there are
 };
 
-/// A dataset or method that can be switched to.
+/// A dataset or method to switch to.
 struct Choice {
   std::string name;
-  double prepared = 1;  ///< share of the preparation that is done; it can be chosen at 1
+  double prepared = 1;  ///< share of its preparation; selectable at 1
 };
 
-/// What the panels show in one picture. Everything is borrowed for the call.
+/// Contents of the panels in one picture. References are borrowed for the call.
 struct PanelContents {
   const HapticState& state;
   const PictureStatus& status;
@@ -78,12 +78,12 @@ struct PanelContents {
   const std::vector<int>& keys;          ///< Window::keys()
   std::vector<Choice> models = {};       ///< the datasets
   std::vector<Choice> methods = {};      ///< of the model in use
-  std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
+  std::vector<std::string> spaces = {};  ///< active nodes of the model in use
   std::string dataset, tissue;           ///< name and material of the model in use
-  Eigen::Vector3d middle = {0, 0, 0};    ///< m, of the body: where the scale bar measures
-  double full_colour = 0.01;             ///< m, end of the colours of the surface
+  Eigen::Vector3d middle = {0, 0, 0};    ///< of the body, m: depth of the scale bar
+  double full_colour = 0.01;             ///< end of the displacement scale, m
   PressureContents pressure = {};
-  bool untouchable = false;     ///< there are parts with nothing to feel
+  bool untouchable = false;     ///< some parts are not touchable
   double lattice_radius = 0.1;  ///< m
   std::string lattice_name;     ///< of the space that is shown
   ViewLabel label = {};         ///< of the arrow

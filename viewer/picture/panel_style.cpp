@@ -6,12 +6,12 @@
 namespace palpate {
 namespace {
 
-/// Where Debian's fonts-roboto-unhinted and fonts-dejavu-core put theirs. Digits of both are
-/// equally wide: numbers that change do not tremble.
+/// Paths in Debian's fonts-roboto-unhinted and fonts-dejavu-core. Both have digits of equal width,
+/// so changing numbers do not jitter.
 constexpr const char* font_files[] = {
     "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
-constexpr float own_font_size = 13;  // of ImGui, drawn for it
+constexpr float own_font_size = 13;  // of ImGui's own font, at its native size
 constexpr float rim = 1.4F;          // px
 
 void addFont(ImFontAtlas& atlas, float scale) {

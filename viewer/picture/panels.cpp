@@ -16,11 +16,11 @@
 namespace palpate {
 namespace {
 
-// Of the window, and px.
+// Shares of the window, and px.
 constexpr float side_share = 0.30F, narrowest_side = 216, widest_side = 292;
 constexpr float plot_share = 0.24F, lowest_plot = 84, highest_plot = 178;
 
-/// The part of the window that panels leave free, in ImGui's units.
+/// Returns the part of the window without panels, in ImGui's units.
 Viewport layout() {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   Viewport view;
@@ -38,7 +38,7 @@ Viewport layout() {
 Panels::Panels(GLFWwindow* window) : window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  // Panels lie where layout() puts them: nothing is worth a file in the folder of the person.
+  // layout() places the panels, so no file of positions is written to the user's folder.
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
   ImGui_ImplGlfw_InitForOpenGL(window, true);

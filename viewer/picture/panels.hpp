@@ -8,8 +8,8 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// The panels beside and over the view (Dear ImGui), keys and buttons. Belongs to the thread of the
-/// Window, must go before it.
+/// The panels beside and over the view (Dear ImGui), with keys and buttons. Used by the thread of
+/// the Window only; must be destroyed before it.
 class Panels {
  public:
   explicit Panels(GLFWwindow* window);
@@ -17,20 +17,20 @@ class Panels {
   Panels(const Panels&) = delete;
   Panels& operator=(const Panels&) = delete;
 
-  /// Begins a picture: input is up to date afterwards.
+  /// Begins a picture and updates the input.
   void begin();
-  /// The part of the window that panels leave free, pixels. After begin().
+  /// Returns the part of the window without panels, pixels. Call after begin().
   Viewport view() const;
-  /// Lays the panels out. Changes `choices` and adds to `requests` as the person asks.
+  /// Lays out the panels. Changes `choices` and adds to `requests` by the user's input.
   void build(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
-  /// Draws what build() laid out; again after that, the same.
+  /// Draws the layout of build(); may be repeated.
   void render();
 
  private:
   void fitScreen();
 
   GLFWwindow* window_;
-  double scale_ = 0, units_ = 0;  ///< of the style, setPanelStyle
+  double scale_ = 0, units_ = 0;  ///< as for setPanelStyle()
 };
 
 }  // namespace palpate

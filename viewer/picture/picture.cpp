@@ -25,7 +25,7 @@
 namespace palpate {
 namespace {
 
-constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at full_force
+constexpr double longest_arrow = 0.9;  ///< in radii of the scene, at full_force
 
 }  // namespace
 
@@ -50,7 +50,7 @@ struct Picture::Impl {
     model = number;
     BodyView& now = inUse();
     shot.body = &now;
-    // The person keeps the view while materials of one body change.
+    // Keeps the user's view when the material of the same body changes.
     if (before && isFramedWith(*before, now.sphere())) return;
     if (before) return frameAll();
     const Viewport all = panels.view();
@@ -60,19 +60,20 @@ struct Picture::Impl {
 
   void frameAll() { frame(shot.camera, inUse(), touchedPart()); }
 
-  /// Of all, for one takes the scale of another beside it.
+  /// Resets all scales, because a body takes over the scale of another beside it.
   void showEverything() {
     frameAll();
     for (const auto& each : shown) each->forgetScale();
   }
 
-  /// From the side from which the camera looks.
+  /// Frames the body from the current side of the camera.
   static void frame(OrbitCamera& camera, const BodyView& body, const Viewport& part) {
     const FramedSphere& sphere = body.sphere();
     camera.frame(sphere.centre, sphere.radius, static_cast<double>(part.width) / part.height);
   }
 
-  /// part: in which the touched body is; in another beside it the mouse is where it would be there.
+  /// Returns the mouse input. part: with the touched body; over another body beside it, the
+  /// position is mapped to this part.
   MouseMotion mouse(const Viewport& part) const {
     const ImGuiIO& io = ImGui::GetIO();
     const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y),
@@ -103,21 +104,21 @@ struct Picture::Impl {
 
   void showBody(BodyView& body, const Touch& touch, std::int32_t method) {
     body.deform(touch);
-    // There are no errors of what is still being prepared.
+    // Errors are unknown for a method that is still being prepared.
     const bool known = body.model().isPrepared(at(method));
     body.shade(known ? view.colour : SurfaceColour::tissue, method);
     body.showGhost(view.ghost);
     body.setShadow(held.shadow(shot.tool.radius()));
   }
 
-  /// The next dataset in the same touch, where the person wants to see it.
+  /// Shows the next dataset in the same touch, if the user chose this.
   void compare(const HapticState& state) {
     const bool before = std::exchange(beside, std::nullopt).has_value();
     if (view.beside && shown.size() > 1) {
       BodyView& other = *shown[(at(model) + 1) % shown.size()];
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
-      // Of another body nothing is compared, and the scale of a larger one would leave it pale.
+      // Another body is not compared; the scale of a larger one would make it pale.
       const bool compared = beside->touch.has_value();
       if (compared) other.useScaleOf(inUse());
       showBody(other, beside->touch.value_or(Touch()), state.method);
@@ -129,7 +130,7 @@ struct Picture::Impl {
   void showTool(const HapticState& state, const PictureStatus& status) {
     held.update(inUse().model(), state, control.toolIsThere(state, status), shot.camera,
                 inUse().sphere().radius);
-    // No arrow is longer than that of the device's largest force, so the scale grows no further.
+    // The arrow is full at the device's largest force, so the scale stops growing there.
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));
@@ -147,7 +148,7 @@ struct Picture::Impl {
   }
 
   void showForce(ShownTool& tool, const Eigen::Vector3d& force, bool uncertain) const {
-    // NaN: no arrow.
+    // no arrow for NaN
     tool.arrow = force.allFinite() ? arrowOf(force) : Eigen::Vector3d::Zero();
     tool.uncertain = uncertain;
   }
@@ -220,7 +221,7 @@ struct Picture::Impl {
     panels.render();
   }
 
-  /// With the same tool, from the same side.
+  /// Returns the shot of the other dataset, with the same tool and from the same side.
   Shot besideShot() const {
     Shot other = shot;
     other.body = beside->body;
@@ -238,14 +239,14 @@ struct Picture::Impl {
   PictureRequests draw(const HapticState& state, const PictureStatus& status) {
     PictureRequests requests;
     window.poll();
-    // Input is known from here on; what it asks for is drawn in this very picture.
+    // Input is known from here on and takes effect in this picture.
     panels.begin();
     viewport = panels.view();
     const auto last = static_cast<std::int32_t>(shown.size()) - 1;
     use(std::clamp(state.model, 0, last));
     history.add(state.time, state.force, state.touch.error_bound);
     lamps.update(glfwGetTime(), state.guards, status.loop.guards);
-    // Before the mouse, which then moves what is framed.
+    // Before the mouse input, which then moves the framed view.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
       showEverything();
     requests.tool = control.apply(persons(), inUse().model(), state, status, shot.camera);
@@ -261,7 +262,7 @@ struct Picture::Impl {
 
   Window window;
   Panels panels;
-  std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
+  std::vector<std::unique_ptr<BodyView>> shown;  ///< in the order of HapticState::model
   Stage stage;
   LatticeView lattice;
   Shot shot;  ///< of the last picture
@@ -273,8 +274,8 @@ struct Picture::Impl {
   GuardLamps lamps;
   std::int32_t model = -1;  ///< of the last picture
   Viewport viewport;        ///< of the last picture
-  double full_force = 0.5;  ///< N, of the longest arrow: round, grows with what was seen
-  /// The other dataset that is shown; without a touch it is shown at rest.
+  double full_force = 0.5;  ///< N, for the longest arrow: rounded, grows with the largest seen
+  /// The other dataset that is shown; at rest if it has no touch.
   struct Beside {
     BodyView* body;
     std::optional<Touch> touch;

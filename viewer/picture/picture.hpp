@@ -12,33 +12,34 @@
 namespace palpate {
 
 struct PictureOptions {
-  int width = 1280, height = 800;  ///< of the window, at a scale of 1 (screenScale)
-  bool visible = true;             ///< false: drawn all the same, for grab()
-  bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
-  bool ghost = true;               ///< begin with the shape at rest drawn
-  bool lattice = false;            ///< begin with the lattice drawn
+  int width = 1280, height = 800;  ///< of the window, at scale 1 (screenScale)
+  bool visible = true;             ///< false: still drawn, for grab()
+  bool vsync = true;               ///< draw() waits for the screen, if there is one
+  bool ghost = true;               ///< show the ghost at the start
+  bool lattice = false;            ///< show the lattice at the start
 };
 
-/// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known
-/// of the configuration space; numbers, plots and controls beside it (H lists keys and mouse).
+/// A window that shows a hand on a soft body: the deformed surface, tool and force, and the
+/// configuration space. Panels beside it have numbers, plots and controls (H lists keys and mouse).
 ///
-/// Threads: made, used and destroyed in the main thread of the process, one at a time (GLFW,
-/// OpenGL). It only reads the models and the states it is given; nothing else waits for it.
+/// Threads: create, use and destroy it in the main thread of the process, one at a time (GLFW,
+/// OpenGL). It only reads the models and states that it is given; no other thread waits for it.
 class Picture {
  public:
-  /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no
-  /// display, or no OpenGL, with what to do.
+  /// models: at least one, in the order of HapticTick's; must outlive this object. Throws Error
+  /// with a remedy if there is no display or no OpenGL.
   explicit Picture(const std::vector<const HapticModel*>& models,
                    const PictureOptions& options = {});
   ~Picture();
   Picture(const Picture&) = delete;
   Picture& operator=(const Picture&) = delete;
 
-  /// The window was closed by the person or the system. It stays until this object goes.
+  /// Returns whether the user or the system closed the window. It stays until this object is
+  /// destroyed.
   bool wantsClose() const;
-  /// One picture: takes in events, draws, shows it.
+  /// Processes events, draws one picture and shows it. Returns the user's requests.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  /// The pixels of the last picture, drawn once more for it; there must be one.
+  /// Draws the last picture again and returns its pixels. Requires a draw() before.
   Image grab();
 
  private:

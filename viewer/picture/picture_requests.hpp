@@ -7,17 +7,17 @@
 
 namespace palpate {
 
-/// What the person at the picture asked for since the last one.
+/// Requests by the user since the last picture.
 struct PictureRequests {
   struct Use {
     std::int32_t model = 0, method = 0;
   };
-  std::optional<Use> use;  ///< another dataset or method
-  bool release = false;    ///< let go
-  bool pause = false;      ///< stop, or go on: pressed once
+  std::optional<Use> use;  ///< switch to another dataset or method
+  bool release = false;    ///< end the contact
+  bool pause = false;      ///< pause or continue; one press
   bool reload = false;     ///< read the datasets again
-  bool quit = false;       ///< pressed the key for it; closing the window shows in wantsClose()
-  /// Where mouse and keys have the tool; none: another device has it.
+  bool quit = false;       ///< pressed the key; wantsClose() reports a closed window
+  /// Position of the tool by mouse and keys; empty: another device moves it.
   std::optional<MouseTarget> tool;
 };
 

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Why pressures cannot be seen, in a sentence that says which key of the scene would make them be
-/// stored, or how long it takes; empty: they can.
+/// Returns a sentence about why pressures are not shown: the key of the scene that would store
+/// them, or the progress of their preparation. Empty if they can be shown.
 std::string whyNoPressures(const SurfacePressures& pressures);
 
 }  // namespace palpate

@@ -34,7 +34,7 @@ void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImV
 }
 
 void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
-  const Eigen::Matrix3d seen = camera.axes().transpose();  // column: an axis of the scene
+  const Eigen::Matrix3d seen = camera.axes().transpose();  // columns: axes of the scene
   std::array<int, 3> order{};
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, {}, [&](int axis) { return seen(2, axis); });  // the farthest first

@@ -6,8 +6,10 @@
 
 namespace palpate {
 
-/// Draws a length at the depth of the body, and the directions of the axes of the scene, at the
-/// right above `foot`. size: of the view, whose upper left is 0.
+/// Draws a scale bar for the depth of the body, and the axes of the scene, at the right above
+/// `foot`.
+///
+/// size: of the view, whose upper left corner is 0.
 void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size, float foot);
 
 }  // namespace palpate

@@ -7,16 +7,16 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// The scale of texts and panels for what a screen asks for: quarters, 1 to 4. Screens that tell
-/// their size in millimetres wrongly ask for 1.04.
+/// Rounds the scale of a screen for texts and panels to quarters, 1 to 4. Screens that report a
+/// slightly wrong size in millimetres ask for 1.04.
 inline double roundedScale(double asked) {
   return std::isfinite(asked) ? std::clamp(std::round(4 * asked) / 4, 1.0, 4.0) : 1;
 }
 
-/// Pixels of a window for each pixel of a screen of 96 dots per inch, rounded.
+/// Returns the rounded number of window pixels per pixel of a 96 dpi screen.
 double screenScale(GLFWwindow* window);
-/// Pixels of a window for each of its units, in which the system tells its size and the mouse: 1,
-/// or what screenScale is made of where units are large.
+/// Returns window pixels per window unit, the unit of window sizes and mouse positions: 1, or about
+/// the screen's scale on systems with scaled units.
 double pixelsPerUnit(GLFWwindow* window);
 
 }  // namespace palpate

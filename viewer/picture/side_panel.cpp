@@ -13,13 +13,13 @@
 namespace palpate {
 namespace {
 
-// px; columns from the left of the panel.
+// px; columns are measured from the left of the panel.
 constexpr float value_column = 84, choice_column = 66, heading_gap = 4;
 constexpr float second_quantile = 76, share_width = 46;  // from the first value
 constexpr int lamp_corners = 12;
 constexpr float lamp_radius = 5, lamp_text_offset = 15;
 constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
-constexpr double smallest_weight = 0.005;  // of a space whose name is worth a line
+constexpr double smallest_weight = 0.005;  // of a listed space
 
 void heading(const char* text) {
   ImGui::Dummy({0, px(heading_gap)});
@@ -30,7 +30,7 @@ void heading(const char* text) {
   ImGui::GetWindowDrawList()->AddLine({at.x, y}, {right, y}, line_grey);
 }
 
-/// A name, and a value that begins where all values do.
+/// Draws a name and a value in the value column.
 void row(const char* label, const std::string& value) {
   ImGui::TextUnformatted(label);
   ImGui::SameLine(px(value_column));
@@ -46,8 +46,8 @@ std::string microseconds(double seconds) {
                         : fmt::format("{:.1f} ms", 1e3 * seconds);
 }
 
-/// A combo over `choices`; the number chosen, when another than `current` was. What is still being
-/// prepared stands below it, and cannot be chosen.
+/// Draws a combo box of `choices`. Returns the index chosen, if it differs from `current`. Choices
+/// that are being prepared are listed below it and cannot be chosen.
 std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>& choices,
                                    std::int32_t current) {
   std::optional<std::int32_t> chosen;
@@ -61,7 +61,7 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
     for (std::size_t n = 0; n < choices.size(); ++n) {
       const ImGuiSelectableFlags flags =
           choices[n].prepared < 1 ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
-      // Two datasets may have the same name; what follows ## is not shown.
+      // Datasets may have equal names; text after ## is not shown.
       const std::string entry = fmt::format("{}##{}", choices[n].name, n);
       if (ImGui::Selectable(entry.c_str(), n == now, flags) && n != now)
         chosen = static_cast<std::int32_t>(n);
@@ -74,7 +74,7 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
   return chosen;
 }
 
-/// A check box with these words stands beside what was before, where the panel is wide enough.
+/// Puts the next check box, with this text, on the same line if the panel is wide enough.
 void sameLineIfFits(const char* words) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float wide = ImGui::GetFrameHeight() + style.ItemInnerSpacing.x +
@@ -95,7 +95,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
     colours.push_back({word(static_cast<SurfaceColour>(n))});
   if (const auto colour = choose("colour", colours, static_cast<std::int32_t>(view.colour)))
     view.colour = static_cast<SurfaceColour>(*colour);
-  // In a narrow panel their words need all of them.
+  // A narrow panel needs the full width for their labels.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {1, ImGui::GetStyle().FramePadding.y});
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (ImGui::Button("Release", {width, 0})) requests.release = true;
@@ -135,14 +135,14 @@ void latticeChoices(const PanelContents& contents, ViewChoices& view) {
 
 std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
   if (!stiffness.allFinite()) return "none";
-  // Of the tissue: minus the derivative of the force on the tool.
+  // For the tissue: minus the derivative of the force on the tool.
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(-0.5 * (stiffness + stiffness.transpose()), Eigen::EigenvaluesOnly);
   const Eigen::Vector3d& k = solver.eigenvalues();
   return fmt::format("{:.0f}, {:.0f}, {:.0f} N/m", k[2], k[1], k[0]);
 }
 
-/// What the hand feels, in as many rows whatever it does: what stands below stays in its place.
+/// Lists the force and the contact in a fixed number of rows, so the rows below do not move.
 void touchNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Touch");

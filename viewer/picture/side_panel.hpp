@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Lays out the panel at the right of the view, from top to bottom of the window: what the hand
-/// feels, choices, and the numbers of lattice, tissue and loop. Changes `choices` and adds to
-/// `requests` as the person clicks. view: what the panels leave free, in ImGui's units.
+/// Lays out the panel at the right of the view over the full height of the window: touch, choices,
+/// and numbers of lattice, tissue and loop. Changes `choices` and adds to `requests` by the user's
+/// clicks. view: the area without panels, in ImGui's units.
 void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& choices,
                     PictureRequests& requests);
 

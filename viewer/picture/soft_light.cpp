@@ -21,8 +21,8 @@ void main() {
 }
 )";
 
-// In the frame of the eye, which is taken to be far away: the direction to it is z everywhere.
-// Powers are products, and no root is taken: a processor that draws by itself has no fast ones.
+// Lighting in the frame of a distant eye, which is at z everywhere. Powers are products, and there
+// are no roots, because these are slow in software rendering.
 constexpr const char* fragment_source = R"(#version 120
 const vec3 key = vec3(-0.463, 0.617, 0.637), halfway = vec3(-0.256, 0.341, 0.904);
 uniform float opacity, darkness;
@@ -57,7 +57,7 @@ Error notTaken(const InfoLog& why) {
       why.data());
 }
 
-/// Attached to the program, and gone with it.
+/// Compiles a shader and attaches it to the program, which then owns it.
 void attach(GLuint program, GLenum kind, const char* source) {
   const GLuint shader = glCreateShader(kind);
   glShaderSource(shader, 1, &source, nullptr);
@@ -86,7 +86,7 @@ GLuint linked(GLuint program) {
 
 }  // namespace
 
-// A program that is not taken goes with the context: the picture ends then.
+// If linked() throws, the program is freed with the context, because the picture ends.
 SoftLight::SoftLight() : program_(linked(glCreateProgram())) {
   opacity_ = glGetUniformLocation(program_, "opacity");
   shadow_ = glGetUniformLocation(program_, "shadow");

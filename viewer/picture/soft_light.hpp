@@ -4,34 +4,35 @@
 
 namespace palpate {
 
-/// The light that all solids are drawn in, as a shader (GLSL 1.20): a warm key light from the upper
-/// left, a wide sky, and what grazes a wet surface; fixed to the eye. What faces it has the colour
-/// that it is given, so that colours which mean something can be read from their legend. Belongs to
-/// the thread and the context in which it was made.
+/// Lighting for all solids, as a shader (GLSL 1.20). It has a warm key light from the upper left, a
+/// wide sky, and grazing highlights of a wet surface, all fixed to the eye. Surfaces that face
+/// light and eye have about their given colour, so colours with a meaning match their legend. Used
+/// by the thread and context that made it.
 class SoftLight {
  public:
-  /// A dark spot with soft edges that something throws on what is drawn.
+  /// A dark spot with soft edges: the shadow of an object on the drawn surface.
   struct Shadow {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m, scene frame
     double radius = 0;                                ///< m
     double strength = 0;                              ///< 0: none, 1: black
   };
 
-  /// Error, with what to do, when OpenGL does not take the shader.
+  /// Throws Error with a remedy if OpenGL rejects the shader.
   SoftLight();
   ~SoftLight();
   SoftLight(const SoftLight&) = delete;
   SoftLight& operator=(const SoftLight&) = delete;
 
-  /// Until off(): what is drawn takes normals, and colours whose alpha says how much it shines;
-  /// what does not shine at all is hatched. opacity: below 1 for what is seen through something;
-  /// blending is the caller's. The shadow is placed by the current modelview matrix.
+  /// Turns the light on until off(). Drawn vertices need normals, and colours whose alpha is the
+  /// amount of shine; a surface without shine is hatched. opacity: below 1 for surfaces seen
+  /// through something; the caller sets up blending. The current modelview matrix transforms the
+  /// shadow.
   void on(double opacity, const Shadow& shadow) const;
   static void off();
 
  private:
   unsigned program_ = 0;
-  int opacity_ = -1, shadow_ = -1, darkness_ = -1;  ///< of the uniforms
+  int opacity_ = -1, shadow_ = -1, darkness_ = -1;  ///< locations of the uniforms
 };
 
 }  // namespace palpate

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A part of a window; pixels, from the left and the bottom.
+/// A part of a window in pixels, from the lower left.
 struct Viewport {
   int window_width = 1, window_height = 1;
   int x = 0, y = 0, width = 1, height = 1;
@@ -27,7 +27,7 @@ struct Viewport {
   }
 };
 
-/// What a part of the window shows. Body and lattice, where there are any, must outlive it.
+/// Contents of a part of the window. Body and lattice, if any, must outlive it.
 struct Shot {
   BodyView* body = nullptr;
   const LatticeView* lattice = nullptr;
@@ -35,12 +35,12 @@ struct Shot {
   OrbitCamera camera;
 };
 
-/// Draws shots in a light that goes with the camera. Belongs to the thread in which a Window is
-/// current, and must go before it.
+/// Draws shots under a light that moves with the camera. Used only in the thread in which a Window
+/// is current; must be destroyed before the Window.
 class Stage {
  public:
-  /// Draws into the part of the window. clear: before, and the rest becomes the ground of the
-  /// panels. OpenGL's state is as before then, but for its matrices.
+  /// Draws into a part of the window. clear: first clear the window; the rest becomes the
+  /// background of the panels. Restores OpenGL's state except its matrices.
   void render(const Shot& shot, const Viewport& viewport, bool clear = true) const;
 
  private:

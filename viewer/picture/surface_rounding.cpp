@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr float sharp = 0.75F;  // cosine between the normals of two ends, of 41 degrees
+constexpr float sharp = 0.75F;  // cosine between the normals of both ends, for 41 degrees
 
 }  // namespace
 

@@ -7,21 +7,21 @@
 
 namespace palpate {
 
-/// A finer surface through the vertices of one of triangles, for the eye: every triangle becomes
-/// four, with the middles of its edges where a smooth surface with these normals would have them
-/// (PN triangles, Vlachos et al. 2001). Vertices stay where they are, numbered as before; the
-/// middles follow. Edges that are sharp stay straight. Immutable.
+/// A finer surface through the vertices of a triangle surface, for display. Every triangle becomes
+/// four; the midpoints of its edges lie where a smooth surface with these normals would have them
+/// (PN triangles, Vlachos et al. 2001). Vertices keep their places and numbers, and the midpoints
+/// follow them. Sharp edges stay straight. Immutable.
 class SurfaceRounding {
  public:
-  /// corners: three vertices per triangle, of so many vertices.
+  /// corners: three vertices per triangle. vertices: number of vertices.
   SurfaceRounding(std::span<const std::uint32_t> corners, std::size_t vertices);
 
-  std::size_t vertices() const { return vertices_ + ends_.size() / 2; }  ///< of the finer one
-  std::span<const std::uint32_t> corners() const { return corners_; }    ///< of the finer one
-  /// Columns of the middles, from those of the vertices: both are columns of the same arrays, which
-  /// may have more. normals: unit.
+  std::size_t vertices() const { return vertices_ + ends_.size() / 2; }  ///< of the finer surface
+  std::span<const std::uint32_t> corners() const { return corners_; }    ///< of the finer surface
+  /// Computes the columns of the midpoints from those of the vertices, in the same arrays, which
+  /// may have further columns. normals: unit.
   void fill(Eigen::Matrix3Xf& positions, Eigen::Matrix3Xf& normals) const;
-  /// Means of the ends.
+  /// Sets the values of the midpoints to the means of their edge ends.
   void fill(std::vector<float>& values) const;
 
  private:

@@ -14,19 +14,19 @@ namespace palpate {
 namespace {
 
 constexpr int levels = 256;
-/// Triangles: a surface is rounded while it has no more than this many then. More cost time where
-/// drawing is done in software, and are smooth by themselves.
+/// A surface is rounded while the result has at most this many triangles. More cost time in
+/// software rendering, and such surfaces already look smooth.
 constexpr std::size_t most_rounded = 16000;
-/// How often a vertex takes the mean of itself and those around it: as wide is the border between
-/// what can be felt and what cannot, in vertices.
+/// Number of smoothing passes, each replacing a vertex by the mean around it: the width in vertices
+/// of the border of the touchable part.
 constexpr int border_rounds = 2;
-/// Of the wetness of tissue, under a colour that means something: highlights would change it.
+/// Wetness of tissue under a colour with a meaning, which highlights would change.
 constexpr double wetness_of_colour = 0.3;
 
-/// A colour over tissue: bytes of tissue * seen + added.
+/// A colour over tissue: tissue bytes * seen + added.
 struct Cover {
   float seen = 1;
-  std::array<float, 4> added = {0.5F, 0.5F, 0.5F, 0.5F};  ///< with the half that rounds
+  std::array<float, 4> added = {0.5F, 0.5F, 0.5F, 0.5F};  ///< including 0.5 for rounding
 };
 
 Cover coverOf(const Rgb& colour, double share) {
@@ -38,7 +38,7 @@ Cover coverOf(const Rgb& colour, double share) {
 
 using Covers = std::array<Cover, levels>;
 
-/// By place; cover: of one, 0 to 1.
+/// Tabulates cover(place) for places from 0 to 1.
 template <class CoverOf>
 Covers coversBy(const CoverOf& cover) {
   Covers covers;
@@ -54,12 +54,12 @@ std::uint32_t packed(const std::array<float, 4>& tissue, const Cover& cover) {
   return std::bit_cast<std::uint32_t>(bytes);
 }
 
-/// place: 0 to 1 and beyond.
+/// place: clamped to 0 to 1.
 std::size_t levelAt(float place) {
   return static_cast<std::size_t>(std::clamp(place, 0.0F, 1.0F) * (levels - 1));
 }
 
-/// A colour for every vertex that has a place.
+/// Colours every vertex by its place; NaN shows the tissue.
 void cover(const Covers& covers, std::span<const float> places,
            std::span<const std::array<float, 4>> tissue, std::span<std::uint32_t> colours) {
   for (std::size_t v = 0; v < places.size(); ++v)
@@ -192,7 +192,7 @@ void SurfaceShape::setNormals() {
     const Eigen::Vector3f a = positions_.col(coarse_[t]);
     const Eigen::Vector3f ab = positions_.col(coarse_[t + 1]) - a,
                           ac = positions_.col(coarse_[t + 2]) - a;
-    // Twice the area long, which weights the sum.
+    // The length is twice the area, which weights the sum.
     const Eigen::Vector3f cross = ab.cross(ac);
     for (std::size_t corner = t; corner < t + 3; ++corner) normals_.col(coarse_[corner]) += cross;
   }

@@ -11,41 +11,40 @@
 
 namespace palpate {
 
-/// A surface that is being deformed, as arrays that a graphics card takes: positions, smooth
-/// normals and colours of vertices, in float32. A coarse surface is rounded between its vertices
-/// (SurfaceRounding), which come first among those of the arrays. Knows no graphics. One thread;
-/// what sets something does not allocate.
+/// A deforming surface as arrays for a graphics card: positions, smooth normals and colours of
+/// vertices, in float32. A coarse surface is rounded between its vertices (SurfaceRounding), which
+/// come first in the arrays. Independent of the graphics. One thread; the setters do not allocate.
 class SurfaceShape {
  public:
-  /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle.
+  /// vertices: at rest, metres. triangles: outward, indices into vertices. touchable: one per
+  /// triangle.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 
-  /// [vertex given][axis], metres. What is not finite counts as no displacement. Makes positions
-  /// and normals.
+  /// Sets displacements, [given vertex][axis], metres, and computes positions and normals. A
+  /// displacement that is not finite counts as zero.
   void setDisplacements(std::span<const float> displacements);
 
-  // Colours, all of them over the tissue of the vertex.
+  // Colours, drawn over the tissue of each vertex.
   void colourTissue();
-  /// By the length of the displacements, 0 to `full` metres: displacementColour.
+  /// By the magnitude of the displacements, 0 to `full` metres: displacementColour.
   void colourDisplacements(double full);
-  /// By viridis. places: one per vertex given, 0 to 1; NaN: the tissue is seen.
+  /// By viridis. places: one per given vertex, 0 to 1; NaN shows the tissue.
   void colourPlaces(std::span<const float> places);
-  /// By pressureColour, of -full to `full` Pa. pressures: one per vertex given; NaN: the tissue is
-  /// seen.
+  /// By pressureColour, -full to `full` Pa. pressures: one per given vertex; NaN shows the tissue.
   void colourPressures(std::span<const float> pressures, double full);
 
-  // A column per vertex.
+  // One column per vertex.
   const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
   const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
   const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
-  /// Bytes red, green, blue, and how wet it looks: 255 tissue, less where a colour covers it, 0
-  /// where there is nothing to feel.
+  /// Bytes red, green, blue and wetness: 255 for tissue, less under a colour, 0 for parts that are
+  /// not touchable.
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Three vertices per triangle.
   std::span<const std::uint32_t> corners() const { return corners_; }
-  /// Where a vertex can be felt: 1; 0 where there is nothing to feel; in between along the border,
-  /// which is not to look like its triangles.
+  /// 1 for a touchable vertex, 0 for others, with a smooth transition that hides the triangles
+  /// along the border.
   std::span<const float> felt() const { return felt_; }
   double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of the displacement, m
   double largest() const { return largest_; }                           ///< of these lengths
@@ -58,11 +57,11 @@ class SurfaceShape {
   void round(std::vector<float>& values) const;
 
   Eigen::Matrix3Xf rest_, positions_, normals_;
-  std::size_t given_;                       ///< vertices
-  std::vector<std::uint32_t> coarse_;       ///< corners of the triangles given
-  std::vector<SurfaceRounding> roundings_;  ///< one after the other
+  std::size_t given_;                       ///< number of given vertices
+  std::vector<std::uint32_t> coarse_;       ///< corners of the given triangles
+  std::vector<SurfaceRounding> roundings_;  ///< applied in this order
   std::vector<float> lengths_, felt_, places_;
-  /// By vertex, 0 to 255: red, green, blue, wetness.
+  /// Per vertex, 0 to 255: red, green, blue, wetness.
   std::vector<std::array<float, 4>> tissue_;
   std::vector<std::uint32_t> colours_, corners_;
   double largest_ = 0;

@@ -7,12 +7,13 @@ namespace palpate {
 namespace {
 
 constexpr Rgb dark_tissue = {120, 44, 36}, light_tissue = {144, 62, 50};
-/// What cannot be touched tends to a pale pink.
+/// Untouchable tissue is blended toward this pale pink.
 constexpr Rgb pale_tissue = {196, 158, 148};
 constexpr double paleness = 0.62;
 constexpr double blotch_frequency = 8;  // per radius of the body
 constexpr double covered_from = 0.2;
-/// At equal distances. Between red and the blue of viridis lies grey, so it begins beside red.
+/// Evenly spaced. The scale begins beside red, because grey lies between red and the blue of
+/// viridis.
 constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {104, 79, 146},
                                       {70, 102, 158},
@@ -22,7 +23,7 @@ constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {111, 200, 88},
                                       {183, 222, 45},
                                       {253, 231, 37}}};
-/// PRGn of ColorBrewer (Brewer and Harrower), from its end.
+/// PRGn of ColorBrewer (Brewer and Harrower), reversed.
 constexpr std::array<Rgb, 9> pressure_hues = {{{27, 120, 55},
                                                {90, 174, 97},
                                                {166, 219, 160},
@@ -38,7 +39,7 @@ Rgb between(const Rgb& from, const Rgb& to, double share) {
           std::lerp(from[2], to[2], share)};
 }
 
-/// Among colours at equal distances. place: 0 to 1, beyond it the nearest.
+/// Interpolates between evenly spaced colours. place: clamped to 0 to 1.
 template <std::size_t count>
 Rgb among(const std::array<Rgb, count>& colours, double place) {
   const double at = std::clamp(place, 0.0, 1.0) * (count - 1);

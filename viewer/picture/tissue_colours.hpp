@@ -6,40 +6,42 @@
 
 namespace palpate {
 
-/// Red, green, blue, 0 to 255, as the screen takes them.
+/// Red, green, blue, 0 to 255, in the screen's colour space.
 using Rgb = std::array<double, 3>;
 
-/// What the colours of the surface show: nothing but tissue; how far it is displaced; how well the
-/// force is known where it is touched; the pressure in it.
+/// Quantity that colours the surface: none (tissue); displacement; relative error bound of the
+/// force at a touch; pressure.
 enum class SurfaceColour : std::uint8_t { tissue, displacement, error, pressure };
 inline constexpr int surface_colour_count = 4;
-/// Round and round.
+/// Returns the next colour in a cycle.
 inline SurfaceColour following(SurfaceColour colour) {
   return static_cast<SurfaceColour>((static_cast<int>(colour) + 1) % surface_colour_count);
 }
-/// What a person reads: "tissue", "displacement", "error bound", "pressure".
+/// Returns the name of a colour for people: "tissue", "displacement", "error bound", "pressure".
 const char* word(SurfaceColour colour);
 
-/// Wet tissue. felt: 1 where it can be touched, 0 where there is nothing to feel, which is paler
-/// (and hatched, SoftLight).
-/// blotch: 0 to 1, darker to lighter, as tissue has it from place to place.
+/// Returns the colour of wet tissue.
+///
+/// felt: 1 if touchable; 0 if not, which is paler (and hatched, SoftLight). blotch: 0 to 1, from
+/// darker to lighter, for variation over the surface.
 Rgb tissueColour(double felt, double blotch = 0.5);
-/// The blotch at a place of the body at rest. scaled: the place in radii of the body.
+/// Returns the blotch at a place of the body at rest. scaled: the place in radii of the body.
 double blotchAt(const Eigen::Vector3d& scaled);
 
-/// How much of the colour of a displacement covers the tissue: 0 at none, all from a fifth of the
-/// scale on. place: 0 to 1, the displacement as a share of the scale's end.
+/// Returns the opacity of a displacement colour over the tissue: 0 at none, 1 from a fifth of the
+/// scale on. place: 0 to 1, share of the scale.
 double displacementCover(double place);
-/// The colour of a displacement, before the tissue is seen through it: from plum, which is next to
-/// tissue, to the upper half of viridis.
+/// Returns the opaque colour of a displacement: from plum, which is close to tissue, to the upper
+/// half of viridis.
 Rgb displacementHue(double place);
-/// Both: what the surface has, and its legend. Grows lighter with the place.
+/// Returns the colour for a displacement on the surface and in the legend, blended over the tissue.
+/// Grows lighter with the place.
 Rgb displacementColour(double place, const Rgb& tissue);
 
-/// The colour of a pressure, of the surface and of its legend: from green, tension, over a light
-/// grey at none to purple, compression. The ends are told apart by colour-blind people too, and
-/// from tissue, the arrow and an uncertain force. place: -1 to 1, the pressure as a share of the
-/// scale's end.
+/// Returns the colour for a pressure on the surface and in the legend: from green (tension) over
+/// light grey (zero) to purple (compression). Colour-blind people can tell the ends apart, and the
+/// colours differ from tissue, the arrow and an uncertain force. place: -1 to 1, share of the
+/// scale.
 Rgb pressureColour(double place);
 
 }  // namespace palpate

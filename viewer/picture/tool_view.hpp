@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// How a tool is held: where it touches, and from where.
+/// Pose of a tool.
 struct ToolPose {
-  Eigen::Vector3d tip = Eigen::Vector3d::Zero();       ///< m, where it touches or would
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();       ///< m, the point that touches
   Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();  ///< unit, away from the body
   Eigen::Vector3d handle = Eigen::Vector3d::UnitZ();   ///< unit, from the tip to the hand
 };
@@ -23,29 +23,31 @@ struct SkinBelow {
   double gap = 0;                                   ///< m
 };
 
-/// What is seen of a hand. Metres, scene frame.
+/// Visible parts of a hand. Metres, scene frame.
 struct ShownTool {
-  double extent = 0.1;  ///< radius of what is shown: of what has no size of its own
+  double extent = 0.1;  ///< radius of the scene; scales parts without a true size
   ToolShape shape;
-  ToolPose pose;  ///< nothing is drawn where its tip is not finite
-  /// From the tip of the tool to its own; one that is very short is not drawn.
+  ToolPose pose;  ///< not drawn if its tip is not finite
+  /// From the tip of the tool to the tip of the arrow; a very short one is not drawn.
   Eigen::Vector3d arrow = Eigen::Vector3d::Zero();
-  bool uncertain = false;                 ///< the force of the arrow is
-  std::optional<Eigen::Vector3d> anchor;  ///< where the material point in contact lies at rest
+  bool uncertain = false;                 ///< the arrow's force is uncertain
+  std::optional<Eigen::Vector3d> anchor;  ///< rest position of the material point in contact
   std::optional<Eigen::Vector3d> skin;    ///< below a free tool
-  bool see_through = false;               ///< so that what is shown around it is seen
+  bool see_through = false;               ///< translucent, to show objects around it
 
-  /// The middle of the tip, and the end of the handle.
+  /// Returns the middle of the tip and the end of the handle.
   std::array<Eigen::Vector3d, 2> axis() const;
-  // As they are drawn.
+  // As drawn.
   double radius() const;  ///< of the tip
   double handleRadius() const;
 };
 
-/// Draws the tool in its true size, the force on it as an arrow, a line to the skin while it is
-/// free, and where the point that it touches lies at rest, with a line to it. What of the tool lies
-/// behind the surface is seen through it. The arrow is in front of everything, dashed and amber
-/// where its force is uncertain. Changes OpenGL's state, and begins with its default (Stage).
+/// Draws the tool in its true size and the force on it as an arrow. Also draws a line to the skin
+/// while the tool is free, and the rest position of the touched point with a line to it.
+///
+/// Parts of the tool behind the surface show through it. The arrow is in front of everything, and
+/// is dashed and amber if its force is uncertain. Changes OpenGL's state and requires its default
+/// (Stage).
 class ToolView {
  public:
   void draw(const ShownTool& tool, const SoftLight& light) const;

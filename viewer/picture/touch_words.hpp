@@ -8,19 +8,19 @@
 
 namespace palpate {
 
-/// Whether the error bound is so large a share of the force that a hand could notice the error
-/// (noticeable_force_error). Not without a bound, nor where nothing is touched.
+/// Returns whether the relative error bound of the force is so large that a hand could notice the
+/// error (noticeable_force_error). False without a bound or without contact.
 bool isUncertain(const Touch& touch);
-/// The force in the hand with the error bound of the tissue's, and that it is uncertain, where it
-/// is: what stands at the arrow. Empty where there is neither touch nor force.
+/// Returns the label at the arrow: the force in the hand with the error bound of the tissue's
+/// force, and a note if it is uncertain. Empty without contact and force.
 std::string forceText(const HapticState& state);
-/// The same of the tissue alone.
+/// Returns the same for the tissue's force.
 std::string tissueForceText(const Touch& touch);
-/// Why nothing is touched of the dataset that is shown beside another. one_mesh: it is of that
-/// one's. one_scale: both are seen by one camera.
+/// Returns why the dataset shown beside another is not touched. one_mesh: both have the same mesh.
+/// one_scale: one camera shows both.
 std::string untouchedText(bool one_mesh, bool one_scale);
-/// "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and how many others there
-/// are.
+/// Returns "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and the number of
+/// the others.
 std::string tissueText(const std::vector<Region>& regions);
 
 }  // namespace palpate

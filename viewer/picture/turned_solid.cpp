@@ -12,7 +12,7 @@ namespace {
 
 constexpr int few = 12, some = 16, many = 28;  // corners of a circle
 
-/// Outward, of the part of a profile between two of its points.
+/// Returns the outward normal of the segment between two points of a profile.
 Eigen::Vector2d normalOf(const ProfilePoint& from, const ProfilePoint& to) {
   const Eigen::Vector2d normal(to.height - from.height, from.radius - to.radius);
   const double length = normal.norm();

@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-constexpr double half_way = 0.5;  // of the radius of the workspace
+constexpr double half_way = 0.5;  // in radii of the workspace
 
-/// The vertex as a point of a triangle that can be touched; none: there is none around it.
+/// Returns the vertex as a point of a touchable triangle; empty if it has none.
 std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
   for (const std::int32_t triangle : surface.trianglesAt(vertex)) {
     if (!surface.touchable(triangle)) continue;
@@ -27,7 +27,7 @@ std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int
   return std::nullopt;
 }
 
-/// m, of the workspace of the space that counts most.
+/// Returns the workspace radius of the space with the largest weight, m.
 double radiusAt(const HapticModel& model, std::int32_t vertex) {
   const std::span<const SpaceWeight> shares = model.surface().sharesOf(vertex);
   const auto most = std::ranges::max_element(shares, {}, &SpaceWeight::weight);

@@ -6,10 +6,9 @@
 
 namespace palpate {
 
-/// By vertex of the surface, the error bound as a share of the force (relativeError) where a tool
-/// presses it straight in, half the radius of its workspace deep. NaN: there is nothing to feel, or
-/// the method gives no bound. method: one that is prepared. One evaluation a vertex: some
-/// milliseconds.
+/// Returns the relative error bound of the force (relativeError) per surface vertex, for a tool
+/// pressed straight in by half the workspace radius. NaN: not touchable, or no bound by the method.
+/// method: a prepared one. One evaluation per vertex, some milliseconds in all.
 std::vector<double> vertexErrors(const HapticModel& model, std::size_t method);
 
 }  // namespace palpate

@@ -7,29 +7,29 @@
 
 namespace palpate {
 
-/// What mouse and keys ask of the camera since the last picture; lengths in heights of the view, y
+/// Input for the camera by mouse and keys since the last picture. Lengths in heights of the view, y
 /// upward.
 struct MouseMotion {
-  double right = 0, upward = 0;  ///< how far it moved
-  double wheel = 0;              ///< notches, > 0: away from the person
+  double right = 0, upward = 0;  ///< distance moved
+  double wheel = 0;              ///< notches, > 0: away from the user
   bool over_view = false;        ///< not over a panel
-  /// Where it is, (0, 0) the middle of the view; not finite: outside of the window.
+  /// Position, (0, 0) at the middle of the view; not finite: outside the window.
   Eigen::Vector2d at = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  bool left = false, middle = false, right_button = false;  ///< buttons that are held
+  bool left = false, middle = false, right_button = false;  ///< buttons held
   bool shift = false;
-  /// Strokes of keys that turn, to the right and upward, and that come closer.
+  /// Strokes of the keys that turn, to the right and upward, and that zoom in.
   Eigen::Vector2d turns = Eigen::Vector2d::Zero();
   double closer = 0;
 };
 
-/// Turns motion into camera moves. One thread.
+/// Turns input into camera moves. One thread.
 class ViewControl {
  public:
-  /// hand: the left button and the wheel are the hand's (MouseHand), not the camera's.
+  /// hand: left button and wheel belong to the hand (MouseHand), not to the camera.
   void apply(const MouseMotion& motion, bool hand, OrbitCamera& camera);
 
  private:
-  bool dragging_ = false;  ///< a drag that began in the view goes on beyond it
+  bool dragging_ = false;  ///< a drag that began in the view continues outside it
 };
 
 }  // namespace palpate

@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// What the keys and the mouse do, a line each, for the person.
+/// Help for keys and mouse, one line each.
 extern const char* const key_help;
-/// Changes `choices` and adds to `requests` as the keys ask that went down since the last picture.
-/// A dataset or method that is not prepared yet is passed over.
+/// Changes `choices` and adds to `requests` for the keys pressed since the last picture. Skips
+/// datasets and methods that are not prepared yet.
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
-/// What the keys ask of the hand and the camera. keys, strokes: of the Window.
+/// Adds the input of keys to the hand and the camera. keys, strokes: from the Window.
 void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
                   PersonsInput& input);
 

@@ -24,14 +24,14 @@ constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_pa
                 banner_gap = 6;
 constexpr float sentence_padding = 10, sentence_rounding = 6, sentence_above = 18;
 constexpr float help_gap = 18, hint_above_scale = 84;
-constexpr float narrow_view = 760;  // in which legends and scale stand above the hint
+constexpr float narrow_view = 760;  // legends and scale stand above the hint in a narrower view
 constexpr float border_width = 1, ring_width = 2.5F, ring_edge_width = 4.5F;
 constexpr double view_edge = 4;
-constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
+constexpr float widest_name = 0.7F;  // of the view; a wider one would lie under the messages
 constexpr ImU32 sentence_ground = IM_COL32(255, 255, 255, 235);
 constexpr ImU32 ring_colour = IM_COL32(255, 196, 92, 255), ring_edge = IM_COL32(60, 36, 8, 150);
 constexpr int ring_corners = 40;
-constexpr double ring_above_skin = 0.06;  // of its radius, for which no triangle hides it
+constexpr double ring_above_skin = 0.06;  // in its radii, so that no triangle hides it
 
 ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
@@ -39,7 +39,7 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
 
 ImDrawList& canvas() { return *ImGui::GetBackgroundDrawList(); }
 
-/// The first line of a text, or its beginning and three dots where all of it would be wider.
+/// Returns the first line of a text, cut with three dots if it is too wide.
 std::string shortened(const std::string& text, float widest) {
   constexpr const char* dots = "...";
   std::string line = text.substr(0, text.find('\n'));
@@ -55,7 +55,7 @@ std::string shortened(const std::string& text, float widest) {
   return line + dots;
 }
 
-/// Text on a light ground, as wide as the view at most; tells where the next may begin.
+/// Draws text on a light background, wrapped at `width`; returns where the next one may begin.
 float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   const float wrap = width - px(banner_left) - px(banner_right);
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
@@ -70,9 +70,9 @@ float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   return bottom + px(banner_gap);
 }
 
-/// The keys in a column, what they do in another: in the text two spaces or more are between them.
-/// Over all else, in as many such pairs of columns as a window of that height needs, and in smaller
-/// letters where its width has no room for them.
+/// Draws the keys in a column and their effects in another, separated by at least two spaces in the
+/// text. Above everything else, in as many pairs of columns as the height of the window requires,
+/// with smaller letters if its width is too small.
 void drawHelp(ImVec2 at, ImVec2 window) {
   std::vector<std::array<std::string, 2>> lines;
   std::istringstream text(key_help);
@@ -107,7 +107,7 @@ void drawHelp(ImVec2 at, ImVec2 window) {
   }
 }
 
-/// Why B shows nothing.
+/// Returns why B shows no other dataset.
 const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
   return choices.beside && contents.models.size() == 1
              ? "B shows another dataset beside this one; there is none (palpate view A.h5 "
@@ -128,8 +128,8 @@ void drawBanners(const PanelContents& contents, const ViewChoices& choices, floa
   if (choices.help) drawHelp({px(margin), next}, ImGui::GetIO().DisplaySize);
 }
 
-/// On a light ground in the middle of the lower end of a part of the view, `above` over it, in as
-/// many lines as it needs. The place that it takes.
+/// Draws a sentence on a light background, `above` over the lower end of a part of the view,
+/// centred and wrapped. Returns the area that it takes.
 ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float above) {
   const float padding = px(sentence_padding);
   const auto width = static_cast<float>(part.width);
@@ -145,10 +145,10 @@ ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float 
   return {{from.x, from.y}, {to.x, to.y}};
 }
 
-/// What lies over one body: what is drawn later keeps clear of what was before.
+/// Texts and marks over one body; each keeps clear of those drawn before.
 class Overlay {
  public:
-  /// part: of the view, in which the camera shows the body. taken: where words are.
+  /// part: of the view, in which the camera shows the body. taken: areas with text.
   Overlay(const Viewport& part, const OrbitCamera& camera, std::vector<ScreenBox> taken)
       : camera_(camera),
         from_(part.x, 0),
@@ -162,7 +162,7 @@ class Overlay {
 
   void keepClearOf(const ScreenBox& box) { taken_.push_back(box); }
 
-  /// What is touched, at the upper right, a line each.
+  /// Draws the names of the touched body at the upper right, one per line.
   void names(const std::vector<std::string>& names) {
     const float line = ImGui::GetTextLineHeightWithSpacing(), width = static_cast<float>(size_.x()),
                 right = static_cast<float>(from_.x()) + width - px(margin);
@@ -178,7 +178,7 @@ class Overlay {
     keepClearOf({{begin, px(margin)}, {right, y}});
   }
 
-  /// Beyond the tip of its arrow, on a light ground.
+  /// Draws the label beyond the tip of its arrow, on a light background.
   void label(const ViewLabel& label) {
     if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
     const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
@@ -196,7 +196,7 @@ class Overlay {
                      label.text.c_str());
   }
 
-  /// Of a hand without a device: a circle about the place in the plane of the skin.
+  /// Draws a circle around the place, in the plane of the skin, for a hand without a device.
   void ring(const PointedPlace& place, double radius) {
     const Eigen::Vector3d across = place.normal.unitOrthogonal(),
                           along = place.normal.cross(across);
@@ -215,7 +215,7 @@ class Overlay {
   }
 
  private:
-  /// Where a point of the scene is seen.
+  /// Returns the screen position of a point of the scene.
   Eigen::Vector2d seen(const Eigen::Vector3d& point) const {
     const Eigen::Vector3d place = camera_.project(point);
     return from_ + size_ / 2 + size_.y() * Eigen::Vector2d(place.x(), -place.y());
@@ -226,24 +226,24 @@ class Overlay {
   std::vector<ScreenBox> taken_;
 };
 
-/// What a hand without a device can do now. Where it is said, if anything is.
+/// Draws the hint for a hand without a device. Returns its area, if there is one.
 std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
   if (contents.hand.hint.empty()) return {};
-  // Between two bodies is the scale of the first.
+  // The scale bar of the first body is between the two bodies.
   return {drawSentence(contents.hand.hint, view,
                        px(contents.beside ? hint_above_scale : sentence_above))};
 }
 
-/// part: where the touched body is.
+/// part: with the touched body.
 void drawTouched(const PanelContents& contents, const ViewChoices& choices, const Viewport& part,
                  const std::vector<ScreenBox>& hint) {
   const ImVec2 size = {static_cast<float>(part.width), static_cast<float>(part.height)};
-  // Where a hint leaves them no room they stand above it.
+  // If the hint leaves them no room, they stand above it.
   const bool narrow = size.x < px(narrow_view) && !hint.empty() && !contents.beside;
   const float foot = narrow ? static_cast<float>(hint.front().from.y()) : size.y;
   Overlay overlay(part, contents.camera, hint);
   drawScaleAndAxes(canvas(), contents, size, foot);
-  // The help covers a part of them, and a bar without its name and its numbers says nothing.
+  // The help would cover part of the legends and make the rest unreadable.
   if (!choices.help) overlay.keepClearOf(drawLegends(canvas(), contents, choices, {size.x, foot}));
   overlay.names({contents.dataset, contents.tissue, "H: help"});
   overlay.label(contents.label);
@@ -251,7 +251,7 @@ void drawTouched(const PanelContents& contents, const ViewChoices& choices, cons
   if (contents.hand.ring) overlay.ring(*contents.hand.ring, contents.hand.ring_radius);
 }
 
-/// part: where another dataset is shown.
+/// part: with the other dataset.
 void drawBeside(const BesideContents& contents, const OrbitCamera& camera, const Viewport& part,
                 const std::vector<ScreenBox>& hint) {
   Overlay overlay(part, camera, hint);

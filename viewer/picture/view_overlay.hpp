@@ -5,10 +5,10 @@
 
 namespace palpate {
 
-/// Draws what lies over the view: names, the number at the arrow, legends, scale and axes, ring and
-/// hint of a hand without a device, what must be said, the help (which legends make room for); over
-/// its other half, where another dataset is shown beside, names and number of that one, and why
-/// nothing is touched there. view: what the panels leave free, in ImGui's units.
+/// Draws over the view: names, the number at the arrow, legends, scale and axes, ring and hint of a
+/// hand without a device, and messages. The help replaces the legends. If another dataset is shown
+/// beside, draws its names and number over the other half, and why nothing is touched there. view:
+/// the area without panels, in ImGui's units.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view);
 

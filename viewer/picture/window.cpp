@@ -15,18 +15,18 @@
 namespace palpate {
 namespace {
 
-// Units at a scale of 1: below these the panels hide each other.
+// Units at scale 1; the panels overlap in a smaller window.
 constexpr int least_width = 480, least_height = 320;
 
-/// What GLFW says about its last failure.
+/// Returns GLFW's message about its last error.
 std::string lastTrouble() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "no reason given";
 }
 
-/// Units that a window can have beside bars and docks; no limit where no screen is known, or
-/// nothing is to be seen on it.
+/// Returns the units available for a window beside bars and docks; unlimited if the screen is
+/// unknown or the window invisible.
 std::array<int, 2> roomOnScreen(bool visible) {
   std::array<int, 2> size{};
   if (GLFWmonitor* const screen = visible ? glfwGetPrimaryMonitor() : nullptr)
@@ -46,7 +46,7 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
   glfwWindowHint(GLFW_STENCIL_BITS, 8);
-  glfwWindowHint(GLFW_SAMPLES, 0);  // software rendering could not keep up
+  glfwWindowHint(GLFW_SAMPLES, 0);  // too slow in software rendering
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
     const std::string trouble = lastTrouble();
@@ -68,7 +68,7 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);
-  // Panels call what was set before them.
+  // Set before the panels' callbacks, which call this one.
   glfwSetKeyCallback(window_,
                      [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
                        auto* const self = static_cast<Window*>(glfwGetWindowUserPointer(window));
@@ -97,7 +97,7 @@ Image readPixels(int width, int height) {
   const std::size_t row = 3 * static_cast<std::size_t>(width),
                     rows = static_cast<std::size_t>(height);
   std::vector<std::uint8_t> upward(row * rows);
-  // Rows of three bytes a pixel are not padded to words.
+  // Rows of three bytes per pixel are not padded to words.
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadBuffer(GL_BACK);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());

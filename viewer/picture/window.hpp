@@ -9,13 +9,12 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// A window with an OpenGL 2.1 context, current in the thread that made it. That must be the main
-/// thread of the process, which alone may use it (GLFW); one window at a time.
+/// A window with an OpenGL 2.1 context that is current in its thread. Create and use it in the main
+/// thread of the process only (GLFW); one window at a time.
 class Window {
  public:
-  /// width, height: at a scale of 1; it is larger by screenScale. vsync: swap() waits for the
-  /// screen. Error, with what to do, when there is no display or no
-  /// OpenGL.
+  /// width, height: at scale 1; multiplied by screenScale. vsync: swap() waits for the screen.
+  /// Throws Error with a remedy if there is no display or no OpenGL.
   Window(const std::string& title, int width, int height, bool visible, bool vsync);
   ~Window();
   Window(const Window&) = delete;
@@ -23,20 +22,20 @@ class Window {
 
   GLFWwindow* handle() const { return window_; }
   bool wantsClose() const;
-  void poll();  ///< takes in what person and system did since the last call
-  /// Keys (GLFW_KEY_*) that went down before the last poll(), in order; short strokes count too.
+  void poll();  ///< processes user and system events since the last call
+  /// Keys (GLFW_KEY_*) pressed before the last poll(), in order, however short.
   const std::vector<int>& keys() const { return keys_; }
-  /// The same, and again for each time that one that is held down repeats.
+  /// Likewise, with the repeats of keys that are held down.
   const std::vector<int>& strokes() const { return strokes_; }
-  void swap();  ///< shows what was drawn
+  void swap();  ///< shows the drawn picture
 
  private:
   GLFWwindow* window_ = nullptr;
   std::vector<int> keys_, strokes_;
 };
 
-/// What was drawn since the last swap() of the current window, width x height pixels from its lower
-/// left.
+/// Returns the pixels drawn since the last swap() of the current window, width x height from its
+/// lower left.
 Image readPixels(int width, int height);
 
 }  // namespace palpate

@@ -4,9 +4,10 @@
 
 namespace palpate {
 
-/// Viridis (van der Walt, Smith; CC0): from dark blue over green to yellow, growing lighter evenly,
-/// read by colour-blind people and in grey prints. place: 0 to 1, beyond it the nearest, NaN as 0.
-/// Red, green, blue, 0 to 255.
+/// Returns a colour of Viridis (van der Walt, Smith; CC0) as red, green, blue, 0 to 255.
+///
+/// It runs from dark blue over green to yellow with even lightness steps, readable in grey prints
+/// and by colour-blind people. place: 0 to 1; clamped, NaN as 0.
 std::array<double, 3> viridis(double place);
 
 }  // namespace palpate

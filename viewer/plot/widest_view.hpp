@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// The direction, of length one, from which points look widest: along the axis in which they spread
-/// least. Of its two senses the one that comes rather from -y, the front.
+/// Returns the unit direction from which points look widest: along the axis of their least spread,
+/// with the sign that points toward -y, the front.
 Eigen::Vector3d widestView(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace palpate

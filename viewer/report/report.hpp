@@ -79,7 +79,7 @@ struct Report {
   std::vector<WayShell> ways;
   std::vector<AreaMeasures> areas;  ///< areas of fingers, in the first dataset
   /// Everything touchable is an area of a finger. A user does not feel a single site there, so
-  /// methods are compared on one site only, and text and page leave it out.
+  /// methods are compared on one site only, and text and page omit the comparison.
   bool areas_alone = false;
   std::vector<NodeMeasures> nodes;         ///< all, in the order of Dataset::spaces()
   std::size_t compared = 0;                ///< number of active nodes with all methods compared

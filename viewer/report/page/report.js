@@ -855,8 +855,7 @@ smoothly.${others}`,
     content: [table(["active node", "expandable", "terminating", "failed", "jumps",
       "largest force, N", "exact solutions", "mean", "median", "95 %", "max", "in target",
       "within bound"], listed.map(nodeRow)),
-    // A single method is already in the table above, and the plot of a single node repeats the plot
-    // of all.
+    // A single method is in the table above, and the plot of a single node repeats that of all.
     report.methods.length > 1 ? table(["mean error, N", ...report.methods],
       all.filter(isCompared).map(methodRow)) : "",
     isNumber(report.measured_lattice) && all.length > 1 ? nodesFigure(all) : ""],
