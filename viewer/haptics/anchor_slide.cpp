@@ -13,7 +13,7 @@ constexpr int most_pieces = 3;
 /// and the next tick slides the rest. Most ticks therefore need two evaluations of the spaces
 /// instead of four.
 constexpr double small_excess = 0.02;
-/// Barycentric: a point nearer to an edge than this is on it, some 1e-14 m.
+/// Barycentric distance up to which a point is on an edge; some 1e-14 m.
 constexpr double on_edge = 1e-12;
 
 /// Path of steepest descent of W from a point of a triangle.

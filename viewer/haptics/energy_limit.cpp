@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-/// Factor on K (D + T/2): a mass of 20 g needs about 2.5 for stability.
+/// Factor on K (D + T/2). The smallest that works for a mass of 20 g is about 2.5.
 constexpr double damping = 4;
 /// The measured acceleration lags, and the true one grows with the force. Factors for the way out,
 /// and for predicting when the force must begin to fall.

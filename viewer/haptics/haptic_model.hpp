@@ -19,7 +19,7 @@ namespace palpate {
 struct HapticModelOptions {
   /// Methods between which a touch can switch; the first is the initial one.
   std::vector<std::string> methods = {"potential", "trilinear"};
-  double reach = 0;  ///< Passed to TouchSurface, m
+  double reach = 0;  ///< passed to TouchSurface, m
   /// Also keep the pressures of the surface if the dataset has them: 4 bytes per vertex and solved
   /// point.
   bool pressures = false;
@@ -68,7 +68,7 @@ class HapticModel {
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
-  double maxForce() const { return max_force_; }        ///< N, from the scene; no solves beyond it
+  double maxForce() const { return max_force_; }        ///< N; limit of the scene's solves
   /// Returns the radius of the tool of a space, m: of the finger, or of the patch around the active
   /// node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }

@@ -48,11 +48,13 @@ struct TouchArea {
 ///
 /// Every vertex near active nodes has weights of up to three spaces. An active node, or a node of
 /// its patch, has weight 1 for its own space (equal parts if patches overlap). Another vertex
-/// within `reach` (shortest way d along surface edges to the patch) has the weights (1 / d) (1 - d
-/// / reach)^2 of the nearest three, scaled to sum 1. A triangle is touchable if its three corners
-/// have weights. The weights are interpolated linearly in it, so they are continuous over the
-/// touchable surface and sum to 1. No force jumps between active nodes, as it does with the nearest
-/// vertex of the paper.
+/// within `reach` of patches (d: shortest way along surface edges to a patch) has weights of the
+/// nearest three. They are (1 / d) (1 - d / reach)^2, scaled to sum 1.
+///
+/// A triangle is touchable if its three corners have weights. The weights are interpolated linearly
+/// in it, so they are continuous over the touchable surface and sum to 1. The force is therefore
+/// continuous between active nodes. It would jump if only the nearest vertex counted, as in the
+/// paper.
 ///
 /// A finger's area is touchable where the three corners of a triangle are near its sites. The
 /// area's energy gives the forces there, and the weights of up to three sites at each vertex only

@@ -32,7 +32,7 @@ class BodyView {
   /// End of the pressure scale, Pa: likewise with strengthOf() the pressures, limited by usual().
   /// 0: none seen yet.
   double fullPressure() const { return full_pressure_; }
-  /// From the next shade() on, both views use the larger of both scales.
+  /// Extends the scales to those of another view, from the next shade() on.
   void useScaleOf(const BodyView& other) {
     full_colour_ = std::max(full_colour_, other.full_colour_);
     full_pressure_ = std::max(full_pressure_, other.full_pressure_);

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-// px: margins of the curves in the panel, and text.
+// px: layout of the curves and texts in the panel.
 constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bottom = 24;
 constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
 constexpr float key_length = 16, key_gap = 5, band_height = 8;

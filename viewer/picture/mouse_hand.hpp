@@ -76,7 +76,7 @@ class MouseHand {
   double radius_ = 0;  ///< radius of the body, m
   std::optional<PointedPlace> seen_, place_;
   bool held_ = false;
-  bool by_key_ = false;   ///< keys pressed last, or moved the place
+  bool by_key_ = false;   ///< keys made the last press or moved the place
   bool came_in_ = false;  ///< since the tool was last free
   HandInput last_;
   Eigen::Vector2d pointed_ = HandInput().pointer;  ///< pointer when it chose the place

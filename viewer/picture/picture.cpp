@@ -60,7 +60,8 @@ struct Picture::Impl {
 
   void frameAll() { frame(shot.camera, inUse(), touchedPart()); }
 
-  /// Resets all scales, because a body takes over the scale of another beside it.
+  /// Frames everything, and resets the scales of all bodies, because a body takes over the scale of
+  /// another beside it.
   void showEverything() {
     frameAll();
     for (const auto& each : shown) each->forgetScale();

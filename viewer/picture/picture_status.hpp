@@ -11,8 +11,8 @@ namespace palpate {
 struct PictureStatus {
   std::string device = {};   ///< HapticDevice::name()
   std::string trouble = {};  ///< sentences about device and loop, in red; empty: none
-  std::string notice = {};   ///< of the device, N; its arrow is the longest
-  double max_force = 3.3;    ///< of the device, N; limits the arrow's scale
+  std::string notice = {};   ///< any other message, in blue; empty: none
+  double max_force = 3.3;    ///< of the device, N; its arrow is the longest
   bool mouse = false;        ///< the device is the mouse of the picture
   ContactMode contact = ContactMode::unilateral;  ///< mode of the loop
   bool paused = false;

@@ -8,8 +8,9 @@
 
 namespace palpate {
 
-/// Returns whether the relative error bound of the force is so large that a hand could notice the
-/// error (noticeable_force_error). False without a bound or without contact.
+/// Returns whether the force is uncertain: the displacement is beyond the computed region, or the
+/// relative error bound is so large that a hand could notice the error (noticeable_force_error).
+/// False without contact, and inside the region without a bound.
 bool isUncertain(const Touch& touch);
 /// Returns the label at the arrow: the force in the hand with the error bound of the tissue's
 /// force, and a note if it is uncertain. Empty without contact and force.

@@ -51,7 +51,7 @@ struct Comparison {
   std::size_t common = 0;                   ///< number of active nodes in both
   std::vector<ComparedPlace> places;        ///< some of these, evenly chosen if there are many
   std::vector<PlaceDifference> everywhere;  ///< at all of these, or at some hundreds of them
-  std::vector<std::string> limits;          ///< sentences, with remedies
+  std::vector<std::string> limits;          ///< sentences on its limits, with remedies
 };
 
 /// Compares two datasets of different scenes by `method`, at up to `most_places` active nodes of

@@ -23,8 +23,8 @@ struct DatasetFacts {
   std::vector<ArraySize> sizes;  ///< all arrays, the largest first
 };
 
-/// Counts the contents, and reads the array sizes from the file. Throws Error if the file can no
-/// longer be read. One thread at a time (HDF5 is not thread-safe).
+/// Counts the contents, and reads only the array sizes from the file. Throws Error if the file can
+/// no longer be read. One thread at a time (HDF5 is not thread-safe).
 DatasetFacts factsOf(const Dataset& dataset);
 
 /// Number of failures by one cause.

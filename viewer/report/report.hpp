@@ -15,10 +15,11 @@ struct ReportOptions {
   std::vector<std::string> methods;  ///< empty: all
   /// Time for repeated queries of one method on one lattice, s.
   double seconds_per_timing = 0.05;
-  /// Active nodes on which all methods are compared, evenly chosen if there are more. The default
+  /// Largest number of active nodes on which all methods are compared, evenly chosen. The default
   /// method is measured on all nodes.
   std::size_t compared_nodes = 12;  ///< > 0
-  /// The first of these nodes, on which work around closed loops is measured; a few seconds each.
+  /// Number of these nodes, the first ones, on which work around closed loops is measured; a few
+  /// seconds each.
   std::size_t looped_nodes = 2;
   /// Number of active nodes with pictures on the page, the worst first. Sampling their fields takes
   /// some tenths of a second each.

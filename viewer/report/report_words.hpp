@@ -9,7 +9,7 @@ namespace palpate {
 /// Returns one sentence about the exact solutions that errors are measured with.
 std::string describeHeldOut(const Report& report);
 
-/// Returns a sentence for each method that could not be made for some active nodes.
+/// Returns a sentence for each method that could not be made for some, but not all, active nodes.
 std::vector<std::string> describeGaps(const Report& report);
 
 /// Returns advice for better held-out solutions; empty if there are probes.
