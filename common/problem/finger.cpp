@@ -11,16 +11,17 @@
 namespace palpate {
 namespace {
 
-/// Of the mean of unit normals: a half where the surface turns by a right angle under the finger.
+/// Length of the mean unit normal below which the finger is on both sides of a lobe. It is a half
+/// where the surface turns by a right angle under the finger.
 constexpr double both_sides = 0.35;
 
-/// Of the angle by which what is pushed leans at most, 75 degrees.
+/// Cosine and sine of the largest lean of a pushed displacement, 75 degrees.
 constexpr double lean_cosine = 0.25881904510252074, lean_sine = 0.9659258262890683;
 
-/// What is pushed aside at most, in radii: a part that gives way is followed inward, not sideways.
+/// Largest sideways displacement, in radii: soft parts are followed inward, not sideways.
 constexpr double pushed_width = 1.5;
 
-/// Of the unit normals, by the bump of the finger.
+/// Mean of the unit normals, weighted by the bump of the finger.
 Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double whole = 0;
@@ -92,7 +93,7 @@ PushedPart pushedAt(const Eigen::Vector3d& normal, double radius) {
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const Eigen::Vector3d mean = meanNormal(mesh, finger);
   const double length = mean.norm();
-  const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);  // of a
+  const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);  // of the angle a in finger.hpp
   const double sine = std::sqrt(1 - cosine * cosine);
   if (!(sine * lean_cosine + cosine * lean_sine > 0)) return {};
   return {mean / length, sine * lean_sine - cosine * lean_cosine, pushed_width * finger.radius};

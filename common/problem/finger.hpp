@@ -9,48 +9,51 @@
 
 namespace palpate {
 
-/// A finger rests on the body where at least this share of its bump lies on nodes that can move.
-/// Beyond, the few free nodes at its rim would carry all of it.
+/// Smallest share of a finger's bump that must lie on movable nodes. With less, the few free nodes
+/// at its rim would carry all the force.
 inline constexpr double least_free_share = 0.5;
 
-/// Of the pieces that a surface is looked at in, and of placesOnSurface that collocation points of
-/// an area are chosen from, in radii of the finger.
+/// Spacing in finger radii of the pieces that the surface is divided into, and of the candidates
+/// for collocation points of an area (placesAround in sites.hpp).
 inline constexpr double place_distance = 0.1;
 
-/// The weights of a finger on this body. Error (bad input), which begins with `what` ("active
-/// \"tip\"") and says what to do, when it is as wide as the body, or when it rests on `fixed` by
-/// more than 1 - least_free_share.
+/// Returns the weights of a finger on this body. Error (bad input) if the finger is as wide as the
+/// body or rests on `fixed` by more than 1 - least_free_share. The message begins with `what`
+/// ("active \"tip\"") and says what to change.
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
                             const Finger& finger);
 
-/// Whether the numbers are those of a finger: finite, a radius, a direction of length one or none.
+/// Returns whether the numbers are valid: finite centre, positive radius, `outward` of length 1 or
+/// 0, pull and width in their ranges.
 bool isFinger(const Finger& finger);
 
-/// The patch of a finger: the nodes and weights of checkedFinger.
+/// Makes the patch of a finger from the nodes and weights of checkedFinger.
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
                         const Finger& finger);
 
-/// The finger of this radius at the point of the surface nearest to `near`, metres. Error (bad
-/// input), which begins with `what`, when `near` is farther from the surface than the body is wide.
+/// Returns the finger of this radius at the surface point nearest to `near`, metres. Error (bad
+/// input), beginning with `what`, if `near` is farther from the surface than the body is wide.
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius);
 
-/// What a finger of this radius, metres, that only pushes reaches at a place of the surface with
-/// this outward unit normal: displacements that lean from the inward normal by at most 75 degrees.
-/// It slides before it leans farther; the virtual hand's lean by less than 72 degrees for 99 % of
-/// its time. Deeper than 1.5 radii it goes straight on: no farther aside than that.
+/// Returns the displacements that a purely pushing finger of this radius (metres) reaches at a
+/// place with this outward unit normal. They lean from the inward normal by at most 75 degrees; the
+/// finger slides before it leans farther. (Displacements of the virtual hand lean by less than 72
+/// degrees for 99 % of its time.) They also go at most 1.5 radii aside, so deeper ones go straight
+/// on.
 PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 
-/// What it reaches at all places under the finger. The surface there turns by about the angle a
-/// with cos a = 2 |m| - 1, m the mean of its unit normals by the bump of the finger; so p leans
-/// from -m by at most a more than 75 degrees: all of the ball where that is half a turn, at sharp
-/// rims and on thin lobes.
+/// Returns the displacements that it reaches at any place under the finger. The surface there turns
+/// by about the angle a with cos a = 2 |m| - 1, where m is the mean of its unit normals weighted by
+/// the finger's bump. So p leans from -m by at most 75 degrees plus a. The whole ball is returned
+/// if that is 180 degrees or more, as at sharp rims and on thin lobes.
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
-/// Whether it reaches around a lobe that is thin against it, so that normals cancel out.
+/// Returns whether the finger reaches around a lobe thinner than itself, so that normals cancel
+/// out.
 bool isOnBothSides(const Mesh& mesh, const Finger& finger);
 
-/// m: a place that is farther from the surface is not meant to lie on it. A quarter of the finger's
-/// radius, or a millionth of the body's size where that is more.
+/// Returns the distance from the surface, m, beyond which a place cannot be meant to lie on it: a
+/// quarter of the finger's radius, or a millionth of the body's size if that is more.
 inline double mostPlaceDistance(const Mesh& mesh, double finger_radius) {
   return std::max(0.25 * finger_radius, 1e-6 * boundingBox(mesh).diagonal().norm());
 }

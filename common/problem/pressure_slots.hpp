@@ -11,44 +11,46 @@
 
 namespace palpate {
 
-/// How many nodes of the mesh, from node 0 on, have a pressure: none, the vertices, or all.
+/// Returns the number of nodes of the mesh with a pressure, from node 0 on: none, the vertices, or
+/// all.
 std::size_t pressureNodes(PressureSpace space, const Mesh& mesh);
 
 /// Numbers the nodal pressures of a body.
 ///
-/// The pressure is continuous within a material and jumps between two: the traction is continuous,
-/// and the stresses at equal strain differ. A node between two materials therefore has a pressure
-/// for each. Slot n < nodes() is the pressure at node n for the material that the scene names first
-/// there. The pressures of further materials follow, by node, then by material. Regions of equal
-/// materials share slots. Materials that are not mixed (isMixed) have no pressure.
+/// Pressure is continuous within a material and jumps between two materials, because the traction
+/// is continuous and the stresses at equal strain differ. A node between materials therefore has
+/// one pressure for each. Slot n < nodes() is the pressure at node n for the material that the
+/// scene names first there. The slots of further materials follow, by node, then by material.
+/// Regions of equal materials share slots. Materials that are not mixed (isMixed) have no pressure.
 class PressureSlots {
  public:
   /// The pressure of a further material at a node.
   struct Further {
     std::int32_t node;
-    std::uint16_t region;  ///< the first one of this material
+    std::uint16_t region;  ///< the first region of this material
     auto operator<=>(const Further&) const = default;
   };
 
-  PressureSlots() = default;  ///< of a body without pressures
-  /// `region_of`: per tetrahedron, index into `materials`.
+  PressureSlots() = default;  ///< a body without pressures
+  /// `region_of` holds one index into `materials` per tetrahedron.
   PressureSlots(PressureSpace space, const Mesh& mesh, const std::vector<Material>& materials,
                 const std::vector<std::uint16_t>& region_of);
 
   std::size_t count() const { return nodes() + further_.size(); }
-  std::size_t nodes() const { return first_.size(); }  ///< of the pressure space
-  /// The slot at a node for elements of this region. They have a pressure there.
+  std::size_t nodes() const { return first_.size(); }  ///< number of nodes in the pressure space
+  /// Returns the slot at a node for elements of `region`, which must have a pressure there.
   std::int32_t slotOf(std::int32_t node, std::uint16_t region) const;
-  /// The further materials at a node, ascending. Its first slot is its own number.
+  /// Returns the further materials at a node, ascending. The first slot of a node has the node's
+  /// number.
   std::span<const Further> furtherAt(std::int32_t node) const;
-  /// The number of a slot from furtherAt().
+  /// Returns the slot number of an element of furtherAt().
   std::int32_t numberOf(const Further& slot) const {
     return static_cast<std::int32_t>(nodes() + (&slot - further_.data()));
   }
 
  private:
   std::vector<std::uint16_t> same_as_;  ///< per region, the first region of the same material
-  std::vector<std::uint16_t> first_;    ///< per node, the region of its own slot
+  std::vector<std::uint16_t> first_;    ///< per node, the region that slot n = node belongs to
   std::vector<Further> further_;        ///< ascending
 };
 

@@ -20,7 +20,7 @@
 namespace palpate {
 namespace {
 
-/// Extent of an organ, metres.
+/// Typical extent of an organ, metres.
 constexpr double usual_body = 0.2;
 
 void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
@@ -47,7 +47,8 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
       finding, best->name, used->name, best->word, best_size, best->word);
 }
 
-/// A piece is held where nodes that are fixed, or of pieces that are held, do not let it turn.
+/// A component is held if its nodes that are fixed, or shared with held components, prevent it from
+/// turning.
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   const std::vector<NodeSet> pieces = piecesOf(mesh);
@@ -94,7 +95,8 @@ void refuseLoosePieces(const Problem& problem) {
                    counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
-/// Nodes of the mesh, sorted, each once: what came over the wire may be anything.
+/// Returns whether `nodes` is a sorted set of nodes of the mesh. Data from the wire may be
+/// anything.
 bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
   return std::ranges::adjacent_find(nodes, std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() ||
@@ -110,8 +112,8 @@ void checkFixed(const Problem& problem) {
     throw badInput("[fixed] selects all {} nodes: nothing is left to move", n_nodes);
 }
 
-/// Rigid patches have no weights; weighted ones have one per node, with the sum 1, and of those
-/// fingers a place.
+/// Error unless the weights fit the tool: none for a rigid patch, else one per node with sum 1.
+/// Fingers, and only they, must have a place.
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
   if (patch.finger.has_value() != finger || (finger && !isFinger(*patch.finger)))
@@ -124,7 +126,8 @@ void checkWeights(const ActivePatch& patch, ToolKind tool) {
                    patch.weights.size(), sum, patch.nodes.size());
 }
 
-/// What is stiffer by more than this drowns what is soft in the round-off of what is stiff.
+/// Largest ratio of stiffness in a body. Beyond it, forces in the soft part are lost in the
+/// round-off of the stiff part.
 constexpr double largest_contrast = 1e7;
 
 void refuseContrast(const std::vector<Region>& regions) {
@@ -159,7 +162,7 @@ void checkRegions(const Problem& problem) {
         throw badInput("a fibre of length {} is not a direction", fiber.norm());
 }
 
-/// The nodes of a tetrahedron, its corners first.
+/// Returns the nodes of a tetrahedron, corners first.
 std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
   std::vector<std::int32_t> nodes(mesh.tetrahedra[element].begin(), mesh.tetrahedra[element].end());
   if (!mesh.mid_edge_nodes.empty())
@@ -168,8 +171,9 @@ std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
   return nodes;
 }
 
-/// A pressure keeps the volume of the elements around it. Where all their nodes are held, some by
-/// the tool and some for good, every displacement changes a volume that nothing can give back.
+/// Refuses elements whose volume cannot be kept. A pressure keeps the volume of the elements around
+/// it. If the tool and the fixed set hold all nodes of these elements, every displacement changes a
+/// volume that no free node can restore.
 void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
   const PressureSpace pressure = problem.scene.discretization.pressure;
   const bool exact = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
@@ -225,7 +229,8 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
   refuseSqueezed(problem, patch);
 }
 
-/// Both say the same, and the plan can find a position for it.
+/// Error unless problem and scene agree on the probe and it lies where the lattice can represent
+/// it.
 void checkProbe(const Problem& problem, std::size_t number) {
   const auto& probe = problem.active[number].probe;
   if (probe != problem.scene.active[number].probe)
@@ -260,7 +265,8 @@ void checkWorkspace(const Problem& problem) {
         radius, diagonal);
 }
 
-/// Here the scene's file and key can be named; the reader knows the mesh only.
+/// Refuses a missing file or another format here, because the reader cannot name the scene's file
+/// and key.
 void refuseOtherMeshes(const Scene& scene) {
   std::error_code ignored;
   if (!std::filesystem::exists(scene.mesh, ignored))
@@ -273,7 +279,7 @@ void refuseOtherMeshes(const Scene& scene) {
         shellWord(std::filesystem::path(scene.mesh).replace_extension(".msh").string()));
 }
 
-/// The error with its place in the scene's file.
+/// Returns the error with its position in the scene file.
 Error inScene(const std::filesystem::path& scene_file, const Error& error) {
   const auto* const of_line = dynamic_cast<const SceneError*>(&error);
   const std::string line =
@@ -344,7 +350,7 @@ std::int32_t probesIn(const Scene& scene, std::size_t space) {
 
 Problem resolve(Scene scene, Mesh mesh) {
   atLine(scene.lines.of("mesh"), [&] { refuseMistakenUnit(mesh, scene.metres_per_unit); });
-  // Before the selectors, which select mid-edge nodes too.
+  // Before the selectors, which also select mid-edge nodes.
   if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   Problem problem;
   problem.region_of = selectRegions(scene.regions, mesh);

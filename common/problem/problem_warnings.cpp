@@ -16,16 +16,16 @@
 namespace palpate {
 namespace {
 
-/// Young's moduli of soft tissue, Pa: from brain and fat to cartilage.
+/// Young's moduli of soft tissue, Pa, from brain and fat to cartilage.
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
-/// Tissue stretched to more than this times its length is far beyond what it, or max_force, allows.
+/// Stretch that is far beyond what tissue, or max_force, allows.
 constexpr double largest_stretch = 3;
-/// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres is
-/// not the whole one. (A cube with fibres, pulled along them: at 2, 10 and 50 of k1 the force is
-/// 29, 11 and 3 % smaller than with the whole stretch.)
+/// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres
+/// differs from their stretch. (The force of a fibre-reinforced cube pulled along its fibres is 29,
+/// 11 and 3 % too small at 2, 10 and 50 times k1.)
 constexpr double fibres_need_bulk = 50;
 
-/// `"a", "b" and 398 more`.
+/// Returns `"a", "b" and 398 more`.
 std::string listOf(const std::vector<std::string>& names) {
   const std::size_t shown = names.size() <= listed_names + 1 ? names.size() : listed_names;
   std::string text = fmt::format(
@@ -69,7 +69,7 @@ class Warnings {
     return region.isRest() ? "material" : fmt::format("region \"{}\"", region.name());
   }
 
-  /// Numbers that another unit than Pa and kg/m^3 explains.
+  /// Warns about numbers that suggest a unit other than Pa or kg/m^3.
   void warnOfNumbers(const Region& region) {
     const Material& material = region.material;
     const double shear = shearModulus(material);
@@ -97,8 +97,8 @@ class Warnings {
           named(region), *material.bulk, fibres_need_bulk * std::max(material.mu, material.k1));
   }
 
-  /// A tool that goes as deep as the workspace strains what is below it by about that part of the
-  /// way to what is held.
+  /// A tool at the edge of the workspace strains the tissue below it by about the workspace radius
+  /// divided by the distance to the fixed nodes.
   void warnOfStability() {
     const double strain = scene_.workspace.radius / distance_to_fixed_;
     for (const Region& region : scene_.regions)
@@ -120,7 +120,7 @@ class Warnings {
     };
     for (const Region& region : scene_.regions) {
       warnOfNumbers(region);
-      // A bulk modulus has a warning of its own.
+      // The bulk modulus has a warning of its own.
       const double young =
           region.material.bulk ? 3 * shearModulus(region.material) : youngModulus(region.material);
       if (isTissue(young)) continue;
@@ -168,7 +168,7 @@ class Warnings {
     std::vector<std::string> thin;
     for (const ActivePatch& patch : problem_.active)
       if (beside_fixed.contains(patch.node)) thin.push_back(patch.name);
-    // Of many places some lie beside what is held.
+    // Among many places, some lie beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
           "active {}: one element lies between the tool and what is fixed, which cannot bulge: "
@@ -209,7 +209,7 @@ class Warnings {
     return distance(*std::ranges::min_element(problem_.fixed, {}, distance));
   }
 
-  /// Median over the active nodes, m: of many some lie beside the fixed ones.
+  /// Median over the active nodes, m. Among many, some lie beside the fixed nodes.
   double usualDistanceToFixed() const {
     std::vector<double> distances;
     for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
@@ -285,7 +285,7 @@ class Warnings {
     std::map<std::int32_t, std::string> name_of;
     std::vector<std::string> twins;
     for (const ActivePatch& patch : problem_.active) {
-      if (patch.finger) continue;  // its node names no place
+      if (patch.finger) continue;  // its node does not identify its place
       const auto [first, is_new] = name_of.emplace(patch.node, patch.name);
       if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, patch.name));
     }
@@ -295,7 +295,7 @@ class Warnings {
   const Problem& problem_;
   const Scene& scene_;
   const MeshQuality quality_;
-  const double distance_to_fixed_;  ///< m, of most active nodes
+  const double distance_to_fixed_;  ///< m, median over the active nodes
   std::vector<std::string> warnings_;
 };
 

@@ -4,29 +4,32 @@
 
 namespace palpate {
 
-/// What is doubtful about a problem although it can be computed, a sentence each, with the number,
-/// what it probably means, and what to do:
-/// - coincident nodes, pieces that hang together by nodes or edges alone;
-/// - moduli of no soft tissue (0.1 to 1000 kPa at rest), a bulk modulus, density or stiffness of
-///   fibres beside which others are nothing: another unit was meant;
-/// - a law that is not stable at the strains of the workspace, fibres beside a small bulk modulus;
-/// - pressures that violate inf-sup, elements without one that lock, one layer between rigid parts;
-/// - tetrahedra that are nearly flat;
+/// Returns a sentence for each doubtful property of a problem that can still be computed. Each
+/// gives the number, its probable cause and the remedy. Reported are
+/// - coincident nodes, and parts that are joined by nodes or edges only;
+/// - moduli outside those of soft tissue (0.1 to 1000 kPa at rest), and a bulk modulus, density or
+///   fibre stiffness that suggests another unit;
+/// - a law that is not stable at the strains of the workspace, and fibres with a small bulk
+///   modulus;
+/// - pressures that violate inf-sup, elements without a pressure that lock, and single layers of
+///   elements between rigid parts;
+/// - nearly flat tetrahedra;
 /// - `near` farther from the surface than an edge;
-/// - a workspace that reaches far beyond what holds the body;
-/// - single nodes under the tool, and active nodes that are the same.
-/// Takes about as long as reading the mesh. `palpate check` prints them.
+/// - a workspace much larger than the distance from the active nodes to the fixed nodes;
+/// - single nodes under the tool, and active nodes that coincide.
+///
+/// Takes about as long as reading the mesh. `palpate check` prints the sentences.
 std::vector<std::string> warningsOf(const Problem& problem);
 
-/// Logs them, one line each: for everything that goes on to solve.
+/// Logs the warnings, one line each, before a solve.
 void logWarnings(const Problem& problem);
 
 /// Tetrahedra below this shape (1 regular, 0 flat) spoil the conditioning and invert first.
 inline constexpr double near_flat_shape = 0.1;
-/// How many of them there are.
+/// Returns the number of tetrahedra below near_flat_shape.
 std::int64_t nearlyFlat(const Mesh& mesh);
 
-/// At most so many names are listed where there may be hundreds.
+/// Largest number of names in a message that could list hundreds.
 inline constexpr std::size_t listed_names = 5;
 
 }  // namespace palpate

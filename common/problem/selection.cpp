@@ -28,8 +28,8 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
   return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
 }
 
-/// What the mesh has under a name. Errors begin with `missing`, which says what is not there, and
-/// list the names of `what` that are.
+/// Returns the entry of this name. An Error begins with `missing`, which says what is not there,
+/// and lists the existing names of the kind `what`.
 template <class Named>
 const auto& entryNamed(const Named& named, const std::string& name, std::string_view missing,
                        const char* what) {
@@ -41,7 +41,7 @@ const auto& entryNamed(const Named& named, const std::string& name, std::string_
                  names.empty() ? fmt::format("no {}", what) : listed(names));
 }
 
-/// The nodes of a physical group, mid-edge nodes too. Errors begin with `key`.
+/// Returns the nodes of a physical group, including mid-edge nodes. Errors begin with `key`.
 const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string_view key) {
   const NodeSet& group = entryNamed(
       mesh.node_groups, name, fmt::format("{}: there is no \"{}\"", key, name), "physical groups");
@@ -49,7 +49,7 @@ const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string
   return group;
 }
 
-/// Adds the candidates for which `inside` holds; throws what `nothing` makes when there are none.
+/// Adds the candidates for which `inside` holds; throws `nothing()` if there are none.
 template <class Inside, class Nothing>
 void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing nothing) {
   const std::size_t before = selected.size();
@@ -57,8 +57,7 @@ void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing
   if (selected.size() == before) throw nothing();
 }
 
-/// Adds the candidates in each box and each sphere; throws what `nothing` makes of the key of one
-/// that holds none.
+/// Adds the candidates in each box and each sphere; throws `nothing(key)` if one of them is empty.
 template <class Selection, class Nothing>
 void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& candidates,
                   const Mesh& mesh, Nothing nothing) {
@@ -74,7 +73,7 @@ void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& 
 
 // ---- [fixed] --------------------------------------------------------------------------------
 
-/// Whether the half space holds a position, of a mesh with this bounding box.
+/// Returns whether the half space contains x, for a mesh with this bounding box.
 bool isIn(const HalfSpace& half, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& x) {
   const double extent = box.sizes()[half.axis];
   const double plane = half.at      ? *half.at
@@ -83,7 +82,7 @@ bool isIn(const HalfSpace& half, const Eigen::AlignedBox3d& box, const Eigen::Ve
   return half.below ? x[half.axis] < plane : x[half.axis] > plane;
 }
 
-/// The mid-edge nodes between two listed vertices.
+/// Adds the mid-edge nodes between two listed vertices.
 void addNodesBetween(NodeSet listed, const Mesh& mesh, NodeSet& fixed) {
   sortUnique(listed);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -115,7 +114,8 @@ NodeSet selectOnSurface(const SurfaceSelection& selection, const std::string& ke
 NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& surface,
                   const NodeSet& fixed) {
   const std::string key = fmt::format("active \"{}\": surface", selection.name);
-  // Fixed nodes are left out silently as long as some are not: a surface may reach over the rim.
+  // Fixed nodes are left out silently if some others remain, since a surface may reach over the
+  // rim.
   const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surface);
   NodeSet movable;
   std::set_difference(selected.begin(), selected.end(), fixed.begin(), fixed.end(),
@@ -126,7 +126,7 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   return movable;
 }
 
-/// Those whose three corners `surface` selects.
+/// Returns the triangles whose three corners `surface` selects.
 std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Mesh& mesh) {
   const std::string key = fmt::format("active \"{}\": surface", selection.name);
   const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surfaceNodes(mesh));
@@ -142,7 +142,7 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
   return triangles;
 }
 
-/// One finger for each site of a surface.
+/// Returns one finger for each site of a surface.
 std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
                                      const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, const Scene& scene) {
@@ -165,7 +165,7 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
   return fingers;
 }
 
-/// And one for each place where it is measured.
+/// Returns one finger for each probe place of a surface.
 std::vector<ActiveSelection> probesOf(const ActiveSelection& selection, const Mesh& mesh,
                                       const std::vector<std::int32_t>& triangles,
                                       const NodeSet& fixed, const Scene& scene) {
@@ -226,7 +226,7 @@ ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, con
   return patch;
 }
 
-/// The vertices `surface`, and the middles of their triangles' edges.
+/// Returns the vertices `surface` and the mid-edge nodes of their triangles.
 NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
   if (mesh.edges.empty()) return surface;
   for (const Triangle& t : mesh.surface)
@@ -268,7 +268,7 @@ const std::vector<std::int32_t>& tetrahedraOfGroup(const std::string& name, cons
   return elements;
 }
 
-/// Those of the group, and those whose middle is in a box or a sphere; sorted.
+/// Returns the tetrahedra of the group and those with a centroid in a box or sphere, sorted.
 std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
   std::vector<std::int32_t> elements;
   if (!region.group.empty())
@@ -294,7 +294,7 @@ std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
   return elements;
 }
 
-/// The vectors that a material takes its fibre from; null when it has fixed ones, or none.
+/// Returns the vectors of the material's fibre field, null if it has fixed fibres or none.
 const std::vector<Eigen::Vector3d>* fieldOf(const Material& material, const Mesh& mesh) {
   if (material.fiber_field.empty()) return nullptr;
   return &entryNamed(
@@ -363,7 +363,7 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
   std::ranges::move(probes, std::back_inserter(expanded));
   std::set<std::string> names;
   for (const ActiveSelection& one : scene.active)
-    if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // of its area
+    if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // name of its area
   for (const ActiveSelection& one : expanded)
     if (!names.insert(one.name).second)
       throw badInputAt(
@@ -385,7 +385,7 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
   for (const std::int32_t node : weighted ? withMidEdgeNodes(surface, mesh) : allNodes(mesh)) {
     const bool within = (mesh.nodes[node] - center).squaredNorm() <=
                         selection.radius * selection.radius * on_the_sphere;
-    // The node itself always, even where round-off puts it outside of a radius of 0.
+    // The node itself always belongs, even if round-off puts it outside a radius of 0.
     if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
   }
   PALPATE_ASSERT(contains(patch.nodes, patch.node),
@@ -406,7 +406,7 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
             placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
       region_of[element] = static_cast<std::uint16_t>(r);
     }
-  // [material] takes what no group names; without one every tetrahedron must be named.
+  // [material] takes the tetrahedra outside all groups. Without a [material], none may be left.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
     throw badInputAt(regions.front().lines.table,

@@ -5,50 +5,52 @@
 #include "common/scene/scene.hpp"
 #include "common/space/active_patch.hpp"
 
-/// What the tables of a scene select on its mesh: the nodes that are held, that can be touched and
-/// that move with the tool, and the regions of the body and their fibres. Errors are bad input and
-/// name the key or the active node.
+/// Resolves the tables of a scene on its mesh: fixed nodes, touchable nodes, nodes that move with
+/// the tool, and the regions of the body with their fibres. All errors are bad input and name the
+/// key or the active node.
 namespace palpate {
 
-/// The nodes that [fixed] selects: mid-edge nodes too, by their position, by their group, or
-/// because both vertices of their edge are listed in `nodes`. Error when a selector selects nothing
-/// or a group or node does not exist.
+/// Returns the nodes that [fixed] selects. They include mid-edge nodes, selected by position, by
+/// group, or because both vertices of their edge are listed in `nodes`. Error if a selector selects
+/// nothing or a group or node does not exist.
 NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
 
-/// The [[active]] tables of a scene with every `surface` replaced by one table for each vertex of
-/// the surface that it selects and that is not fixed, in the order of their numbers, called
-/// NAME-NODE; radius and tool are those of the table. For a finger instead one table for each site
-/// (sitesOn), called NAME-0, NAME-1, ..., `near` the site, with the area NAME; triangles belong to
-/// the surface whose three corners are selected. Behind all of them come the places where such
-/// areas are measured (probePlaces), scene.accuracy.probes each, called NAME-probe-0, and so on.
-/// Error when a selector holds no vertex of the surface, when all that are selected are fixed, when
-/// a group does not exist, or when two active nodes have one name then.
+/// Returns the [[active]] tables of a scene with every `surface` replaced by single tables:
+/// - a node tool gets one table per selected surface vertex that is not fixed, ascending, called
+///   NAME-NODE, with the radius and tool of the original table;
+/// - a finger gets one table per site (sitesOn), called NAME-0, NAME-1, ..., with `near` the site
+///   and the area NAME. A triangle belongs to the surface if its three corners are selected.
+///
+/// The probe places of these areas (probePlaces) follow behind all others: scene.accuracy.probes
+/// per area, called NAME-probe-0 and so on. Error if a selector holds no surface vertex, if all
+/// selected ones are fixed, if a group does not exist, or if two active nodes would have one name.
 std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
                                             const NodeSet& fixed);
 
-/// The patch of an [[active]] table without `surface`. A rigid one holds all nodes within the
-/// radius, inner ones and mid-edge nodes too; a weighted one those of the surface, with their
-/// weights (ActivePatch::weights); a finger is centred at the point of the surface that is nearest
-/// to `near` (finger.hpp). Fixed nodes are left out. Error when the node does not exist or
-/// is not a vertex of the surface, when `near` is far from the body, or when fewer than three nodes
-/// are left to be averaged.
+/// Returns the patch of an [[active]] table without `surface`. A rigid patch holds all nodes within
+/// the radius, including inner and mid-edge nodes. A weighted patch holds those of the surface,
+/// with their weights (ActivePatch::weights). A finger is centred at the surface point nearest to
+/// `near` (finger.hpp). Fixed nodes are left out. Error if the node does not exist or is not a
+/// surface vertex, if `near` is far from the body, or if fewer than three nodes are left to
+/// average.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);
 
-/// Which region each tetrahedron is in: that of its group, or of the box or sphere that its middle
-/// is in. Error (bad input), naming the key, when a region names an element group that the mesh
-/// does not have (listing those it has), when a group, box or sphere is empty, when a tetrahedron
-/// is in two regions, or in none although there is no [material], or when none is left for
-/// [material].
+/// Returns the region of each tetrahedron, given by its group or by the box or sphere that holds
+/// its centroid. Error (bad input) that names the key if
+/// - a region names an element group that the mesh lacks (the message lists the existing ones);
+/// - a group, box or sphere is empty;
+/// - a tetrahedron is in two regions, or in none without a [material];
+/// - no tetrahedron is left for [material].
 std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh);
 
-/// The fibres of each tetrahedron as Problem::fibers. Error (bad input) when the mesh has no
-/// element vectors of the name that a material gives (listing those it has), or a zero one where
-/// one is needed.
+/// Returns the fibres of each tetrahedron, as in Problem::fibers. Error (bad input) if the mesh
+/// lacks the element vectors that a material names (the message lists the existing ones), or if a
+/// vector is zero where one is needed.
 std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const std::vector<Region>& regions, const std::vector<std::uint16_t>& region_of,
     const Mesh& mesh);
 
-/// Whether some material has fibres.
+/// Returns whether some material has fibres.
 bool hasFibers(const std::vector<Region>& regions);
 
 }  // namespace palpate

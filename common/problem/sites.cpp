@@ -17,25 +17,26 @@
 namespace palpate {
 namespace {
 
-/// The pieces know the share of a finger that is free to about a hundredth.
+/// Sampling by pieces gives the free share of a finger to about 0.01.
 constexpr double free_share_margin = 0.02;
 
-/// Sites are closer together where the surface bends under the finger, by its mean unit normal m:
-/// the energy changes faster with s at rims and tips. As far as site_distance says for |m| above
-/// `flat`, `closest` of that from `bent` down.
+/// Sites lie closer together where the surface bends under the finger (mean unit normal m), because
+/// the energy changes faster with s at rims and tips. Their distance is site_distance for |m| above
+/// `flat` and falls to `closest` times that for |m| below `bent`.
 constexpr double flat = 0.95, bent = 0.55, closest = 0.6;
 
-/// They are closer, too, where a finger sinks in, because the tissue folds around it: from
-/// `shallow` to `deep` radii down to `closest_when_deep`. Of 146 exact solutions of a dome under a
-/// finger that is pressed in by up to 1.1 radii 90 % are kept without that, 94 % with it.
+/// Sites also lie closer if a finger sinks in deeply, because the tissue folds around it. The
+/// factor falls to `closest_when_deep` between depths of `shallow` and `deep` radii. On a dome
+/// under a finger pressed in by up to 1.1 radii, 94 % of 146 exact solutions are kept with this
+/// rule and 90 % without it.
 constexpr double shallow = 0.75, deep = 1.25, closest_when_deep = 0.7;
-/// A force F presses a finger in by F / (stiffness_share * shear modulus * radius), about, at most.
+/// A force F presses a finger in by at most about F / (stiffness_share * shear modulus * radius).
 constexpr double stiffness_share = 3;
 
 struct Piece {
   Eigen::Vector3d middle, normal;
   double area;
-  double free;  ///< share of the middle's shape functions that are of nodes which can move
+  double free;  ///< share of the shape functions at the middle that belong to movable nodes
 };
 
 void appendPieces(const Mesh& mesh, std::int32_t triangle, const NodeSet& fixed, double width,
@@ -57,7 +58,7 @@ double areaOf(const Mesh& mesh, const std::vector<std::int32_t>& triangles) {
   return area;
 }
 
-/// Whether a finger here rests on what can move.
+/// Returns whether a finger here rests on movable tissue.
 bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Piece>& pieces) {
   double whole = 0, free = 0;
   for (const Piece& piece : pieces) {
@@ -68,7 +69,7 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
   return free >= (least_free_share + free_share_margin) * whole;
 }
 
-/// How far a place may be from a site, metres.
+/// Returns, for each place, the largest distance to a site, metres.
 std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
                                   const std::vector<Piece>& pieces, double radius,
                                   double distance) {
@@ -92,14 +93,14 @@ std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
   return distances;
 }
 
-/// Drawn for each that is wanted, at most: a finger that only pushes takes a third of them, and may
+/// Largest number of draws per wanted probe. A purely pushing finger uses a third of them and may
 /// stand on half of the surface.
 constexpr std::int64_t most_draws = 100;
-/// Of the reach: what is shorter is rest, to the lattice that probes are in.
+/// Shortest displacement, in reaches. The probes' lattice rounds shorter ones to rest.
 constexpr double least_length = 0.01;
 
-/// Element n of the sequence that fills the unit cube most evenly: multiples of the powers of 1/g,
-/// where g^5 = g + 1.
+/// Returns element n of the sequence of Roberts (2018), which fills the unit cube evenly: fractions
+/// of multiples of the powers of 1/g, with g^5 = g + 1.
 Eigen::Vector4d quasiRandom(std::int64_t n) {
   constexpr double g = 1.1673039782614187;
   Eigen::Vector4d x;
@@ -112,7 +113,7 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
   return x;
 }
 
-/// The sphere's area is that of its cylinder (Archimedes).
+/// Returns a uniform point of the sphere, whose area equals that of its cylinder (Archimedes).
 Eigen::Vector3d onSphere(double height, double turn) {
   const double z = 2 * height - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
   return {r * std::cos(angle), r * std::sin(angle), z};
@@ -154,10 +155,10 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
         "make radius larger, or the surface smaller",
         radius, max_sites);
   };
-  // None covers more than a disk; known before there are many pieces to go through.
+  // A site covers at most a disk. This check costs little before there are many pieces.
   const double disk = std::numbers::pi * std::pow(distance * radius, 2);
   if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
-  // A finger reaches beyond what is to be covered.
+  // A finger reaches beyond the surface to cover.
   Eigen::AlignedBox3d box;
   for (const std::int32_t triangle : triangles) box.extend(boxOf(mesh, triangle));
   box = {box.min().array() - radius, box.max().array() + radius};
@@ -177,7 +178,8 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
   const FreeShare free_share(mesh, fixed, radius);
   return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {
-                          // The pieces look at the vertices alone; what they find is checked.
+                          // The pieces look at vertices alone, so their result is checked with all
+                          // nodes.
                           const bool may_stand = mayStand(place, radius, pieces) &&
                                                  !free_share.isBelow(least_free_share, place);
                           if (may_stand && taken == max_sites) refuse();
@@ -189,7 +191,7 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
                                     const NodeSet& fixed, double radius, double reach,
                                     ContactMode contact, std::int32_t count) {
   std::vector<Eigen::Vector3d> middles, normals;
-  std::vector<double> areas;  // of all pieces up to here, m^2
+  std::vector<double> areas;  // running sum over the pieces, m^2
   double area = 0;
   for (const std::int32_t triangle : triangles)
     forEachPiece(mesh, triangle, place_distance * radius, [&](const SurfacePiece& piece) {

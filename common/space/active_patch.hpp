@@ -10,18 +10,20 @@
 
 namespace palpate {
 
-/// Fingers of one radius are sites of one energy when every place between them is at most this many
-/// radii from the nearest; closer where the surface bends under them (common/problem/sites.hpp).
+/// Largest distance, in finger radii, from any place of an area to its nearest site. Sites of
+/// fingers of one radius that lie this close share one energy. They lie closer where the surface
+/// bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
-/// Places a little farther are still answered for: sites are chosen among places that lie apart.
+/// Places up to this distance from a site are still answered, because sites are chosen among places
+/// that lie apart.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
-/// Where a soft finger meets the surface at rest, and how wide it is: metres.
+/// The contact of a soft finger with the surface at rest: centre and radius, metres.
 struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
   double radius = 0;
-  /// What of its workspace is computed: in a scene with unilateral contact what the finger reaches
-  /// by pushing at the places that it answers for.
+  /// The computed part of its workspace. With unilateral contact it is the part that the finger
+  /// reaches by pushing at the places that this site answers for.
   PushedPart reach = {};
   bool operator==(const Finger&) const = default;
 };
@@ -31,16 +33,17 @@ struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
-  /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, sum 1, proportional to
-  /// the integral over the surface of the node's shape function times the bump (1 -
-  /// (r/radius)^2)^2. With P2 displacement some may be negative: a quadratic shape function is, in
-  /// places.
+  /// Empty for a rigid tool. A weighted-average tool has one weight per node with sum 1,
+  /// proportional to the surface integral of the node's shape function times the bump (1 -
+  /// (r/radius)^2)^2. With P2 displacement some weights may be negative, because quadratic shape
+  /// functions are negative in places.
   std::vector<double> weights = {};
-  /// Of a finger, which is centred anywhere on the surface: then the weights are fingerWeights
-  /// (finger_weights.hpp) about it, and `node` is the nearest vertex among the nodes.
+  /// Set for a finger, which may be centred anywhere on the surface. The weights are then
+  /// fingerWeights (finger_weights.hpp) about its centre, and `node` is the nearest vertex among
+  /// the nodes.
   std::optional<Finger> finger = {};
-  /// Of a finger where an area is measured: its space is the rest position and this one
-  /// displacement, metres.
+  /// Set for a finger that probes an area. Its space then consists of the rest position and this
+  /// one displacement, metres.
   std::optional<Eigen::Vector3d> probe = {};
   bool operator==(const ActivePatch&) const = default;
 };

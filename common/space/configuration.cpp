@@ -28,11 +28,11 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
   NodalFields fields = {std::vector<float>(3 * n_nodes), std::vector<float>(n_pressures)};
   for (std::vector<float>* values : {&fields.displacement, &fields.pressure}) {
     const std::size_t length = values->size() * sizeof(float);
-    // Not memcpy, which must not be given the null pointer of an empty array.
+    // memcpy must not get the null pointer of an empty array.
     std::ranges::copy(bytes.substr(0, length), reinterpret_cast<char*>(values->data()));
     bytes.remove_prefix(length);
     for (const float value : *values)
-      // Newton would start from it and fail far from the cause.
+      // Newton would start from this value and fail far from the cause.
       if (!std::isfinite(value)) throw failure("nodal fields hold a value that is not finite");
   }
   return fields;

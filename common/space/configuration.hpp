@@ -11,74 +11,75 @@
 
 namespace palpate {
 
-/// The bulky part of a configuration: float32, as stored, sent and started from.
+/// The nodal fields of a configuration, in float32: they are stored, sent and started from in this
+/// form.
 struct NodalFields {
-  std::vector<float> displacement;  ///< nNodes x 3, row per node, metres
+  std::vector<float> displacement;  ///< nNodes x 3, one row per node, metres
   std::vector<float> pressure;      ///< Problem::pressures, Pa; empty without a pressure space
 
-  /// displacement bytes, then pressure bytes, little-endian.
+  /// Returns the displacement bytes, then the pressure bytes, little-endian.
   std::string encode() const;
-  /// Inverse of encode for a mesh of n_nodes, n_pressures of which have a pressure; Error when the
-  /// size is another or a value is not finite.
+  /// Inverse of encode for a mesh of `n_nodes` nodes with `n_pressures` pressures. Error if the
+  /// size does not match or a value is not finite.
   static NodalFields decode(std::string_view bytes, std::size_t n_nodes, std::size_t n_pressures);
-  /// ContentId::of(encode()).
+  /// Returns ContentId::of(encode()).
   ContentId id() const;
 };
 
-/// The axes of the six components of a symmetric matrix.
+/// Row and column of each of the six components of a symmetric 3x3 matrix.
 inline constexpr std::array<std::array<int, 2>, 6> symmetric_axes = {
     {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
-/// How a symmetric matrix changes: a row per component, a column per axis along which it does.
+/// Derivative of a symmetric 3x3 matrix by a vector: one row per component, one column per axis.
 using SymmetricSlope = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
 
-/// What every tool's accepted configuration says of force and energy.
+/// Force and energy of an accepted configuration, for every kind of tool.
 struct ToolEquilibrium {
-  /// N, exerted by the tissue on the tool, = -dE/dp.
+  /// Force of the tissue on the tool, N, = -dE/dp.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  /// N/m, [a, b] = d force_a / d p_b: symmetric, negative definite near rest.
+  /// Stiffness, N/m, [a, b] = d force_a / d p_b: symmetric, negative definite near rest.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0;     ///< J, stored energy relative to the rest state
-  double min_det_F = 1;  ///< smallest over the elements
+  double min_det_F = 1;  ///< smallest det F over the elements
 };
 
-/// What a finger's says beyond that: at s on the surface (ActivePatch::finger) its energy E(s, p)
-/// also changes with s. Zero of other tools. All exact, in three dimensions, because E is defined
-/// for any s near the surface.
+/// The further derivatives of a finger's energy E(s, p), which also depends on its place s on the
+/// surface (ActivePatch::finger). They are zero for other tools. All are exact and
+/// three-dimensional, because E is defined for any s near the surface.
 struct FingerSlopes {
-  /// N, what drives the finger along, T = -dE/ds.
+  /// Configurational force T = -dE/ds, N. It drives the finger along the surface.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
-  /// N/m, [a, b] = d drive_a / d p_b; the transpose is d force / d s.
+  /// N/m, [a, b] = d drive_a / d p_b. Its transpose is d force / d s.
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
-  // The third derivatives, to some seven digits; where the stiffness jumps they are any number
-  // (worker/solver/third_derivatives.hpp).
-  /// N/m^2, d stiffness / d p, the same whichever axes change places.
+  // The third derivatives have about seven correct digits. Where the stiffness jumps they are
+  // arbitrary (worker/solver/third_derivatives.hpp).
+  /// N/m^2, d stiffness / d p, symmetric in all three axes.
   SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
-  /// N/m^2, d stiffness / d s; its column k is also the second derivative of drive[k] by p.
+  /// N/m^2, d stiffness / d s. Its column k is also the second derivative of drive[k] by p.
   SymmetricSlope stiffness_by_s = SymmetricSlope::Zero();
   /// N/m^2, d drive_slope / d p.
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
-/// The small part of a configuration.
+/// Force, energy and their derivatives: the small part of a configuration.
 struct Equilibrium : ToolEquilibrium, FingerSlopes {};
 
-/// In SI units: more than any tissue gives, and far enough from overflow that what is interpolated
-/// from such numbers is finite.
+/// Largest magnitude of a stored number, SI units. No tissue reaches it, and it is far enough from
+/// overflow that interpolated values stay finite.
 inline constexpr double largest_stored = 1e30;
-/// Whether every number of it is finite, and at most largest_stored.
+/// Returns whether every number is finite and at most largest_stored in magnitude.
 bool isUsable(const Equilibrium& equilibrium);
 
-/// Whether it says anything of how the energy changes with s: a finger's.
+/// Returns whether any derivative by s is non-zero, which only a finger has.
 inline bool hasDrive(const FingerSlopes& e) {
   return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
            e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
            e.drive_slope_by_p.isZero(0));
 }
 
-/// How much work an answer took. Everything but `seconds` is reproducible.
+/// Work that an answer took. Every number but `seconds` is reproducible.
 struct Cost {
   std::int32_t newton_iterations = 0;
   std::int32_t factorizations = 0;
@@ -94,24 +95,24 @@ struct Cost {
   }
 };
 
-/// An equilibrium, as it is stored.
+/// An equilibrium as it is stored.
 struct Configuration {
   Equilibrium equilibrium;
   double residual = 0;  ///< N, norm
   NodalFields fields;
 };
 
-/// The end of a transition, and what it took.
+/// The end of a transition and the work it took.
 struct Outcome {
   std::variant<Failure, Configuration> end;
   Cost cost;
 
   bool converged() const { return std::holds_alternative<Configuration>(end); }
-  /// Where it converged.
+  /// Valid if converged().
   const Configuration& configuration() const { return std::get<Configuration>(end); }
   Configuration& configuration() { return std::get<Configuration>(end); }
   const Equilibrium& equilibrium() const { return configuration().equilibrium; }
-  /// Where it did not.
+  /// Valid if not converged().
   const Failure& failure() const { return std::get<Failure>(end); }
   Failure& failure() { return std::get<Failure>(end); }
 };

@@ -15,7 +15,8 @@ constexpr auto cause_words = std::to_array<std::string_view>(
      "limit_point", "beyond_force", "bifurcation"});
 static_assert(cause_words.size() == static_cast<std::size_t>(Cause::bifurcation) + 1);
 
-/// What `f` means, and what usually helps. A switch, so that the compiler tells of a new cause.
+/// Returns the meaning of `f` and the usual remedy. A switch, so that the compiler reports a cause
+/// without a case.
 std::string meaningOf(const Failure& f) {
   switch (f.cause) {
     case Cause::none: break;
@@ -84,7 +85,7 @@ bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cau
 
 std::string describe(const Failure& failure) {
   if (failure.cause == Cause::none) return "no failure";
-  // Where it stopped is known of those that a worker came back from.
+  // A lost worker reports no position.
   const bool has_place = stopsTransitions(failure.cause) && failure.cause != Cause::worker_lost;
   const std::string where =
       has_place ? fmt::format(" at {:.1f} % of the transition", 100 * failure.step_reached) : "";

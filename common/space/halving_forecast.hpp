@@ -6,10 +6,11 @@
 
 namespace palpate {
 
-/// How many cells are halved until the error of one is allowed, itself among them, at most `levels`
-/// times: each halving leaves an eighth of the error, and four of the eight parts need it again.
-/// `ratio`: of the likely error to what is allowed; infinite where answers end in the cell. For
-/// estimates of cost and time alone; no build depends on it.
+/// Estimates how many cells are halved, this one included, until the error of each is allowed. A
+/// cell is halved at most `levels` times. Each halving leaves an eighth of the error, and four of
+/// the eight parts are halved again. `ratio` is the likely error divided by the allowed error,
+/// infinite if answers end in the cell. Only estimates of cost and time use it; no build depends on
+/// it.
 inline double cellsHalved(double ratio, std::int32_t levels) {
   constexpr double error_by_halving = 8;
   if (ratio <= 1 || levels <= 0) return 0;

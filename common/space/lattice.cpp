@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
-constexpr double max_points = 1e7;  // 4/3 pi ratio^3, which counts them to a part in a thousand
-/// "14.3 mm" means 100/7 mm = 14.2857 mm, "6.667 mm" means 100/15 mm.
+constexpr double max_points = 1e7;  // 4/3 pi ratio^3 estimates the count to 0.1 %
+/// The spacing 14.3 mm means 100/7 mm = 14.2857 mm, and 6.667 mm means 100/15 mm.
 constexpr double spacing_tolerance = 2e-3;
 
-/// radius / spacing, an integer where the two were meant to divide.
+/// Returns radius / spacing, rounded to an integer if it is within spacing_tolerance of one.
 double ratioOf(double radius, double spacing) {
   if (!(std::isfinite(spacing) && spacing > 0))
     throw badInput("workspace.spacing = {} m: must be greater than 0", spacing);
@@ -28,11 +28,11 @@ double ratioOf(double radius, double spacing) {
         radius, spacing);
   const double ratio = radius / spacing;
   const double whole = std::round(ratio);
-  // People round 100/7 mm to 14.3 mm and mean a lattice that ends on the sphere.
+  // Users round 100/7 mm to 14.3 mm and mean a lattice that ends on the sphere.
   return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
 }
 
-/// Calls visit(point, squared norm) for the lattice points of the ball, in lexicographic order.
+/// Calls visit(point, squared norm) for each lattice point of the ball, in lexicographic order.
 template <class Visit>
 void forEachPointOfBall(std::int32_t extent, std::int64_t limit, Visit visit) {
   for (std::int32_t i = -extent; i <= extent; ++i)
@@ -42,11 +42,11 @@ void forEachPointOfBall(std::int32_t extent, std::int64_t limit, Visit visit) {
           visit(LatticePoint{i, j, k}, static_cast<std::size_t>(norm));
 }
 
-/// The lattice points of the ball by (squared norm, i, j, k): a counting sort, since there may be
-/// millions.
+/// Returns the lattice points of the ball by (squared norm, i, j, k). A counting sort, since there
+/// may be millions.
 std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) {
   std::vector<std::size_t> next(static_cast<std::size_t>(limit) + 2,
-                                0);  // place of the next point of a norm
+                                0);  // index of the next point of a norm
   forEachPointOfBall(extent, limit,
                      [&](const LatticePoint&, std::size_t norm) { ++next[norm + 1]; });
   std::partial_sum(next.begin(), next.end(), next.begin());
@@ -79,7 +79,7 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
-  // Integers decide about the sphere: a ratio that is whole but for round-off must not lose its
+  // The sphere is decided in integers, so a ratio that is whole but for round-off must not lose its
   // points.
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
@@ -179,7 +179,7 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
   const auto place = static_cast<std::int64_t>(*placeInCube(point));
   const std::int64_t side = 2 * std::int64_t{extent_} + 1;
   const auto isInside = [&](std::int32_t x) { return std::abs(x) <= extent_; };
-  // By the length of the step, then the point's norm, then its coordinates.
+  // Sort by length of the step, then norm of the point, then coordinates.
   std::array<std::pair<std::int64_t, std::int32_t>, 26> found;
   std::size_t count = 0;
   for (std::size_t s = 0; s < steps.size(); ++s) {
@@ -190,7 +190,7 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
     // Refined points have parents of their own (the plan's pursuits).
     if (number < 0 || number >= uniform_size_) continue;
     const std::int64_t squared_length = i * i + j * j + k * k;
-    // Of steps of one length the norm grows with the product.
+    // Among steps of one length the norm grows with the product.
     const std::int64_t along =
         std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
     found[count++] = {(squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
@@ -231,14 +231,15 @@ LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions) {
   PALPATE_ASSERT(cell.level > 0, "cells of level 0 are in no other");
   LatticeCell parent = {cell.lowest, cell.level - 1};
   const std::int32_t edge = divisions >> parent.level;
-  // The remainder of a negative coordinate is negative: floor, not truncation.
+  // The remainder of a negative coordinate is negative, so this computes floor instead of
+  // truncation.
   for (std::int32_t& coordinate : parent.lowest) coordinate -= (coordinate % edge + edge) % edge;
   return parent;
 }
 
 bool reachesIntoBall(const Lattice& lattice, const LatticeCell& cell) {
   const std::int32_t edge = lattice.divisions() >> cell.level;
-  double squared = 0;  // of the distance of the nearest place of the cell
+  double squared = 0;  // of the distance from the origin to the nearest place of the cell
   for (const std::int32_t low : cell.lowest) {
     const double distance = std::max({low, -(low + edge), 0});
     squared += distance * distance;

@@ -9,18 +9,18 @@
 
 namespace palpate {
 
-/// A transition of a build, and its result: which configuration space, to which point, from which
-/// one. The origin is its own parent: it is solved from the rest state. Means the same in every
-/// process and needs no plan to be read.
+/// Identifies a transition of a build and its result: configuration space, target point and parent
+/// point. The origin is its own parent, since it is solved from the rest state. A key means the
+/// same in every process and can be read without a plan.
 struct ResultKey {
   std::uint32_t space = 0;
   LatticePoint target = {}, parent = {};
   auto operator<=>(const ResultKey&) const = default;
 };
-std::string textOf(const ResultKey& key);  ///< for people
+std::string textOf(const ResultKey& key);  ///< text for messages
 
-/// For unordered containers. Not noexcept: the standard library keeps hashes beside the keys then,
-/// which costs no memory here and spares half of the work of growing.
+/// Hash for unordered containers. It is not noexcept, so that the standard library caches hashes
+/// beside the keys. That costs no memory here and halves the work of growing.
 struct HashOfResultKey {
   std::size_t operator()(const ResultKey& key) const {
     static_assert(std::has_unique_object_representations_v<ResultKey>);

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Coordinates beyond those of the cubes that reach into the ball.
+/// Returns whether a coordinate is larger than those of the cubes that reach into the ball.
 bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   const std::int64_t limit =
       static_cast<std::int64_t>(std::floor(lattice.radius() / lattice.spacing() * (1 + 1e-9)) + 1) *
@@ -97,7 +97,7 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   for (const PointRecord& point : space.points)
     if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
   const double limit =
-      // Without an expandable point there is no measure of what is too much.
+      // Without an expandable point there is no force to compare with.
       largest > 0 ? largest_force_share * largest : std::numeric_limits<double>::infinity();
   std::vector<bool> interpolated;
   for (const PointRecord& point : space.points)

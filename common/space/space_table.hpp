@@ -10,45 +10,50 @@
 
 namespace palpate {
 
-/// One recorded transition that failed: point `target` could not be reached from `parent`.
+/// A recorded transition that failed: point `target` could not be reached from `parent`.
 struct FailedAttempt {
   std::int32_t target = -1;  ///< lattice numbers
   std::int32_t parent = -1;
   Failure failure;
 };
 
-/// What is known of one lattice point; the rows of a configuration space.
+/// The record of one lattice point: a row of a configuration space.
 struct PointRecord {
   Tag tag = Tag::unknown;
-  /// When failed: of the attempt that got furthest, unreachable without one.
+  /// Cause of the attempt that got furthest if the tag is failed; unreachable if there was no
+  /// attempt.
   Cause cause = Cause::none;
-  /// Lattice number it was solved from; the origin is its own parent; -1 when not solved.
+  /// Lattice number of the point it was solved from, -1 if not solved. The origin is its own
+  /// parent.
   std::int32_t parent = -1;
   Equilibrium equilibrium;  ///< valid when expandable or terminating
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
-  /// Of its NodalFields, all nodes in float32, which transitions from it start with; all zero when
-  /// not solved. A dataset may keep less of them (Storage).
+  /// Id of its NodalFields (all nodes, float32), from which transitions start; zero if not solved.
+  /// A dataset may store fewer fields (Storage).
   ContentId fields;
 };
 
-/// The force there is more than the scene's largest: it was solved so, or given up far beyond it.
+/// Returns whether the force exceeds the scene's largest: the point was solved there, or given up
+/// far beyond it.
 inline bool isBeyondForce(const PointRecord& record) {
   return record.tag == Tag::terminating ||
          (record.tag == Tag::failed && record.cause == Cause::beyond_force);
 }
 
-/// An exact solution at a position off the lattice. No interpolation may use it: it is there to
-/// measure interpolations.
+/// An exact solution at a position off the lattice. Probes measure interpolations, so no
+/// interpolation may use one.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
-  PointRecord record;  ///< its parent is a lattice point; never unknown in a complete build
+  PointRecord
+      record;  ///< its parent is a lattice point; its tag is never unknown in a complete build
 };
 
-/// What became of probes, as every program counts them.
+/// Results of probes, as every program counts them.
 struct ProbeCounts {
   std::size_t all = 0;
-  std::size_t within_force = 0;  ///< solved within the scene's largest force: measured with
+  std::size_t within_force =
+      0;  ///< solved within the scene's largest force; error statistics use these
   std::size_t beyond_force = 0;  ///< isBeyondForce()
 
   void add(const PointRecord& probe) {
@@ -59,61 +64,61 @@ struct ProbeCounts {
   std::size_t unsolved() const { return all - within_force - beyond_force; }
 };
 
-/// One configuration space without the bulky fields. points[n] belongs to lattice number n.
+/// A configuration space without the nodal fields. points[n] belongs to lattice number n.
 struct SpaceTable {
   ActivePatch patch;
-  double max_force = 3.3;  ///< N, of the scene's workspace; default: of the smallest device
+  double max_force = 3.3;  ///< N, the scene's limit; the default suits the smallest device
   Lattice lattice;
-  std::vector<LatticeCell> splits;  ///< cells that were split into eight, by coarserFirst
+  std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by coarserFirst
   std::vector<PointRecord> points;
-  /// Sorted by (target, order in which they were tried); no probes.
+  /// Sorted by (target, order of trial); without attempts of probes.
   std::vector<FailedAttempt> attempts;
   std::vector<Probe> probes;
-  /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
-  /// sealDataset finds them itself.
+  /// inconsistentEdges of this space (branch_check.hpp) when the dataset was sealed. sealDataset
+  /// computes them itself.
   std::vector<LatticeEdge> inconsistent_edges;
 };
 
-/// One configuration space, row by row: what is gone through without being copied, since a build
-/// may have ten million points. Its numbers mean what those of a SpaceTable do.
+/// A configuration space row by row, for reading without a copy, since a build may have ten million
+/// points. Numbers mean the same as in a SpaceTable.
 class SpaceRows {
  public:
   virtual ~SpaceRows() = default;
   virtual const ActivePatch& patch() const = 0;
-  /// Its first points are the space's; others (probes) may follow.
+  /// Its first points are those of the space; other positions (probes) may follow.
   virtual const Lattice& lattice() const = 0;
   virtual const std::vector<LatticeCell>& splits() const = 0;
-  virtual std::int32_t points() const = 0;  ///< how many
+  virtual std::int32_t points() const = 0;  ///< number of points
   virtual PointRecord point(std::int32_t n) const = 0;
   virtual Tag tag(std::int32_t n) const = 0;
-  /// Without what only a finger has; null when the point is not solved.
+  /// Equilibrium without the derivatives of a finger, null if the point is not solved.
   virtual const ToolEquilibrium* equilibrium(std::int32_t n) const = 0;
-  virtual std::size_t attempts() const = 0;  ///< how many
+  virtual std::size_t attempts() const = 0;  ///< number of failed attempts
   using VisitAttempt = std::function<void(const FailedAttempt&)>;
   virtual void eachAttempt(const VisitAttempt& visit) const = 0;
-  virtual std::int32_t probes() const = 0;  ///< how many
+  virtual std::int32_t probes() const = 0;  ///< number of probes
   virtual Probe probe(std::int32_t n) const = 0;
 };
 using SpaceRowsList = std::vector<std::unique_ptr<const SpaceRows>>;
-/// Those of tables, which must outlive them.
+/// Returns the rows of `tables`, which must outlive them.
 SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables);
-/// A copy of all of it, without inconsistent edges.
+/// Copies all rows, without inconsistent edges.
 SpaceTable tableOf(const SpaceRows& rows);
 
-/// Largest force of a terminating point that cells are interpolated with, in largest forces of the
-/// expandable points. Beyond it an element beside the tool is being crushed: the force is tens to
-/// thousands of times what a device renders, and a polynomial that meets it is wrong in the whole
-/// cell.
+/// Largest force of a terminating point that interpolation uses, as a multiple of the largest force
+/// of the expandable points. Beyond it an element beside the tool is being crushed: the force is
+/// tens to thousands of times the range of a device, and a polynomial through it is wrong in the
+/// whole cell.
 inline constexpr double largest_force_share = 3;
 
-/// By lattice number, whether cells are interpolated with the point: it is solved and, if it is
-/// terminating, within largest_force_share. The others are continued from their neighbours, as if
-/// they had failed.
+/// Returns, by lattice number, whether interpolation uses the point: it is solved and, if
+/// terminating, within largest_force_share. The others are extrapolated from their neighbours like
+/// failed points.
 std::vector<bool> interpolatedPoints(const SpaceTable& space);
 
-/// What of `space` contradicts itself, as a clause for errors ("probe 3 lies outside of the
-/// workspace"); empty when nothing does. Looked at are numbers that name points, cells and edges,
-/// and positions.
+/// Describes the first inconsistency as a clause for an error message ("probe 3 lies outside of the
+/// workspace"); empty if there is none. Checks positions and the indices of points, cells and
+/// edges.
 std::string faultOf(const SpaceTable& space);
 std::string faultOf(const SpaceRows& space);
 
