@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Of every active node, or of the area it is a site of; each once, in the order of the scene.
+/// Returns the name of every active node, or of its area; each once, in scene order.
 std::vector<std::string> choicesOf(const Scene& scene) {
   std::vector<std::string> names;
   for (const ActiveSelection& active : scene.active) {
-    if (active.isProbe()) continue;  // measures what can be touched, and is not touched itself
+    if (active.isProbe()) continue;  // probes measure an area and cannot be touched
     const std::string& name = active.area.empty() ? active.name : active.area;
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }

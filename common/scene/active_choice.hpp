@@ -4,25 +4,26 @@
 
 namespace palpate {
 
-/// What a name after --active means in a resolved scene.
+/// The spaces that a name after --active selects in a resolved scene.
 struct ActiveChoice {
-  std::vector<std::size_t> spaces;  ///< one, or the sites of an area
-  std::string name;                 ///< of the active node or the area
+  std::vector<std::size_t> spaces;  ///< one space, or the sites of an area
+  std::string name;                 ///< name of the active node or area
   bool is_area = false;
-  bool is_finger = false;  ///< its tool; always of an area
-  /// Where an area is measured (Dataset::probePlaces).
+  bool is_finger = false;  ///< whether its tool is a finger; true for every area
+  /// Indices of the probes of an area, as in Dataset::probePlaces.
   std::vector<std::size_t> probe_places = {};
 };
 
-/// The active node or the area of this name; without a name the only one there is. Error (bad
-/// input) that lists them: of an area its name and not its sites, which have names too.
+/// Returns the active node or area of this name; an empty name selects the only one. Error (bad
+/// input) with a list of all names if there is no such name or no single one. The list gives the
+/// name of an area instead of its sites, which have names too.
 ActiveChoice chooseActive(const Scene& scene, const std::string& name);
 
-/// Every area with its sites, in the order of the scene.
+/// Returns every area with its sites, in scene order.
 std::vector<ActiveChoice> areasOf(const Scene& scene);
 
-/// Error (bad input) when an area was chosen and no place in it, `--at`, is given, or a place of
-/// what is no finger.
+/// Error (bad input) if an area was chosen without a place (`--at`), or a place was given for
+/// another tool than a finger.
 void requirePlace(const ActiveChoice& choice, bool given);
 
 }  // namespace palpate

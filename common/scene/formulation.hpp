@@ -20,22 +20,27 @@ enum class LawName : std::uint8_t {
   veronda_westmann,
   holzapfel_gasser_ogden
 };
-/// "P1" (four nodes a tetrahedron) or "P2" (ten, straight edges).
+/// "P1" (4-node tetrahedra) or "P2" (10-node tetrahedra with straight edges).
 enum class DisplacementSpace : std::uint8_t { p1, p2 };
-/// "none"; "P1": with P1 displacement the paper's equal order, which violates inf-sup, with P2
-/// displacement Taylor-Hood; "P1-stabilized" (P1 displacement, polynomial pressure projection);
-/// "P2" (P2 displacement, the paper's quadratic equal order, which violates inf-sup).
+/// Pressure space:
+/// - "none";
+/// - "P1": with P1 displacement the paper's equal order, which violates inf-sup; with P2
+///   displacement Taylor-Hood;
+/// - "P1-stabilized": for P1 displacement, with polynomial pressure projection;
+/// - "P2": for P2 displacement, the paper's quadratic equal order, which violates inf-sup.
 enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized, p2 };
-/// "ln-det-F" (default, a barrier: no element can invert) or "det-F-1" (the paper's and GetFEM's).
+/// "ln-det-F" (default, a barrier that keeps elements from inverting) or "det-F-1" (used by the
+/// paper and GetFEM).
 enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 
-/// What moves a patch of nodes: "rigid", all of them by the tool's displacement (a single node is
-/// the smallest rigid patch), or "weighted-average", which prescribes the mean of their
-/// displacements only; "finger" is the same about any point of the surface, not only about nodes.
+/// How a tool prescribes the displacements of a patch of nodes:
+/// - "rigid" moves all nodes by the tool's displacement; a single node is the smallest rigid patch;
+/// - "weighted-average" prescribes the weighted mean of their displacements only;
+/// - "finger" prescribes the weighted mean about any point of the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 
-/// The words of the scene file for the enumerators of a choice, in their order. Choices have theirs
-/// beside them.
+/// Words of the scene file for the enumerators of a choice, in their order. Each choice specialises
+/// this beside its definition.
 template <class Choice>
 inline constexpr std::array<std::string_view, 0> words_of = {};
 template <>
@@ -54,7 +59,7 @@ template <>
 inline constexpr auto words_of<ToolKind> =
     std::to_array<std::string_view>({"rigid", "weighted-average", "finger"});
 
-/// The word of an enumerator. Valid for ever.
+/// Returns the word of an enumerator; it has static lifetime.
 template <class Choice>
 requires(!words_of<Choice>.empty()) constexpr std::string_view word(Choice choice) {
   return words_of<Choice>.at(static_cast<std::size_t>(choice));

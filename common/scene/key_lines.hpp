@@ -9,13 +9,13 @@
 
 namespace palpate {
 
-/// Where a table and its keys stand in the text of a scene, for errors that only the mesh shows.
-/// Any two are equal: what a scene means does not depend on where its keys stand.
+/// Line numbers of a table and its keys in the scene file, for errors that only the mesh reveals.
+/// Any two compare equal, because the lines do not change the meaning of a scene.
 struct KeyLines {
-  int table = 0;  ///< from 1; 0: unknown
+  int table = 0;  ///< from 1; 0 if unknown
   std::vector<std::pair<std::string, int>> keys = {};
 
-  /// The line of the key, or of the table where the key is left out.
+  /// Returns the line of the key, or of the table if the key is absent.
   int of(std::string_view key) const {
     for (const auto& [name, line] : keys)
       if (name == key) return line;
@@ -24,7 +24,7 @@ struct KeyLines {
   bool operator==(const KeyLines&) const { return true; }
 };
 
-/// An error about this line of the scene's file. Whoever knows the file puts both before it.
+/// An error about a line of the scene file. Its catcher adds file and line to the message.
 class SceneError : public Error {
  public:
   SceneError(int line, const Error& error) : Error(error), line_(line) {}
@@ -34,13 +34,13 @@ class SceneError : public Error {
   int line_;
 };
 
-/// badInput() about this line.
+/// Makes a badInput() about this line.
 template <class... Args>
 SceneError badInputAt(int line, fmt::format_string<Args...> format, Args&&... args) {
   return {line, badInput(format, std::forward<Args>(args)...)};
 }
 
-/// What `work` returns. An Error that it throws becomes one about `line`, unless it has a line.
+/// Returns the result of `work`. An Error that it throws gets this line unless it already has one.
 template <class Work>
 auto atLine(int line, const Work& work) {
   try {

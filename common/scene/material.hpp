@@ -9,21 +9,21 @@
 
 namespace palpate {
 
-/// A term of Ogden's energy, mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3); mu alpha > 0.
+/// A term of Ogden's energy: mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), with mu alpha > 0.
 struct OgdenTerm {
   double mu = 0;     ///< Pa
   double alpha = 0;  ///< -
   bool operator==(const OgdenTerm&) const = default;
 };
 
-/// A material, as [material] or [[region]] gives it. Keys that the law does not take are refused.
-/// The energies are in docs/solver.md and worker/laws/laws.hpp; all but the first two laws are
-/// isochoric energies, to be used with det F = 1 or, with `bulk`, with a volumetric energy beside
-/// them.
+/// A material from [material] or [[region]]. Keys that the law does not take are refused.
+/// docs/solver.md and worker/laws/laws.hpp give the energies. All laws but `linear` and
+/// `st-venant-kirchhoff` are isochoric energies: they are used with det F = 1, or with an added
+/// volumetric energy if `bulk` is given.
 struct Material {
   LawName law = LawName::mooney_rivlin;
   double young = 0;  ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
-  /// -1 to 0.5; needed by linear and st-venant-kirchhoff, optional for the modified law.
+  /// -1 to 0.5. Required by linear and st-venant-kirchhoff, optional for the modified law.
   std::optional<double> poisson = {};
   double c10 = 0;           ///< Pa, > 0; mooney-rivlin, yeoh
   double c01 = 0;           ///< Pa, >= 0; mooney-rivlin
@@ -33,42 +33,42 @@ struct Material {
   double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
   double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
   double dispersion = 0;  ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
-  /// holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none.
+  /// One or two unit directions at rest (holzapfel-gasser-ogden), else empty.
   std::vector<Eigen::Vector3d> fibers = {};
-  /// Instead of `fibers`: element vectors of this name in the mesh (Mesh).
+  /// Name of the element vectors (Mesh) that replace `fibers`, else empty.
   std::string fiber_field = {};
-  /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/solver.md; not taken by
-  /// linear and the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
+  /// Pa, > 0. If given, the material is compressible with the volumetric energy U of
+  /// docs/solver.md. If absent, it is exactly incompressible. linear and the St. Venant-Kirchhoff
+  /// laws do not take it.
   std::optional<double> bulk = {};
-  std::optional<double> density = {};  ///< kg/m^3, > 0; needed when there is gravity
+  std::optional<double> density = {};  ///< kg/m^3, > 0; required with gravity
   bool operator==(const Material&) const = default;
 };
 
-/// Whether the material is used with det F = 1 exactly, and so needs a pressure.
+/// Returns whether the material requires det F = 1 exactly, and therefore a pressure.
 bool isIncompressible(const Material& material);
-/// Whether the material has a pressure when there is a pressure space: exactly or nearly
-/// incompressible.
+/// Returns whether the material has a pressure if there is a pressure space. True for all laws but
+/// linear and st-venant-kirchhoff.
 bool isMixed(const Material& material);
-/// Shear modulus at rest, Pa: what pressures and residuals are scaled by.
+/// Shear modulus at rest, Pa; pressures and residuals are scaled by it.
 double shearModulus(const Material& material);
 /// Bulk modulus at rest, Pa; infinite for exactly incompressible materials.
 double bulkModulus(const Material& material);
-/// Young's modulus (Pa) and Poisson's ratio at rest. Fibres are not counted.
+/// Young's modulus (Pa) and Poisson's ratio at rest, without fibres.
 double youngModulus(const Material& material);
 double poissonRatio(const Material& material);
-/// The strain beyond which a law is unstable: a shear for Yeoh's with a negative c20, a compression
-/// for St. Venant-Kirchhoff's. Empty for the other laws.
+/// The strain beyond which a law is unstable: a shear for Yeoh's law with negative c20, a
+/// compression for St. Venant-Kirchhoff. nullopt for the other laws.
 struct Softening {
   double strain;
   const char* kind;  ///< "shear" or "compression"
 };
 std::optional<Softening> softeningOf(const Material& material);
-/// The largest Young's modulus at rest divided by the smallest shear modulus. `materials` is not
-/// empty.
+/// Returns the largest Young's modulus at rest divided by the smallest shear modulus. `materials`
+/// must not be empty.
 double contrastOf(const std::vector<Material>& materials);
-/// Whether the volume resists so much more than the shape (Poisson's ratio > 0.49) that linear
-/// tetrahedra without a pressure lock. Exactly incompressible materials, which have a pressure, do
-/// not count.
+/// Returns whether linear tetrahedra without a pressure lock (Poisson's ratio > 0.49). False for
+/// exactly incompressible materials, which have a pressure.
 bool isNearlyIncompressible(const Material& material);
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ namespace {
 
 enum class Sign { positive, not_negative, any };
 
-/// A key that is one number.
+/// A key that holds one number.
 struct NumberKey {
   std::string_view key;
   double Material::*member;
@@ -42,7 +42,7 @@ constexpr NumberKey k1 = {"k1", &Material::k1, Sign::positive, "Pa",
 constexpr NumberKey k2 = {"k2", &Material::k2, Sign::positive, "",
                           "the factor in the exponent of the fibres, a number"};
 
-/// Of each law. Ogden's terms are lists.
+/// Returns the number keys of a law. Ogden's terms are lists and not among them.
 std::vector<NumberKey> numbersOf(LawName law) {
   switch (law) {
     case LawName::linear:
@@ -63,7 +63,7 @@ bool takesYoung(LawName law) {
          law == LawName::modified_st_venant_kirchhoff;
 }
 
-/// The keys that a law needs, and those that it may have beside them.
+/// Keys that a law requires, and keys that it accepts.
 struct Keys {
   std::vector<std::string_view> needed, optional;
 };
@@ -135,11 +135,11 @@ std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
   return terms;
 }
 
-/// Unit vectors are left as they are, so that what was normalised once stays the same bits.
+/// Returns the direction as a unit vector. Unit vectors are returned unchanged.
 Eigen::Vector3d directionOf(const TomlSection& section, const toml::node& node) {
   Eigen::Vector3d direction = section.vector("fiber", node);
   if (direction.isZero(0)) throw section.wrong("fiber", "[0, 0, 0] has no direction");
-  // Normalising once more would change the last bit, and with it the id of the scene.
+  // Normalising again would change the last bit, and with it the id of the scene.
   if (std::abs(direction.squaredNorm() - 1) < 1e-14) return direction;
   return direction.stableNormalized();
 }
@@ -155,7 +155,7 @@ void readFibers(const TomlSection& section, Material& material) {
   if (array == nullptr || array->empty())
     throw section.wrong("fiber",
                         "write [x, y, z], [[x, y, z], [x, y, z]], or the name of element vectors");
-  // One direction may be written without the outer brackets.
+  // A single direction may be written without the outer brackets.
   if (!array->get(0)->is_array()) {
     material.fibers = {directionOf(section, node)};
     return;
@@ -250,7 +250,7 @@ std::string materialToml(const Material& material) {
 std::string inWords(const Material& material) {
   std::string text(word(material.law));
   for (const auto& [key, value, unit] : entriesOf(material)) {
-    // 1300.0 is TOML; people read 1300.
+    // TOML needs 1300.0; 1300 reads better.
     const std::size_t end = value.ends_with(".0") ? value.size() - 2 : value.size();
     text += fmt::format(", {} = {}{}{}", key, value.substr(0, end), unit.empty() ? "" : " ", unit);
   }

@@ -1,4 +1,4 @@
-// The scene as it stands in messages and datasets; read again by scene.cpp.
+// The scene as TOML for messages and datasets; scene.cpp reads it.
 
 #include <fmt/ranges.h>
 
@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// `key = [item, ...]`, one item per line; nothing for no items.
+/// Returns `key = [item, ...]`, one item per line; empty without items.
 std::string listOf(const char* key, const std::vector<std::string>& items) {
   if (items.empty()) return {};
   std::string text = fmt::format("{} = [\n", key);
@@ -78,8 +78,7 @@ std::string activeToml(const ActiveSelection& active) {
   return text;
 }
 
-/// Nothing for a scene that asks for nothing: it keeps the id that it had before there was accuracy
-/// to ask for.
+/// Returns an empty text for defaults: such a scene keeps the id from before [accuracy] existed.
 std::string accuracyToml(const Accuracy& accuracy) {
   if (accuracy == Accuracy{}) return {};
   const std::string error =
@@ -102,7 +101,7 @@ std::string resolvedToml(const Scene& scene) {
   std::string text =
       fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                   quotedToml(scene.mesh.filename().string()));
-  // Left out where it says nothing: scenes from before the key keep their bytes.
+  // The default is left out, so that older scenes keep their bytes.
   if (scene.contact != ContactMode{})
     text += fmt::format("contact = \"{}\"\n", word(scene.contact));
   for (const Region& region : scene.regions) text += regionToml(region);

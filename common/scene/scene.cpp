@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, length_units.size()> unit_words = {
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
-/// Refuses an entry that is called like one before it.
+/// Refuses the last entry if an earlier one has the same name.
 template <class Entry>
 void refuseTwin(const TomlSection& section, const std::vector<Entry>& before,
                 std::string Entry::*name, const char* key, const char* what) {
@@ -75,7 +75,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
       throw section.wrong("group",
                           "missing: give the physical group of the mesh that is this region, or "
                           "box or sphere");
-    // Before the material is read: a group that is there twice is the first thing to mend.
+    // Before the material is read, so that a duplicate group is reported first.
     if (!region.group.empty())
       refuseTwin(section, regions, &Region::group, "group", "regions are the group");
     region.material = readMaterial(section);
@@ -83,12 +83,12 @@ std::vector<Region> readRegions(const TomlSection& root) {
   return regions;
 }
 
-/// Whether some region's material has the property.
+/// Returns whether a material of some region has the property.
 bool anyMaterial(const std::vector<Region>& regions, bool (*property)(const Material&)) {
   return std::ranges::any_of(regions, [&](const Region& r) { return property(r.material); });
 }
 
-/// Refuses a pressure space that does not go with the displacement or with the materials.
+/// Refuses a pressure space that does not fit the displacement or the materials.
 void checkPressure(const TomlSection& section, const Discretization& d,
                    const std::vector<Region>& regions) {
   const bool p1 = d.displacement == DisplacementSpace::p1;
@@ -112,7 +112,7 @@ void checkPressure(const TomlSection& section, const Discretization& d,
 Discretization readDiscretization(const TomlSection& root, const std::vector<Region>& regions) {
   Discretization d;
   const auto section = root.inner("discretization", {"displacement", "pressure", "constraint"});
-  // The displacement first: what the pressure is by default depends on it.
+  // The displacement comes first, because the default pressure depends on it.
   if (section) d.displacement = section->choice("displacement", d.displacement);
   d.pressure = !anyMaterial(regions, isMixed)            ? PressureSpace::none
                : d.displacement == DisplacementSpace::p1 ? PressureSpace::p1_stabilized
@@ -153,7 +153,7 @@ HalfSpace readHalfSpace(const TomlSection& section, bool below) {
   return half;
 }
 
-/// The selectors that [fixed] and `surface` share.
+/// Reads the selectors that [fixed] and `surface` share.
 template <class Selection>
 void readPlaces(const TomlSection& section, Selection& selection) {
   readBoxesAndSpheres(section, selection);
@@ -235,7 +235,7 @@ ActiveSelection readActive(const TomlSection& section) {
   return active;
 }
 
-/// Fingers of one area are sites of one energy, and its name means all of them.
+/// Checks that fingers of one area have one radius and that no active node has an area's name.
 void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& actives) {
   std::map<std::string, double> radius_of;
   for (const ActiveSelection& active : actives)
@@ -281,14 +281,14 @@ std::optional<Device> readDevice(const TomlSection& root) {
   return Device{device_profiles[section->choice("profile", profile, device_words)]};
 }
 
-/// The smaller of `limit` and what the scene has, which is kept in `wanted` when it is more.
+/// Returns the smaller of `limit` and `value`. A larger `value` is kept in `wanted`.
 double atMost(double limit, double value, std::optional<double>& wanted) {
   if (value <= limit) return value;
   wanted = value;
   return limit;
 }
 
-/// Nothing of it exceeds the device, if there is one.
+/// Reads [workspace] and limits it to the device, if there is one.
 Workspace readWorkspace(const TomlSection& root, std::optional<Device>& device) {
   Workspace workspace;
   if (device) {
@@ -343,7 +343,7 @@ Storage readStorage(const TomlSection& root) {
 }
 
 Scene readTables(const toml::table& table, const std::string& source) {
-  // The unit is read into the context that all tables share, before any length.
+  // length_unit is read before any length, into the context that all tables share.
   TomlContext context{source};
   constexpr std::array<std::string_view, 14> keys = {
       "name",   "mesh",           "length_unit", "material", "region",   "gravity", "fixed",
@@ -405,7 +405,7 @@ Scene parseScene(const std::string& text, const std::string& source) {
 
 Scene readScene(const std::filesystem::path& file) {
   Scene scene = parseScene(readText(file, "scene"), file.string());
-  // Whoever reads the mesh may be in another folder by then.
+  // The current folder may change before the mesh is read.
   scene.mesh = std::filesystem::absolute(file.parent_path() / scene.mesh).lexically_normal();
   return scene;
 }

@@ -9,39 +9,41 @@
 
 namespace palpate {
 
-/// Closed; metres.
+/// An axis-aligned closed box, metres.
 struct Box {
   Eigen::Vector3d lowest, highest;
   bool operator==(const Box&) const = default;
 };
 
-/// Closed; metres.
+/// A closed ball, metres.
 struct Sphere {
   Eigen::Vector3d center;
   double radius;
   bool operator==(const Sphere&) const = default;
 };
 
-/// A part of the body: the tetrahedra of a physical group and those whose middle is in one of the
-/// places, or, with none of them, all that no other region takes. No two have the same group; every
-/// tetrahedron must be in exactly one.
+/// A region of the body: the tetrahedra of a physical group and those with a centroid in one of the
+/// boxes or spheres. Without any of these it is [material], which takes all tetrahedra left. No two
+/// regions have the same group. Every tetrahedron must be in exactly one region.
 struct Region {
-  std::string group;  ///< empty: none, or [material]
+  std::string group;  ///< empty if none is given, as in [material]
   Material material;
   std::vector<Box> boxes = {};
   std::vector<Sphere> spheres = {};
   KeyLines lines = {};
-  /// [material]: what no other region takes.
+  /// Returns whether this is [material], which takes the tetrahedra of no other region.
   bool isRest() const { return group.empty() && boxes.empty() && spheres.empty(); }
-  /// The group, or the first place, for people; empty for [material].
+  /// Returns the group, or the first box or sphere, for messages; empty for [material].
   std::string name() const;
   bool operator==(const Region&) const = default;
 };
 
-/// [discretization]. Defaults: displacement P1; pressure "none" when no material is mixed, else
-/// "P1-stabilized" with P1 and "P1" with P2 displacements. Refused: a pressure of higher order than
-/// the displacement, P1-stabilized with P2, none with an incompressible material, one without any
-/// mixed material.
+/// [discretization]. By default the displacement is P1. The pressure is then "none" if no material
+/// is mixed, else "P1-stabilized" with P1 and "P1" with P2 displacement. The reader refuses
+/// - a pressure of higher order than the displacement;
+/// - P1-stabilized with P2 displacement;
+/// - no pressure with an incompressible material;
+/// - a pressure without any mixed material.
 struct Discretization {
   DisplacementSpace displacement = DisplacementSpace::p1;
   PressureSpace pressure = PressureSpace::p1_stabilized;
@@ -49,11 +51,12 @@ struct Discretization {
   bool operator==(const Discretization&) const = default;
 };
 
-/// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
+/// Returns whether pressure and displacement satisfy the inf-sup condition, or there is no
+/// pressure.
 bool isInfSupStable(const Discretization& discretization);
 
-/// Axis-aligned half space: nodes with coordinate below (or above) a plane, given as `fraction` of
-/// the bounding box or as `at` in metres.
+/// An axis-aligned half space: nodes with a coordinate below (or above) a plane, given as
+/// `fraction` of the bounding box or as `at` in metres.
 /// - below: x < xmin + fraction (xmax - xmin)
 /// - above: x > xmax - fraction (xmax - xmin)
 struct HalfSpace {
@@ -63,8 +66,9 @@ struct HalfSpace {
   bool operator==(const HalfSpace&) const = default;
 };
 
-/// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an
-/// array of tables; `group` a name or an array of names; `nodes` an array of 0-based node numbers.
+/// [fixed]: the union of all given selectors. `below`, `above`, `box` and `sphere` may be a table
+/// or an array of tables, `group` a name or an array of names, and `nodes` is an array of 0-based
+/// node numbers.
 struct FixedSelection {
   std::vector<HalfSpace> half_spaces;
   std::vector<Box> boxes;
@@ -75,33 +79,35 @@ struct FixedSelection {
   bool operator==(const FixedSelection&) const = default;
 };
 
-/// Places on the surface of the body: all of it, or the union of those given, which are like those
-/// of [fixed].
+/// Places on the surface of the body: all of it, or the union of the given selectors, which work
+/// like those of [fixed].
 struct SurfaceSelection {
-  bool all = false;  ///< then nothing else is given
+  bool all = false;  ///< if true, nothing else is given
   std::vector<Box> boxes = {};
   std::vector<Sphere> spheres = {};
   std::vector<std::string> groups = {};
   bool operator==(const SurfaceSelection&) const = default;
 };
 
-/// [[active]]: exactly one of `near`, `node` and `surface`. One with `surface` stands for many
-/// active nodes, or for the sites of a finger, until resolve() has replaced it by them
-/// (selection.hpp).
+/// [[active]] with exactly one of `near`, `node` and `surface`. A `surface` stands for many active
+/// nodes or for the sites of a finger; resolve() replaces it by them (selection.hpp).
 struct ActiveSelection {
   std::string name;  ///< unique; letters, digits, '-' and '_'
-  /// Metres: the nearest surface node; of a finger the nearest point of the surface.
+  /// Metres. Selects the nearest surface node, or for a finger the nearest surface point.
   std::optional<Eigen::Vector3d> near = {};
   std::optional<std::int32_t> node = {};  ///< 0-based; must lie on the surface
-  double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
-  ToolKind tool = ToolKind::rigid;  ///< all but rigid need a radius > 0
-  /// Every vertex of the surface in it that is not fixed; of a finger all of the surface in it.
+  double radius = 0;  ///< metres: the patch is every node within it (<=) that is not fixed
+  ToolKind tool = ToolKind::rigid;  ///< all kinds but rigid require a radius > 0
+  /// Selects every surface vertex in it that is not fixed, or for a finger all of the surface in
+  /// it.
   std::optional<SurfaceSelection> surface = {};
-  /// Of a finger: those of one area have one radius and are sites of one energy E(s, p), which
-  /// answers between them too. Empty: by itself. Is the name of no active node.
+  /// Name of the area of a finger. Fingers of one area have one radius and are sites of one energy
+  /// E(s, p), which also answers between them. Empty for a finger by itself. No active node may
+  /// have this name.
   std::string area = {};
-  /// Of a finger that is no site but measures them: where the exact solution of the displacement
-  /// `probe` (metres) is compared with what the area `probe_of` answers. Both or none.
+  /// Set for a finger that probes an area and is not a site: the exact solution for the
+  /// displacement `probe` (metres) is compared with the answer of the area `probe_of`. Both are set
+  /// or neither.
   std::string probe_of = {};
   std::optional<Eigen::Vector3d> probe = {};
   KeyLines lines = {};
@@ -111,81 +117,81 @@ struct ActiveSelection {
 
 /// [workspace].
 struct Workspace {
-  double radius = 0.1;     ///< m, r_G
+  double radius = 0.1;     ///< m, r_G in the paper
   double spacing = 0.02;   ///< m
-  double max_force = 8.5;  ///< N; beyond it a configuration is terminating
-  /// A converged state with min det F <= 0 is failed, cause inverted_element.
+  double max_force = 8.5;  ///< N; configurations with a larger force are terminating
+  /// Whether a converged state with min det F <= 0 fails with cause inverted_element.
   bool reject_inverted = true;
   KeyLines lines = {};
   bool operator==(const Workspace&) const = default;
 };
 
-/// [device]: the haptic device that the forces are for. workspace.radius and max_force are already
-/// the smaller of the device's and the scene's, and the device's where the scene gives none.
+/// [device]: the haptic device that renders the forces. workspace.radius and max_force never exceed
+/// the device's, which are also their defaults.
 struct Device {
   DeviceProfile profile;
-  /// What [workspace] asked for where that was more than the device has. Forgotten in the resolved
-  /// scene.
+  /// The values in [workspace] that exceeded the device's. The resolved scene does not keep them.
   std::optional<double> wanted_radius = {}, wanted_max_force = {};
   bool operator==(const Device& other) const { return profile == other.profile; }
 };
 
-/// [accuracy]: what interpolated forces are to keep to, and how that is measured. A scene that says
-/// nothing has no such table when it is resolved either.
+/// [accuracy]: the allowed error of interpolated forces and its measurement. The resolved scene
+/// leaves the table out if all values are defaults.
 struct Accuracy {
-  /// Allowed error of the force relative to its magnitude, in (0, 1); the build then refines the
-  /// lattice where the estimated error is larger. 0: the lattice is uniform.
+  /// Allowed error of the force relative to its magnitude, in (0, 1); the build refines the lattice
+  /// where the estimated error is larger. 0 for a uniform lattice.
   double force_error = 0;
-  double force_floor = 0.01;  ///< N: an error below it is always allowed
-  std::int32_t levels = 3;    ///< cells are halved at most so often, 0..6
-  /// 0..100000; exact solutions at held-out positions, per active node; of a surface that a finger
-  /// touches at so many random places of it (probePlaces, common/problem/sites.hpp).
+  double force_floor = 0.01;  ///< N: smaller errors are always allowed
+  std::int32_t levels = 3;    ///< largest number of halvings of a cell, 0..6
+  /// Number of exact solutions at held-out positions, 0..100000, per active node. A surface that a
+  /// finger touches has this number of random probe places in all (probePlaces,
+  /// common/problem/sites.hpp).
   std::int32_t probes = 0;
   bool adaptive() const { return force_error > 0; }
   bool operator==(const Accuracy&) const = default;
 };
 
-/// What is kept of the displacements: those of the vertices on the surface, or of all nodes.
+/// Nodes with stored displacements: the vertices on the surface, or all nodes.
 enum class StoredNodes : std::uint8_t { surface, all };
 template <>
 inline constexpr auto words_of<StoredNodes> = std::to_array<std::string_view>({"surface", "all"});
-/// And as what numbers.
+/// Number format of the stored displacements.
 enum class StoredPrecision : std::uint8_t { float32, int16 };
 template <>
 inline constexpr auto words_of<StoredPrecision> = std::to_array<std::string_view>({"float32",
                                                                                    "int16"});
 
-/// [storage]: what the dataset keeps of the nodal fields. It changes no configuration, and no id.
-/// Like [accuracy], it is left out of a resolved scene that says nothing.
+/// [storage]: the part of the nodal fields that the dataset stores. It changes no configuration and
+/// no id. Like [accuracy], it is left out of a resolved scene if all values are defaults.
 struct Storage {
-  /// "surface": of its vertices; "all": pressures too.
+  /// "surface" stores its vertices; "all" stores the pressures too.
   StoredNodes displacement = StoredNodes::surface;
-  /// "float32" or "int16", of displacements; docs/dataset.md has the bound.
+  /// Format of displacements, "float32" or "int16"; docs/dataset.md gives the error bound.
   StoredPrecision precision = StoredPrecision::float32;
   bool operator==(const Storage&) const = default;
 };
 
-/// `contact`, the key: how a tool touches the body in the haptic client. It changes no
-/// configuration and no id, but through the reach of fingers (Finger::reach), and is left out of a
-/// resolved scene that says nothing.
+/// The key `contact`: how a tool touches the body in the haptic client. It changes configurations
+/// and ids only through the reach of fingers (Finger::reach). The resolved scene leaves it out if
+/// it is the default.
 enum class ContactMode : std::uint8_t {
   unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
   glued        ///< the tool holds the surface and can pull it too (the paper's mode)
 };
-/// In options and recordings too.
+/// These words are also used in options and recordings.
 template <>
 inline constexpr auto words_of<ContactMode> = std::to_array<std::string_view>({"unilateral",
                                                                                "glued"});
 
-/// One scene file, validated, in SI units, every default filled in.
+/// A scene file, validated, in SI units, with all defaults filled in.
 struct Scene {
   std::string name;
-  std::filesystem::path mesh;  ///< absolute, or as in the file when read from text
-  /// Of the *mesh file*; every length in this struct is metres already.
+  std::filesystem::path mesh;  ///< absolute, or as written if the scene was read from text
+  /// Length unit of the mesh file. Every length in this struct is already in metres.
   double metres_per_unit = 1;
   std::vector<Region> regions = {Region{}};  ///< [material] first, if given, then each [[region]]
   Discretization discretization;
-  /// m/s^2; [gravity] acceleration = [x, y, z], in no length_unit.
+  /// m/s^2, from [gravity] acceleration = [x, y, z]; length_unit does not apply to it.
   Eigen::Vector3d gravity = {0, 0, 0};
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
@@ -194,23 +200,23 @@ struct Scene {
   Accuracy accuracy;
   Storage storage;
   ContactMode contact = ContactMode::unilateral;
-  KeyLines lines;  ///< of the keys above the first table
+  KeyLines lines;  ///< lines of the keys above the first table
   bool operator==(const Scene&) const = default;
 };
 
-/// Reads a scene file. Error (bad input) for a missing file, TOML syntax, an unknown key, a wrong
-/// type or an impossible value, naming file, line and key, with the nearest known key when one is
-/// close. length_unit ("m", "cm" or "mm") applies to every length in the scene and to the mesh
-/// (toMetres in units.hpp). A scene without `name` is called like its file. docs/scene.md describes
-/// every key for users.
+/// Reads a scene file. Error (bad input) for a missing file, a TOML syntax error, an unknown key, a
+/// wrong type or an impossible value. The message names file, line and key, and suggests a similar
+/// key if there is one. length_unit ("m", "cm" or "mm") applies to every length in the scene and to
+/// the mesh (toMetres in units.hpp). A scene without `name` is named after its file. docs/scene.md
+/// describes every key for users.
 Scene readScene(const std::filesystem::path& file);
 
-/// The same from text; `source` names it in errors. A relative mesh path stays relative.
+/// Reads a scene from text; `source` is its name in errors. A relative mesh path stays relative.
 Scene parseScene(const std::string& text, const std::string& source);
 
-/// The scene as TOML in SI with all defaults written out, to stand beside the mesh in metres:
-/// parseScene(resolvedToml(s)) == s with the mesh path reduced to its file name and metres_per_unit
-/// = 1. Numbers round-trip exactly. The same scene gives the same bytes on every machine.
+/// Returns the scene as TOML in SI units with all defaults written out. parseScene(resolvedToml(s))
+/// == s with the mesh path reduced to its file name and metres_per_unit = 1. Numbers round-trip
+/// exactly. Equal scenes give equal bytes on every machine.
 std::string resolvedToml(const Scene& scene);
 
 }  // namespace palpate

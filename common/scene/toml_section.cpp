@@ -11,14 +11,14 @@
 namespace palpate {
 namespace {
 
-/// "; did you mean \"spacing\"?", or what there is when nothing is near.
+/// Returns "; did you mean \"spacing\"?", or a list of the valid words if none is similar.
 std::string hint(std::string_view word, TomlSection::Words words) {
   const std::string_view nearest = nearestWord(word, words);
   if (nearest.empty()) return fmt::format("; there is {}", listed(words));
   return fmt::format("; did you mean \"{}\"?", nearest);
 }
 
-/// 0 of a table that is there by way of its inner tables alone.
+/// Returns 0 for a table that exists only through its inner tables.
 int sceneLine(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
 
 std::string_view kindOf(const toml::node& node) {

@@ -8,18 +8,18 @@
 
 namespace palpate {
 
-/// The shortest decimal that is read back as the same double, always a TOML float.
+/// Returns the shortest decimal that reads back as the same double, always as a TOML float.
 inline std::string decimalToml(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }
-/// "[x, y, z]"
+/// Returns "[x, y, z]".
 inline std::string decimalToml(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", decimalToml(v[0]), decimalToml(v[1]), decimalToml(v[2]));
 }
 
-/// A TOML string in quotes, control characters escaped.
+/// Returns a quoted TOML string with control characters escaped.
 inline std::string quotedToml(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -34,7 +34,7 @@ inline std::string quotedToml(const std::string& text) {
   return out + "\"";
 }
 
-/// What `text` makes of each item.
+/// Returns `text(item)` for each item.
 template <class Item, class Text>
 std::vector<std::string> textsOf(const std::vector<Item>& items, Text text) {
   std::vector<std::string> texts;
