@@ -8,9 +8,10 @@
 
 namespace palpate {
 
-/// Adds a bump about a point of the surface to displacements of its vertices, [vertex][axis],
-/// metres, so that the point moves by p. `triangle`: its corners; `position`: where it is at rest,
-/// metres; `radius`: of the bump, metres, beyond some corner of the triangle. Real time.
+/// Adds a bump around a surface point to the displacements of the vertices (`out`, [vertex][axis],
+/// metres), so that the point moves by p. `triangle` holds the corners around the point and
+/// `position` is its rest position, metres. `radius` is the bump's, metres; it must reach at least
+/// one corner. Real time.
 inline void moveAnchor(std::span<const Eigen::Vector3d> vertices, const Triangle& triangle,
                        const Eigen::Vector3d& barycentric, const Eigen::Vector3d& position,
                        double radius, const Eigen::Vector3d& p, std::span<float> out) noexcept {

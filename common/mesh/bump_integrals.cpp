@@ -7,7 +7,7 @@ namespace {
 
 using Barycentric = Eigen::Vector3d;
 
-/// Adds up the integrals over the triangles of one surface.
+/// Sums the integrals over the triangles of one surface.
 class Integration {
  public:
   Integration(const Mesh& mesh, const Eigen::Vector3d& center, double radius)
@@ -54,8 +54,8 @@ class Integration {
   const Mesh& mesh_;
   const Eigen::Vector3d& center_;
   double radius_;
-  Eigen::Matrix3d corners_;                 ///< of the surface triangle, one per column
-  std::array<std::int32_t, 6> nodes_ = {};  ///< its vertices, then the middles of 01, 12, 20
+  Eigen::Matrix3d corners_;                 ///< of the current triangle, one per column
+  std::array<std::int32_t, 6> nodes_ = {};  ///< its vertices, then the mid-edge nodes of 01, 12, 20
   std::vector<BumpIntegral> integrals_;
 };
 

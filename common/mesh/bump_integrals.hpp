@@ -9,23 +9,25 @@
 
 namespace palpate {
 
-/// (1 - (r/radius)^2)^2, r the distance of x from `center`; zero for r > radius. Metres. Real time.
+/// Returns (1 - (r/radius)^2)^2, with r the distance of x from `center` in metres; zero for r >
+/// radius. Real time.
 inline double bumpAt(const Eigen::Vector3d& x, const Eigen::Vector3d& center,
                      double radius) noexcept {
   const double inside = std::max(0.0, 1 - (x - center).squaredNorm() / (radius * radius));
   return inside * inside;
 }
 
-/// Integrates a bump of a radius (metres) over triangles, in parts so small that its rim, where it
-/// is only once differentiable, does not matter.
+/// Integrates a bump of a radius (metres) over triangles. They are subdivided so finely that the
+/// rim of the bump, where it is only once differentiable, does not matter.
 class BumpQuadrature {
  public:
-  /// part: of the radius, the widest part of a triangle.
+  /// `part` is the largest width of a subdivided triangle, in radii.
   BumpQuadrature(const Eigen::Vector3d& center, double radius, double part = 1.0 / 16) noexcept
       : center_(center), radius_(radius), part_(part * radius) {}
 
-  /// Calls visit(barycentric coordinates, area that the point stands for, m^2) at points of a
-  /// triangle, whose corners are columns. What is beyond the radius is left out in part. Real time.
+  /// Calls visit(barycentric coordinates, area of the quadrature point, m^2) at points of a
+  /// triangle whose corners are the columns. Leaves out some of the parts beyond the radius. Real
+  /// time.
   template <class Visit>
   void over(const Eigen::Matrix3d& corners, const Visit& visit) const noexcept {
     const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
@@ -41,7 +43,7 @@ class BumpQuadrature {
     const Eigen::Vector3d x = corners * a, y = corners * b, z = corners * c;
     const double longest =
         std::sqrt(std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()}));
-    // Nothing of the bump reaches into a part that is farther away than it is wide.
+    // The bump does not reach a part that is farther beyond it than the part is wide.
     if (((x + y + z) / 3 - center_).norm() > radius_ + longest) return;
     if (longest > part_) {
       const Barycentric ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
@@ -52,7 +54,7 @@ class BumpQuadrature {
       return;
     }
     // Exact for polynomials of degree 5 (Radon 1948; Dunavant 1985).
-    constexpr double third = 1.0 / 3, root = 3.872983346207417;  // of 15
+    constexpr double third = 1.0 / 3, root = 3.872983346207417;  // root of 15
     const double area = (y - x).cross(z - x).norm() / 2;
     visit(Barycentric(third * a + third * b + third * c), 0.225 * area);
     for (const double s : {root, -root}) {
@@ -67,20 +69,20 @@ class BumpQuadrature {
   const double radius_, part_;
 };
 
-/// An integral over the surface, and how it changes when the bump moves.
+/// An integral over the surface and its derivatives by the centre of the bump.
 struct BumpIntegral {
   double value = 0;                                     ///< m^2
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();   ///< d/d centre, m
-  Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();  ///< d2/d centre2, 1; symmetric
+  Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();  ///< d2/d centre2, dimensionless, symmetric
 };
 
-/// The integral over the surface, at rest, of each node's shape function times the bump
-/// (1 - (r/radius)^2)^2, r the distance from `center`, zero for r > radius: one per node, zero for
-/// nodes that the bump does not reach. Shape functions are linear, or quadratic on a quadratic
-/// mesh: then single values may be negative. The sum of the values is the integral of the bump; its
-/// relative error is below 1e-6 however coarse the mesh, because triangles are subdivided. The
-/// gradients are exactly those of the values, which are continuously differentiable; the
-/// curvatures, which jump where the rim of the bump passes a quadrature point, are to 1e-2.
+/// Returns, for each node, the integral over the rest surface of its shape function times the bump
+/// (1 - (r/radius)^2)^2, with r the distance from `center` and zero for r > radius. The integral is
+/// zero for nodes that the bump does not reach. Shape functions are linear, or quadratic on a
+/// quadratic mesh; then single values may be negative. The sum of the values is the integral of the
+/// bump. Its relative error is below 1e-6 for any mesh, because triangles are subdivided. The
+/// gradients are exactly those of the values, which are continuously differentiable. The curvatures
+/// jump where the rim of the bump passes a quadrature point and are accurate to 1e-2.
 std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
                                         double radius);
 

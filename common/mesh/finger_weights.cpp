@@ -11,12 +11,12 @@ void accumulateIntegral(BumpIntegral& sum, const BumpIntegral& term) {
   sum.curvature += term.curvature;
 }
 
-/// A value may be zero by chance, and so may a gradient.
+/// A value or gradient alone may be zero by chance.
 bool isReached(const BumpIntegral& integral) {
   return integral.value != 0 || !integral.gradient.isZero(0) || !integral.curvature.isZero(0);
 }
 
-/// Of a / b.
+/// Returns a / b with its derivatives.
 BumpIntegral quotient(const BumpIntegral& a, const BumpIntegral& b) {
   BumpIntegral q;
   q.value = a.value / b.value;
@@ -42,8 +42,8 @@ FingerWeights fingerWeights(const Mesh& mesh, const NodeSet& fixed, const Eigen:
     finger.nodes.push_back(node);
     accumulateIntegral(sum, integrals[n]);
   }
-  // Single integrals may be negative with quadratic shape functions, and so may be what is left
-  // of them beside fixed nodes.
+  // Single integrals may be negative with quadratic shape functions. Their sum may be too if fixed
+  // nodes are left out.
   if (!(sum.value > 0)) return {};
   finger.free_share = sum.value / whole;
   for (const std::int32_t node : finger.nodes) {

@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-/// Gmsh's element types: dimension and number of nodes.
+/// Dimension and number of nodes of a Gmsh element type.
 struct ElementType {
   int dimension;
   int nodes;
@@ -30,15 +30,15 @@ constexpr std::array<ElementType, 32> element_types = {
      {3, 10}, {3, 27}, {3, 18}, {3, 14}, {0, 1}, {2, 8}, {3, 20}, {3, 15}, {3, 13}, {2, 9}, {2, 10},
      {2, 12}, {2, 15}, {2, 15}, {2, 21}, {1, 4}, {1, 5}, {1, 6},  {3, 20}, {3, 35}, {3, 56}}};
 constexpr int tetrahedron_4 = 4, tetrahedron_10 = 11;
-/// Where Gmsh's 10-node tetrahedron has the nodes that we, like VTK, order by tetrahedron_edges.
+/// Gmsh's position of each node of a 10-node tetrahedron in the order of VTK and tetrahedron_edges.
 constexpr std::array<int, 10> gmsh_order = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 
 constexpr std::array<const char*, 4> dimension_words = {"point", "curve", "surface", "volume"};
 
-/// (dimension, tag) of a physical group or of an entity: Gmsh counts each dimension on its own.
+/// (dimension, tag) of a physical group or entity, since Gmsh numbers each dimension separately.
 using Key = std::pair<int, std::int64_t>;
 
-/// 0-based numbers of the nodes, or tetrahedra, that the file names by tags of its own.
+/// 0-based numbers of the nodes or tetrahedra by their tags in the file.
 using NumberOfTag = std::unordered_map<std::int64_t, std::int32_t>;
 
 class GmshText {
@@ -54,7 +54,7 @@ class GmshText {
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
     nameGroups();
-    // Errors name places as the file has them.
+    // Errors give positions in the unit of the file, so conversion comes last.
     finishMesh(mesh_, lines_.source());
     refuseOverlaps(mesh_, lines_.source());
     for (Eigen::Vector3d& node : mesh_.nodes)
@@ -98,12 +98,13 @@ class GmshText {
       if (!have_nodes_) throw lines_.wrong("$Elements before $Nodes");
       if (have_elements_) throw lines_.wrong("a second $Elements section");
       entity_blocks_ ? readElementBlocks() : readElements();
-      // Version 4.1 names groups by entity and has each element once.
+      // Version 4.1 names groups by entity and lists each element once.
       if (!entity_blocks_) dropRepeatedTetrahedra();
       have_elements_ = true;
     } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
-      // Only here: elements that version 2.2 repeats may share a number as long as nobody asks.
+      // Checked only here, since repeated elements of version 2.2 may share a number if there are
+      // no data.
       if (tetrahedron_tag_twice_)
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
                            *tetrahedron_tag_twice_);
@@ -148,10 +149,10 @@ class GmshText {
     }
   }
 
-  /// A number that the file gives to a node, an element, an entity or a group.
+  /// Reads the number that the file gives to a node, element, entity or group.
   std::int64_t takeTag(const char* what) { return lines_.take<std::int64_t>(what); }
 
-  /// The number of a physical group, negative where Gmsh turned the orientation.
+  /// Reads the number of a physical group, which is negative if Gmsh reversed the orientation.
   std::int64_t takeGroup() {
     const std::int64_t group = takeTag("the number of a physical group");
     if (group == std::numeric_limits<std::int64_t>::min())
@@ -185,7 +186,7 @@ class GmshText {
     for (int dimension = 0; dimension < 4; ++dimension)
       eachLine(counts[dimension], [&] {
         const Key entity = {dimension, takeTag("the tag of an entity")};
-        const int extents = dimension == 0 ? 3 : 6;  // its position, or its bounding box
+        const int extents = dimension == 0 ? 3 : 6;  // a position, or a bounding box
         for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
         const std::size_t n_physical =
             lines_.takeCount("the number of physical groups of an entity");
@@ -235,7 +236,7 @@ class GmshText {
       });
       eachLine(count, [&] {
         mesh_.nodes.push_back(takeVector("a coordinate"));
-        // Else coordinates on the entity follow: of no use here.
+        // Otherwise unused coordinates on the entity follow.
         if (!parametric) lines_.expectEndOfLine();
       });
     });
@@ -266,7 +267,7 @@ class GmshText {
     return found;
   }
 
-  /// The nodes of an element of the line, into the mesh and into what `group` has.
+  /// Adds the nodes of an element on this line to the mesh and to `group`.
   void addElement(std::int64_t tag, int type, const Key& group) {
     const int count = element_types[type].nodes;
     std::array<std::int32_t, 10> first_ten{};
@@ -280,8 +281,8 @@ class GmshText {
     if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
   }
 
-  /// Of ten nodes the corners: mid-edge nodes are added where the scene wants them, so they must be
-  /// in the middle.
+  /// Adds the corners of a tetrahedron. Its mid-edge nodes are dropped and must lie in the middle,
+  /// because P2 scenes add their own.
   void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
                       const Key& group) {
     if (type == tetrahedron_10) {
@@ -307,7 +308,7 @@ class GmshText {
       int type = 0;
       const int dimension = takeElementType(type).dimension;
       const std::size_t n_tags = lines_.takeCount("the number of tags");
-      std::int64_t physical = 0;  // no group
+      std::int64_t physical = 0;  // 0: no group
       for (std::size_t n = 0; n < n_tags; ++n) {
         if (n == 0)
           physical = takeGroup();
@@ -338,8 +339,8 @@ class GmshText {
       throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
   }
 
-  /// One vector per tetrahedron, under the first string tag. Data of other components are skipped,
-  /// and so are later time steps of the same name.
+  /// Reads one vector per tetrahedron under the first string tag. Data with another number of
+  /// components and later time steps of the same name are skipped.
   void readElementData() {
     const auto tags = [&](const char* what) {
       nextLine();
@@ -347,14 +348,14 @@ class GmshText {
       eachLine(lines_.takeCount(what), [&] { words.emplace_back(lines_.rest()); });
       return words;
     };
-    // Strings, reals and integers come before the values, each list with its length.
+    // String, real and integer tags precede the values; each list begins with its length.
     const std::vector<std::string> names = tags("the number of string tags");
     tags("the number of real tags");
     nextLine();
     std::vector<std::size_t> integers;  // time step, components, elements
     eachLine(lines_.takeCount("the number of integer tags"),
              [&] { integers.push_back(lines_.takeCount("an integer tag")); });
-    // More tags (a partition) are of no use here, missing ones count as 0.
+    // Further tags (a partition) are ignored; missing ones count as 0.
     integers.resize(3);
     const std::string name = names.empty() ? "" : unquoted(names[0]);
     if (name.empty() || integers[1] != 3 || mesh_.element_vectors.contains(name))
@@ -365,8 +366,8 @@ class GmshText {
       const auto element = number_of_tetrahedron_.find(takeTag("the number of an element"));
       const Eigen::Vector3d vector = takeVector("a component");
       lines_.expectEndOfLine();
-      // Of a tetrahedron that version 2.2 repeats, one number alone may have the vector; where two
-      // have different ones, the last counts.
+      // Only one number of a tetrahedron that version 2.2 repeats may have the vector. If two
+      // numbers have different vectors, the last one counts.
       if (element != number_of_tetrahedron_.end() && !vector.isZero(0))
         vectors[element->second] = vector;
     });
@@ -378,8 +379,8 @@ class GmshText {
     return quoted ? text.substr(1, text.size() - 2) : text;
   }
 
-  /// Version 2.2 writes a tetrahedron once per physical group that it is in. The same one twice in
-  /// one group is an error of the mesh, and finishMesh says so.
+  /// Version 2.2 repeats a tetrahedron for each of its physical groups. A repetition within one
+  /// group is an error that finishMesh reports.
   void dropRepeatedTetrahedra() {
     PALPATE_ASSERT(group_of_tetrahedron_.size() == mesh_.tetrahedra.size(),
                    "each was added with its group");
@@ -398,7 +399,7 @@ class GmshText {
           i > 0 && nodes == std::get<0>(order[i - 1]) && group != std::get<1>(order[i - 1]);
       same_as[element] = repeated ? same_as[std::get<2>(order[i - 1])] : element;
     }
-    // Those that are the same as themselves are kept; what the others are in, they are in.
+    // Keep the first copy of each tetrahedron and give it the groups of its copies.
     std::vector<std::int32_t> number(same_as.size());
     std::int32_t kept = 0;
     for (std::size_t e = 0; e < same_as.size(); ++e)
@@ -416,7 +417,7 @@ class GmshText {
     for (const auto& [key, nodes] : nodes_of_) {
       const auto& [dimension, tag] = key;
       if (!entity_blocks_) {
-        // 0 is "no group" in version 2.2.
+        // 0 means "no group" in version 2.2.
         if (tag != 0) addToGroup(key, key);
         continue;
       }
@@ -427,7 +428,7 @@ class GmshText {
     for (auto& [name, elements] : mesh_.element_groups) sortUnique(elements);
   }
 
-  /// Adds the nodes and tetrahedra that were read under `from`.
+  /// Adds the nodes and tetrahedra that were read under `from` to a group.
   void addToGroup(const Key& group, const Key& from) {
     const auto named = physical_names_.find(group);
     const std::string name = named != physical_names_.end()
@@ -450,7 +451,7 @@ class GmshText {
   std::optional<std::int64_t> tetrahedron_tag_twice_;
   std::map<Key, std::string> physical_names_;
   std::map<Key, std::set<std::int64_t>> physical_of_entity_;
-  /// Of entities in version 4.1, of physical groups in 2.2.
+  /// By entity in version 4.1, by physical group in 2.2.
   std::map<Key, std::vector<std::int32_t>> nodes_of_, tetrahedra_of_;
   std::vector<std::int64_t> group_of_tetrahedron_;
 };

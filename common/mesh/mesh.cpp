@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// Below this a tetrahedron is flat for every practical purpose: its stiffness is round-off.
+/// Shape below which a tetrahedron is flat in practice, with a stiffness of mere round-off.
 constexpr double degenerate_shape = 1e-6;
 
 /// Faces of a positively oriented tetrahedron, normals outward.
@@ -82,8 +82,8 @@ void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
   refuse(mesh.element_groups, mesh.tetrahedra.size(), "tetrahedron");
 }
 
-/// Programs count their corners one way or the other, some both ways in one file. What overlaps
-/// then, deriveSurface refuses.
+/// Programs order corners in either sense, and some use both in one file. deriveSurface refuses any
+/// overlaps that result.
 void orient(Mesh& mesh, const std::string& source) {
   mesh.reoriented_tetrahedra = 0;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -99,10 +99,10 @@ void orient(Mesh& mesh, const std::string& source) {
 }
 
 struct Face {
-  Triangle sorted;  ///< the same for all tetrahedra that share it
+  Triangle sorted;  ///< equal for all tetrahedra that share the face
   std::size_t element;
   int local;
-  bool even;  ///< parity of the permutation that sorts it: differs between the two sides
+  bool even;  ///< parity of the sorting permutation; it differs between the two sides
 };
 
 Triangle nodesOf(const Mesh& mesh, std::size_t element, int face) {
@@ -117,7 +117,7 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     for (int f = 0; f < 4; ++f) {
       Triangle t = nodesOf(mesh, e, f);
-      // With the lowest first, which is an even permutation, one exchange at most is left.
+      // Moving the lowest to the front is an even permutation; at most one swap remains.
       std::rotate(t.begin(), std::ranges::min_element(t), t.end());
       const bool even = t[1] < t[2];
       std::ranges::sort(t);
@@ -147,7 +147,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
           source, placeOf(mesh, faces[first].element, ""), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
-  // By element, as the file has them: the order of the surface is part of datasets.
+  // Order by element, as in the file, because the order of the surface is part of datasets.
   std::ranges::sort(outer);
   mesh.surface.clear();
   for (const auto& [element, local] : outer) mesh.surface.push_back(nodesOf(mesh, element, local));
@@ -155,7 +155,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
 
 Edge edgeBetween(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The distinct edges of the tetrahedra, ascending.
+/// Returns the distinct edges of the tetrahedra, ascending.
 std::vector<Edge> edgesOf(const Mesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(6 * mesh.tetrahedra.size());
@@ -197,7 +197,7 @@ double shapeOf(const Mesh& mesh, std::size_t element) {
   double squared_edges = 0;
   for (const auto& [a, b] : tetrahedron_edges)
     squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
-  // Four equal nodes: flat, and not 0/0.
+  // Four equal nodes are flat; avoid 0/0.
   if (squared_edges == 0) return 0;
   return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
 }
@@ -279,14 +279,14 @@ void addMidEdgeNodes(Mesh& mesh) {
   }
   for (auto& [name, nodes] : mesh.node_groups) {
     const NodeSet vertices = nodes;
-    // Their numbers ascend with the edges, so the group stays sorted.
+    // Node numbers ascend with the edges, so the group stays sorted.
     for (const auto& [a, b] : mesh.edges)
       if (contains(vertices, a) && contains(vertices, b)) nodes.push_back(midEdgeNode(mesh, a, b));
   }
 }
 
 std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near) {
-  // Along a direction in which the nodes of a regular mesh lie apart.
+  // A direction along which the nodes of a regular mesh have different positions.
   const Eigen::Vector3d along = Eigen::Vector3d(0.5129, 0.6427, 0.5691).normalized();
   std::vector<std::int32_t> order(nodes.size());
   std::iota(order.begin(), order.end(), 0);
@@ -356,13 +356,13 @@ MeshQuality measure(const Mesh& mesh) {
 }
 
 void finishMesh(Mesh& mesh, const std::string& source) {
-  // In this order: what follows may use every number without looking at it again.
+  // In this order, so that later steps may use every number unchecked.
   refuseBrokenNumbers(mesh, source);
   refuseBrokenGroups(mesh, source);
   dropOrphans(mesh);
   orient(mesh, source);
   deriveSurface(mesh, source);
-  // Without an outside its volumes, all of them positive, would add up to nothing.
+  // A mesh with positive volumes has an outside: without one its volumes would add up to zero.
   PALPATE_ASSERT(!mesh.surface.empty(), "nearestOnSurface and fingers look for a triangle of it");
 }
 

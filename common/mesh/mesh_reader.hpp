@@ -4,27 +4,28 @@
 
 #include "common/mesh/mesh.hpp"
 
-/// The mesh format that scenes take; `palpate mesh` makes it of others (worker/meshing).
+/// Reads the mesh format of scenes. `palpate mesh` converts other formats (worker/meshing).
 namespace palpate {
 
 /// Reads a Gmsh .msh file, version 2.2 or 4.1, ASCII, with either kind of line end, and finishes it
 /// (finishMesh, refuseOverlaps). Coordinates become metres (toMetres). Volume elements must be
-/// tetrahedra of 4 nodes, or of 10 whose edges are straight: their mid-edge nodes are dropped,
-/// since Mesh adds its own (addMidEdgeNodes). Point, line and surface elements are read for the
-/// physical groups they name and otherwise ignored. An element that version 2.2 repeats for each of
-/// its physical groups is read once.
+/// tetrahedra of 4 nodes, or of 10 nodes with straight edges; their mid-edge nodes are dropped,
+/// since Mesh adds its own (addMidEdgeNodes). Point, line and surface elements only contribute
+/// nodes to their physical groups. An element that version 2.2 repeats for each of its physical
+/// groups is read once.
 ///
-/// Physical groups of every dimension become node groups under their name, those of dimension 3
-/// also element groups; without a name as "point 3", "curve 3", "surface 3" or "volume 3", since
-/// Gmsh counts each dimension on its own. Groups with the same name are united. $ElementData of
-/// three components become element vectors under their first string tag, zero where the data name
-/// no tetrahedron; of several time steps the first.
+/// Physical groups of every dimension become node groups under their name; those of dimension 3
+/// also become element groups. Groups without a name are called "point 3", "curve 3", "surface 3"
+/// or "volume 3", since Gmsh numbers each dimension separately. Groups with the same name are
+/// united. $ElementData of three components become element vectors under their first string tag.
+/// Tetrahedra without data get zero vectors. Only the first of several time steps is read.
 ///
-/// Error (bad input) for a missing, truncated, binary, other-version, partitioned or inconsistent
-/// file, or a curved edge, naming file and line. Places in errors are in the unit of the file.
+/// Error (bad input) with file and line for a missing, truncated, binary, partitioned or
+/// inconsistent file, another version, or a curved edge. Positions in errors are in the unit of the
+/// file.
 Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit = 1.0);
 
-/// The same from text; `source` names it in errors.
+/// Reads a mesh from text; `source` names it in errors.
 Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit = 1.0);
 
 }  // namespace palpate

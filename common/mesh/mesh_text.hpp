@@ -4,12 +4,12 @@
 
 namespace palpate {
 
-/// What people are told of a mesh: lines that begin with a word for the topic, SI units. `quality`
-/// is measure(mesh), `name` what the mesh is called.
+/// Returns the description of a mesh: lines that begin with their topic, in SI units. `quality` is
+/// measure(mesh); `name` is the mesh's in the text.
 std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::string& name);
 
-/// How parts of the body are not joined although they touch, a sentence each: coincident nodes,
-/// hinges. `file` is the mesh's in the advice.
+/// Returns one sentence for each kind of parts that touch without being joined: coincident nodes
+/// and hinges. `file` is the mesh file in the advice.
 std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quality,
                                       const std::string& file);
 

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr double most_cubes = 48;  ///< along an axis
+constexpr double most_cubes = 48;  ///< along each axis
 
 }  // namespace
 
@@ -23,11 +23,11 @@ NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
   for (const Eigen::Vector3d& point : points_) box.extend(point);
   lowest_ = box.min().array() - reach;
   const Eigen::Vector3d size = box.sizes().array() + 2 * reach;
-  // Points far apart against their reach make longer lists, not more cubes than fit.
+  // Points that are far apart compared with their reach get longer lists instead of more cubes.
   edge_ = std::max(reach, size.maxCoeff() / most_cubes);
   for (std::size_t axis = 0; axis < 3; ++axis)
     cubes_[axis] = 1 + static_cast<std::int32_t>(size[static_cast<Eigen::Index>(axis)] / edge_);
-  // Counted, then listed, in the order of the points.
+  // First count the entries per cube, then list them in the order of the points.
   std::vector<std::int32_t> counts(at(cubes_[0]) * at(cubes_[1]) * at(cubes_[2]), 0);
   for (const Eigen::Vector3d& point : points_)
     forEachCubeAround(point, [&](std::size_t cube) { ++counts[cube]; });
@@ -41,7 +41,7 @@ NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
     });
 }
 
-/// Those that the reach of a point touches.
+/// Visits the cubes that the reach of a point touches.
 template <class Visit>
 void NearPoints::forEachCubeAround(const Eigen::Vector3d& point, Visit visit) const {
   const auto cubeOf = [&](double x, int axis) {

@@ -17,16 +17,16 @@ namespace {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// Coordinates are rounded; by what that moves a corner it counts as on the plane or the line.
+/// Relative rounding of coordinates. A corner counts as on a plane or line within this tolerance.
 constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
-/// Planes so much nearer to each other than a rounding meet somewhere, wherever rounding puts it:
-/// they count as one.
+/// Planes nearer to each other than this number of roundings count as one, since rounding alone
+/// decides where they meet.
 constexpr double one_plane = 1000;
 
 double size(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
-/// On which side of the plane through a, b, c the point d lies: 1, -1, or 0 where it is nearer to
-/// it than `slack` roundings.
+/// Returns the side of d from the plane through a, b, c: 1, -1, or 0 if it is within `slack`
+/// roundings.
 int sideOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
            const Eigen::Vector3d& d, double slack = 1) {
   const Eigen::Vector3d u = b - a, v = c - a, w = d - a;
@@ -36,7 +36,7 @@ int sideOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vect
   return volume > zero ? 1 : volume < -zero ? -1 : 0;
 }
 
-/// The same in the plane that leaves out the coordinate `axis`.
+/// Returns the orientation of a, b, c after projection along the coordinate `axis`: 1, -1 or 0.
 int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int axis) {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
   const double ux = b[x] - a[x], uy = b[y] - a[y], vx = c[x] - a[x], vy = c[y] - a[y];
@@ -46,8 +46,8 @@ int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vect
   return area > zero ? 1 : area < -zero ? -1 : 0;
 }
 
-/// Of two triangles in one plane: convex shapes lie apart where the line through an edge of one of
-/// them has the other on its far side.
+/// Returns whether two triangles in one plane overlap. They do not if the line through an edge of
+/// one has the other on its far side.
 bool overlapInPlane(const Corners& s, const Corners& t) {
   int axis = 0;
   (s[1] - s[0]).cross(s[2] - s[0]).cwiseAbs().maxCoeff(&axis);
@@ -62,7 +62,7 @@ bool overlapInPlane(const Corners& s, const Corners& t) {
   return true;
 }
 
-/// Whether a segment and a triangle have a point in common; not told where it lies in the plane.
+/// Returns whether a segment and a triangle intersect. False for a segment in the triangle's plane.
 bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t) {
   const int from = sideOf(t[0], t[1], t[2], p, one_plane),
             to = sideOf(t[0], t[1], t[2], q, one_plane);
@@ -70,7 +70,7 @@ bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t)
   const std::array<int, 3> around = {sideOf(p, q, t[0], t[1]), sideOf(p, q, t[1], t[2]),
                                      sideOf(p, q, t[2], t[0])};
   const auto [least, most] = std::ranges::minmax(around);
-  // All of one sign, or zero where the segment passes through an edge; not in line with all three.
+  // All of one sign, or zero if the segment passes through an edge; not in line with all three.
   return least * most >= 0 && (least != 0 || most != 0);
 }
 
@@ -79,7 +79,7 @@ bool isFlatOn(const Corners& s, const Corners& t) {
       s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p, one_plane) == 0; });
 }
 
-/// Whether two triangles have more in common than the corners that they share.
+/// Tells whether two triangles intersect in more than their shared corners.
 class PairCheck {
  public:
   PairCheck(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
@@ -96,7 +96,8 @@ class PairCheck {
           ++shared;
         }
     const Corners p = cornersOf(s), q = cornersOf(t);
-    // Beside a shared edge, or in one plane, only an overlap in the plane is more.
+    // Triangles with a shared edge, or in one plane, intersect further only by overlapping in the
+    // plane.
     if (shared >= 2 || isFlatOn(p, q)) return isFlatOn(p, q) && overlapInPlane(p, q);
     if (shared == 1) return edgeBeside(of_s, p, q) || edgeBeside(of_t, q, p);
     for (int i = 0; i < 3; ++i)
@@ -109,7 +110,7 @@ class PairCheck {
     return {points_[t[0]], points_[t[1]], points_[t[2]]};
   }
 
-  /// Whether the edge of `s` that does not have the shared corner meets `t`.
+  /// Returns whether the edge of `s` opposite the shared corner meets `t`.
   static bool edgeBeside(const std::array<bool, 3>& shared, const Corners& s, const Corners& t) {
     for (int i = 0; i < 3; ++i)
       if (shared[i]) return meets(s[(i + 1) % 3], s[(i + 2) % 3], t);
@@ -120,7 +121,7 @@ class PairCheck {
   const std::vector<Triangle>& triangles_;
 };
 
-/// The triangles after one that cut it, as Eigen asks its tree for them.
+/// Finds the triangles after one triangle that intersect it; a visitor for Eigen's tree.
 struct CutsOfOne {
   const PairCheck& check;
   const std::vector<Eigen::AlignedBox3d>& boxes;
@@ -131,7 +132,7 @@ struct CutsOfOne {
   bool intersectVolume(const Eigen::AlignedBox3d& volume) const {
     return volume.intersects(boxes[triangle]);
   }
-  /// False: go on.
+  /// Returns false, so that the search continues.
   bool intersectObject(std::int32_t other) {
     if (other > triangle && boxes[other].intersects(boxes[triangle]) &&
         check.cut(triangle, other)) {
@@ -149,7 +150,8 @@ SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
   std::vector<std::int32_t> numbers(triangles.size());
   std::iota(numbers.begin(), numbers.end(), 0);
-  // Halves of a flat face across an axis would be the whole face again.
+  // Rotated, because splitting an axis-aligned face along its normal gives two sets that both span
+  // the face.
   const Eigen::Matrix3d oblique(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()));
   for (const std::int32_t t : numbers)
     for (const std::int32_t node : triangles[t]) boxes[t].extend(oblique * points[node]);

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Around a triangle of the surface, and around a ball.
+/// Bounding box of a triangle of the surface, or of a ball.
 inline Eigen::AlignedBox3d boxOf(const Mesh& mesh, std::int32_t triangle) {
   Eigen::AlignedBox3d box;
   for (const std::int32_t node : mesh.surface[triangle]) box.extend(mesh.nodes[node]);
@@ -17,15 +17,14 @@ inline Eigen::AlignedBox3d boxAround(const Eigen::Vector3d& center, double radiu
   return {center.array() - radius, center.array() + radius};
 }
 
-/// A small part of a triangle of the surface.
+/// A small part of a surface triangle.
 struct SurfacePiece {
   Eigen::Vector3d middle;       ///< m
-  Eigen::Vector3d barycentric;  ///< of the middle, in the triangle
+  Eigen::Vector3d barycentric;  ///< barycentric coordinates of the middle in the triangle
   double area = 0;              ///< m^2
 };
 
-/// Calls visit(piece) for equal parts of a triangle of the surface, none wider than `width`,
-/// metres.
+/// Calls visit(piece) for equal parts of a surface triangle, none wider than `width`, metres.
 template <class Visit>
 void forEachPiece(const Mesh& mesh, std::int32_t triangle, double width, Visit visit) {
   const auto& [a, b, c] = mesh.surface[triangle];
