@@ -19,7 +19,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers(layout::version_attribute);
   if (version.size() != 2) throw in.damaged(layout::version_attribute, "is not (major, minor)");
-  // Before the newer ones, since only here there is something that the user can do.
+  // Older versions come first, because only for them the user can do something.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
         "{}: has format version {}.{}, which is no longer read; "
@@ -34,7 +34,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
         in.text(layout::generator_attribute));
 }
 
-/// Moves the places of probes, which stand behind all others, out of `spaces`.
+/// Moves the probe places, which come last, out of `spaces`.
 std::vector<SpaceTable> splitOff(std::vector<SpaceTable>& spaces) {
   const auto first = std::ranges::find_if(
       spaces, [](const SpaceTable& space) { return space.patch.probe.has_value(); });
@@ -58,10 +58,11 @@ Scene sceneIn(const Reader& in, const std::string& text, const std::string& file
   }
 }
 
-/// The scene, after the format and the content hash: what is read afterwards is what was sealed.
+/// Checks format and content hash, then returns the scene, so that everything read later is as
+/// sealed.
 std::string openedText(Reader& in, const std::string& file) {
   refuseOtherFormats(in, file);
-  // The attributes of the root say what the file is before anything else is believed.
+  // The root attributes identify the file before any other content is trusted.
   in.findArrays();
   std::string scene_toml = in.text(layout::scene_attribute);
   if (layout::contentHash(scene_toml, in.arrays()) != idIn(in, layout::content_attribute))
@@ -70,7 +71,7 @@ std::string openedText(Reader& in, const std::string& file) {
   return scene_toml;
 }
 
-/// Of rows of `count` nodes, `size` values each, those of some nodes.
+/// Selects the values of `nodes` from rows of `count` nodes with `size` values each.
 std::vector<float> rowsOfNodes(const std::vector<float>& all, std::size_t count, std::size_t size,
                                const std::vector<std::int32_t>& nodes) {
   std::vector<float> some;
@@ -105,10 +106,10 @@ ContentId verifiedContent(const std::filesystem::path& file) {
   return idIn(in, layout::content_attribute);
 }
 
-/// What is read when it is asked for.
+/// Data that is read on demand.
 struct Dataset::Input {
   Reader in;
-  std::optional<FieldsReader> fields;  ///< of that
+  std::optional<FieldsReader> fields;  ///< reads from `in`
 
   explicit Input(const std::filesystem::path& file) : in(file) {}
 };

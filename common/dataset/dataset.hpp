@@ -9,70 +9,74 @@
 
 namespace palpate {
 
-/// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they
+/// Returns the nodal fields of a solved point while a dataset is sealed. Throws Error if they
 /// cannot be read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
 
-/// Writes a sealed dataset: aside as FILE.tmp, closed, re-opened and checked against the hashes,
-/// fsynced, renamed over FILE, directory fsynced. At any kill FILE is the old one, the new one or
-/// absent, never a part. The bytes are a function of the arguments alone (no time stamps). Layout:
-/// docs/dataset.md.
+/// Writes a sealed dataset. The file is written aside as FILE.tmp, closed, re-opened, checked
+/// against the hashes, fsynced and renamed over FILE; then the directory is fsynced. If the process
+/// is killed at any time, FILE is the old one, the new one or absent, never incomplete. The bytes
+/// depend on the arguments alone (no time stamps). docs/dataset.md describes the layout.
 ///
-/// `spaces` has one per problem.active, in that order and with those patches, each on the lattice
-/// of problem.scene (and what was added to it), with one record per point of it and without
-/// faultOf; else Error, and nothing is written. Beside what they hold sealing takes some MB, and 36
-/// bytes a point. `fields` is asked for every solved point once, in order of space and point, and
-/// must give what its record names; scene.storage says what is kept of it. Of probes no fields are
-/// kept. `partial`: the build is not done (Dataset::isPartial). Error on any HDF5 or system
-/// failure; FILE.tmp is then removed. One thread at a time (HDF5 is not thread-safe).
+/// `spaces` holds one entry per problem.active, in that order and with those patches. Each is on
+/// the lattice of problem.scene (with added points), has one record per point and passes faultOf;
+/// otherwise Error, and nothing is written. Besides its arguments, sealing takes some MB and 36
+/// bytes per point. `fields` is called once for every solved point, in order of space and point,
+/// and must return the fields that the record names; scene.storage decides which part is stored.
+/// Fields of probes are not stored. `partial` marks an unfinished build (Dataset::isPartial). Error
+/// on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
+/// thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);
 
-/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
-/// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5
-/// is not thread-safe); the tables may be read by any thread. References to what it holds end when
-/// it is moved.
+/// A sealed dataset, opened for reading. Construction reads and verifies everything but the nodal
+/// fields, which are read and verified on demand. Any thread may read the tables; other calls are
+/// for one thread at a time (HDF5 is not thread-safe). References into it become invalid when it is
+/// moved.
 class Dataset {
  public:
-  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of
-  /// another major version, or when an array that is read does not match its hash; the message
-  /// names file and array.
+  /// Opens and verifies `file`. Error if it is missing, truncated, not a Palpate dataset or of
+  /// another major version, or if an array does not match its hash. The message names file and
+  /// array.
   explicit Dataset(const std::filesystem::path& file);
   ~Dataset();
   Dataset(Dataset&&) noexcept;
   Dataset& operator=(Dataset&&) noexcept;
 
-  const std::filesystem::path& file() const { return file_; }  ///< as it was opened
-  /// Over all arrays and the scene: equal for equal results.
+  const std::filesystem::path& file() const { return file_; }  ///< path as given to the constructor
+  /// Hash of all arrays and the scene; equal for equal results.
   ContentId contentId() const { return content_id_; }
-  ContentId buildId() const { return build_id_; }  ///< problemId of the problem it answers
-  /// Sealed before its build was done: points are unknown, or refinement is not at its end.
+  ContentId buildId() const { return build_id_; }  ///< problemId of the solved problem
+  /// Returns whether the build was unfinished: some points are unknown, or refinement is not
+  /// complete.
   bool isPartial() const { return partial_; }
-  const std::string& kernelFamily() const { return kernel_family_; }  ///< of its workers
-  const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene
-  const Scene& scene() const { return scene_; }                       ///< read from that text
-  /// Quadratic with P2 displacement; groups are not stored.
+  const std::string& kernelFamily() const {
+    return kernel_family_;
+  }                                                             ///< of the workers that solved it
+  const std::string& sceneToml() const { return scene_toml_; }  ///< resolved scene as text
+  const Scene& scene() const { return scene_; }                 ///< parsed from sceneToml()
+  /// Quadratic with P2 displacement. Groups are not stored.
   const Mesh& mesh() const { return body_.mesh; }
   const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted
-  /// One per active node, in the order of the scene; not those that only measure an area.
+  /// One space per active node, in scene order, without the probe places of areas.
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
-  /// Where areas are measured, in the order of the scene: the origin and one probe each
+  /// The probe places of areas, in scene order: each holds the origin and one probe
   /// (ActivePatch::probe).
   const std::vector<SpaceTable>& probePlaces() const { return probe_places_; }
-  /// The vertices on the surface, sorted: what is seen.
+  /// Vertices on the visible surface, sorted.
   const std::vector<std::int32_t>& surfaceNodes() const { return body_.surface; }
-  /// The nodes whose displacements are kept, sorted: those of the surface, or all.
+  /// Nodes with stored displacements, sorted: the surface nodes, or all nodes.
   const std::vector<std::int32_t>& storedNodes() const { return body_.stored; }
 
-  /// What is kept of the nodal fields of a solved point: three displacements per stored node, and
-  /// pressures when all nodes are stored.
+  /// Returns the stored nodal fields of a solved point: three displacements per stored node, and
+  /// pressures if all nodes are stored.
   NodalFields fields(std::size_t space, std::int32_t point) const;
-  /// What is kept of the surface nodes in every point of a space: displacements, metres,
-  /// [point][surface node][axis], and pressures, Pa, [point][surface node], where they are stored
-  /// (storedPressures), else none. NaN in points that are not solved.
+  /// Returns the stored fields of the surface nodes at every point of a space: displacements,
+  /// metres, [point][surface node][axis], and pressures, Pa, [point][surface node]. Without stored
+  /// pressures (storedPressures) these are empty. NaN at points that are not solved.
   NodalFields surfaceFields(std::size_t space) const;
-  /// Reads and verifies every array, the nodal fields too. Error names the first damaged one.
+  /// Reads and verifies every array, including the nodal fields. Error names the first damaged one.
   void verifyAll() const;
 
  private:
@@ -89,7 +93,7 @@ class Dataset {
   std::string kernel_family_;
 };
 
-/// Logs a warning, with how many points are unknown, when it is partial.
+/// Logs a warning with the number of unknown points if the dataset is partial.
 void warnIfPartial(const Dataset& dataset);
 
 }  // namespace palpate

@@ -34,7 +34,7 @@ void checkArguments(const std::string& file, const Problem& problem, const Space
   }
 }
 
-/// What is derived from the points and stored beside them: their inconsistent edges.
+/// Computes the inconsistent edges of each space, which are stored beside the points.
 std::vector<std::vector<LatticeEdge>> inconsistentEdgesOf(const SpaceRowsList& spaces) {
   std::vector<std::vector<LatticeEdge>> jumps;
   for (const auto& space : spaces)
@@ -44,7 +44,7 @@ std::vector<std::vector<LatticeEdge>> inconsistentEdgesOf(const SpaceRowsList& s
   return jumps;
 }
 
-/// Attributes of the root. Returns the content hash.
+/// Writes the attributes of the root and returns the content hash.
 ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string& kernel_family,
                     bool partial) {
   const std::string scene = resolvedToml(problem.scene);
@@ -63,7 +63,7 @@ ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string
   return content;
 }
 
-/// Groups, arrays and attributes in a fixed order: the bytes of the file depend on it.
+/// Writes groups, arrays and attributes in a fixed order, which determines the bytes of the file.
 ContentId writeDataset(const std::filesystem::path& file, const Problem& problem,
                        const SpaceRowsList& spaces, const std::string& kernel_family,
                        const FieldsSource& fields, bool partial) {
@@ -76,7 +76,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
   return content;
 }
 
-/// Before it takes the place of an older one.
+/// Checks the new file before it replaces an older one.
 void verifySealed(const std::filesystem::path& file, const ContentId& written) {
   if (verifiedContent(file) != written)
     throw failure("{}: reads back differently from what was written", file.string());
@@ -87,7 +87,7 @@ void verifySealed(const std::filesystem::path& file, const ContentId& written) {
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial) {
-  // Else the rename would fail after hours, with a worse message.
+  // Otherwise the rename would fail after hours, with a worse message.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());

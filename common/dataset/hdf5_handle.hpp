@@ -8,25 +8,24 @@
 #include "common/base/bytes32.hpp"
 #include "common/base/error.hpp"
 
-/// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
-/// common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp and the main() of
-/// programs only.
+/// The part of the HDF5 C API that datasets and recordings need. Not thread-safe, like the library.
+/// Only common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp and the
+/// main() of programs may use it.
 namespace palpate::hdf5 {
 
-/// Turns off HDF5's own printing to stderr; called by every Reader and Writer.
+/// Turns off HDF5's error output on stderr. Every Reader and Writer calls this.
 void silenceErrorStack();
 
-/// Lets HDF5 leave alone, when the process ends, files that it could not close: 1.10.8 crashes over
-/// one whose disk was full. For programs that write, before any other call of HDF5. Not for
-/// libpalpate: others in its process (h5py) may rely on that their files are closed.
+/// Keeps HDF5 from closing open files when the process ends: 1.10.8 crashes if a full disk kept it
+/// from closing one. Programs that write call this before any other HDF5 function. libpalpate does
+/// not, because other code in its process (h5py) may rely on that closing.
 void leaveOpenFilesAtExit() noexcept;
 
-/// Why the last call failed: the system's words ("No space left on device") where it refused
-/// something, else the innermost sentence of HDF5's error stack, or "unknown".
+/// Returns the reason of the last failure: the system's message ("No space left on device") if a
+/// system call failed, else the innermost sentence of HDF5's error stack, or "unknown HDF5 error".
 std::string lastError();
 
-/// Returns what an HDF5 call returned. A negative value becomes an Error "FILE: WHAT: HDF5's
-/// reason".
+/// Returns `result` of an HDF5 call. Throws Error "FILE: WHAT: HDF5's reason" if it is negative.
 template <class Result>
 Result checked(Result result, std::string_view file, std::string_view what) {
   if (result < 0) throw failure("{}: {}: {}", file, what, lastError());
@@ -50,8 +49,7 @@ class Handle {
     if (id_ >= 0) close_(id_);
   }
   hid_t get() const { return id_; }
-  /// Closes now and returns the status, which for a file tells whether its last bytes could be
-  /// written.
+  /// Closes now and returns the status. For a file it tells whether the last bytes were written.
   herr_t close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
 
  private:
@@ -59,19 +57,19 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// The element types a dataset uses; all little-endian.
+/// Element types of a dataset; all little-endian.
 enum class Element : std::uint8_t { uint8, int16, int32, float32, float64 };
 inline constexpr std::array all_elements = {Element::uint8, Element::int16, Element::int32,
                                             Element::float32, Element::float64};
 struct ElementType {
   std::string_view name;  ///< "int32"
   std::size_t size;       ///< bytes
-  hid_t id;               ///< a library constant, not to be closed
+  hid_t id;               ///< a library constant that must not be closed
 };
-/// How values of an element lie in a file.
+/// Returns the storage type of an element in a file.
 ElementType typeOf(Element element);
 
-/// The one whose values are T's.
+/// Returns the element with values of type T.
 template <class T>
 constexpr Element elementOf() {
   if constexpr (std::is_same_v<T, std::uint8_t>) return Element::uint8;
@@ -85,19 +83,19 @@ using Shape = std::vector<hsize_t>;        ///< extents, slowest first; empty fo
 std::size_t countOf(const Shape& shape);   ///< product of the extents
 std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
 
-/// How one entry of a list lies in an array: so many numbers, `extents` slowest first.
+/// Layout of a list entry in an array: the numbers of one row, `extents` slowest first.
 template <class NumberInFile, hsize_t... extents>
 struct Row {
   using Number = NumberInFile;
   static constexpr std::size_t size = (std::size_t{1} * ... * extents);
-  /// Of a list with so many rows.
+  /// Returns the shape of a list with `rows` rows.
   static Shape shape(hsize_t rows) { return {rows, extents...}; }
 };
 
 using RowMajorMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-/// The row of a T, whose bytes are those of T in memory. Enumerators are their values; int32 holds
-/// the bits of uint32, which the file does not have.
+/// The row layout of a T, with the same bytes as T in memory. Enumerators are stored as their
+/// values. uint32 is stored as the bits of int32, since files have no uint32.
 template <class T>
 struct Stored : Row<T> {};
 template <class T>
@@ -123,23 +121,23 @@ struct ArrayInfo {
   ContentId hash;  ///< BLAKE2b-256 of the values, row-major, little-endian
 };
 
-/// The name of a file, and what becomes of HDF5's answers about it: what Reader and Writer share.
+/// A file name, and checks of HDF5 results that name it. Base of Reader and Writer.
 class NamedFile {
  public:
   explicit NamedFile(std::string name) : name_(std::move(name)) { silenceErrorStack(); }
-  const std::string& name() const { return name_; }  ///< of the file, for errors
+  const std::string& name() const { return name_; }  ///< for errors
 
-  /// checked() of a call about this file.
+  /// Calls checked() with the name of this file.
   template <class Result>
   Result check(Result result, std::string_view what) const {
     return checked(result, name_, what);
   }
-  /// The identifier that a call returned, checked, in a handle that closes it.
+  /// Checks an identifier that a call returned, and returns a handle that closes it.
   Handle own(hid_t id, Handle::Close closer, std::string_view what) const {
     return {check(id, what), closer};
   }
-  /// Selects rows `first`, first + 1, ... of an array whose whole space is `space`, and
-  /// returns their shape.
+  /// Selects rows `first`, first + 1, ... of an array with dataspace `space`, and returns their
+  /// shape.
   Shape selectRows(const Handle& space, const ArrayInfo& info, hsize_t first, hsize_t count) const;
 
  private:

@@ -6,26 +6,26 @@
 
 namespace palpate::hdf5 {
 
-inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< in an expected Shape
+inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< wildcard in an expected Shape
 
-/// Words for messages about one kind of file.
+/// Words for messages about a kind of file.
 struct FileKind {
   std::string_view noun = "dataset";
   std::string_view origin = "palpate build makes one";
   std::string_view remedy = "copy the dataset again or seal it again with palpate build";
 };
 
-/// Whether a program has this HDF5 file open for writing, or ended without closing it. HDF5 opens
-/// it for nobody else then, although it may be whole.
+/// Returns whether a program has this HDF5 file open for writing, or ended without closing it. HDF5
+/// then refuses to open the file, although it may be complete.
 bool isOpenForWriting(const std::filesystem::path& file);
 
-/// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values
-/// are used. Only arrays of the five plain types, stored in the file itself, are accepted. Every
-/// Error names the file and the array.
+/// Reads files of Writer without trusting them: types, shapes and hashes are checked before values
+/// are used. Accepts only arrays of the five plain types, stored in the file itself. Every Error
+/// names the file and the array.
 class Reader : public NamedFile {
  public:
-  /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is open for
-  /// writing (isOpenForWriting), cut, or its structure damaged.
+  /// Error (bad input) if `file` is missing, not a regular file or not an HDF5 file. Error if it is
+  /// open for writing (isOpenForWriting), truncated or damaged.
   explicit Reader(const std::filesystem::path& file, const FileKind& kind = {});
 
   bool hasAttribute(const char* attribute) const;  ///< of the root group
@@ -33,16 +33,16 @@ class Reader : public NamedFile {
   std::vector<std::int32_t> integers(const char* attribute) const;  ///< of the root group, <= 1024
   double number(const char* attribute) const;                       ///< of the root group
 
-  /// Looks at every array of the file. To be called once, before any of the calls below.
+  /// Finds all arrays of the file. Must be called once, before any of the calls below.
   void findArrays();
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< sorted by path
-  const ArrayInfo& array(const std::string& path) const;            ///< Error when it is not there
+  const ArrayInfo& array(const std::string& path) const;            ///< Error if it does not exist
   const ArrayInfo& array(const std::string& path, Element element,
-                         const Shape& expected) const;  ///< and checked
-  /// Rows of a table, which is an array that read() takes.
+                         const Shape& expected) const;  ///< also checks type and shape
+  /// Returns the number of rows of a table, an array that read() accepts.
   std::size_t rowsOf(const std::string& path) const;
 
-  /// A whole array, checked against its hash.
+  /// Reads a whole array and checks it against its hash.
   template <class T>
   std::vector<T> read(const std::string& path, const Shape& expected) const {
     const ArrayInfo& info = array(path, elementOf<T>(), expected);
@@ -50,7 +50,7 @@ class Reader : public NamedFile {
     readBytes(info, std::as_writable_bytes(std::span(values)));
     return values;
   }
-  /// The same of a list; with so many rows, if they are given.
+  /// Reads a list; it must have `rows` rows if they are given.
   template <class T>
   std::vector<T> readList(const std::string& path, hsize_t rows = any_extent) const {
     using Entry = Stored<T>;
@@ -59,16 +59,16 @@ class Reader : public NamedFile {
     readBytes(info, std::as_writable_bytes(std::span(list)));
     return list;
   }
-  /// Rows `first`, first + 1, ... of an array that was checked with array(), as many as fill
-  /// `values`. Not compared with a hash.
+  /// Reads rows `first`, first + 1, ... into `values` until it is full. The array must have been
+  /// checked with array(). The rows are not compared with a hash.
   template <class T>
   void readRows(const ArrayInfo& info, std::size_t first, std::span<T> values) const {
     readRowBytes(info, first, std::as_writable_bytes(values));
   }
-  /// Reads all of it and compares with its hash.
+  /// Reads a whole array and compares it with its hash.
   void verify(const ArrayInfo& info) const;
 
-  /// Error "FILE: WHERE: WHY", for what callers find wrong with what they read.
+  /// Returns an Error "FILE: WHERE: WHY" for callers that find invalid data.
   Error damaged(std::string_view where, std::string_view why) const;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// What a dataset holds of the body.
+/// The body as a dataset stores it.
 struct StoredBody {
   Mesh mesh;                          ///< without groups; quadratic with P2 displacement
   std::vector<std::int32_t> fixed;    ///< sorted

@@ -11,14 +11,13 @@ namespace {
 constexpr const char *displacement_path = "/points/displacement",
                      *step_path = "/points/displacement_step", *pressure_path = "/points/pressure",
                      *hash_path = "/points/stored_id";
-/// What stands in points without fields.
+/// Value at points without fields.
 constexpr float unsolved = std::numeric_limits<float>::quiet_NaN();
 
-/// An error of a quantized displacement is at most this part of the step: half of it, and what
-/// rounding to float32 adds.
+/// Largest error of a quantized displacement, in steps: one half, plus rounding to float32.
 constexpr double quantization_error = 0.51;
 
-/// Displacements as 16-bit integers: step * values, the largest in magnitude being 32767.
+/// Displacements as 16-bit integers: step * values, with 32767 for the largest magnitude.
 struct Quantized {
   float step = 0;  ///< metres
   std::vector<std::int16_t> values;
@@ -33,7 +32,7 @@ Quantized quantize(std::span<const float> displacement) {
   quantized.step = static_cast<float>(largest / largest_integer);
   quantized.values.reserve(displacement.size());
   for (const float value : displacement) {
-    // The step is zero where everything is, and where its quotient is too small for a float.
+    // The step is zero if all values are, or if it underflows to zero as a float.
     const double steps = quantized.step > 0 ? value / static_cast<double>(quantized.step) : 0;
     quantized.values.push_back(static_cast<std::int16_t>(
         std::clamp(std::round(steps), -largest_integer, largest_integer)));
@@ -41,8 +40,8 @@ Quantized quantize(std::span<const float> displacement) {
   return quantized;
 }
 
-/// Hash of one row: the bytes of the displacements as they are stored, the step where they are
-/// quantized (else null), the pressures where there are some.
+/// Returns the hash of one row: the bytes of the stored displacements, the step if they are
+/// quantized (else null), and the pressures if there are any.
 ContentId rowHash(std::string_view displacement, const float* step,
                   std::span<const float> pressure) {
   ContentHasher hasher;
@@ -58,7 +57,7 @@ hdf5::Element elementOf(bool quantized) {
   return quantized ? hdf5::Element::int16 : hdf5::Element::float32;
 }
 
-/// Of the stored nodes.
+/// Returns the displacements of the stored nodes.
 std::vector<float> displacementsOf(const NodalFields& fields,
                                    const std::vector<std::int32_t>& stored) {
   std::vector<float> displacement;
@@ -98,7 +97,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
         continue;
       }
       const NodalFields given = fields(s, n);
-      // What was solved and what is sealed may be weeks and a disk apart.
+      // Solving and sealing may be weeks and a disk apart, so check again.
       if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
           given.pressure.size() != problem.pressures.count())
@@ -117,7 +116,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       steps.push_back(integers.step);
       hashes.push_back(rowHash(bytes, quantized ? &integers.step : nullptr, pressure));
     }
-  // Files keep their bytes: this is the order that they were always finished in.
+  // This order keeps the bytes of existing files.
   if (!quantized) displacements.finish();
   if (pressures) pressures->finish();
   out.writeList(hash_path, hashes, "1");
@@ -125,7 +124,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
   displacements.finish();
   out.writeList(step_path, steps, "m");
   float largest = 0;
-  for (const float step : steps) largest = std::fmax(largest, step);  // not those that are NaN
+  for (const float step : steps) largest = std::fmax(largest, step);  // fmax skips NaN
   out.setNumber(displacement_path, "error_bound", quantization_error * largest);
 }
 
@@ -144,7 +143,7 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
   }
   in.array(displacement_path, elementOf(quantized_), {n_rows, n_values_ / 3, 3});
   if (n_pressures_ > 0) {
-    // More than the nodes have where materials meet, which only their regions would tell.
+    // More slots than nodes if materials meet. The exact number would need the regions.
     const hdf5::Shape& shape = in.array(pressure_path).shape;
     stored_pressures_ = shape.size() == 2 ? std::max<std::size_t>(shape[1], n_pressures_) : 0;
     in.array(pressure_path, hdf5::Element::float32, {n_rows, stored_pressures_});

@@ -21,7 +21,7 @@ void checkIndices(const Reader& in, const char* path, const Index& values, std::
                                          static_cast<std::int64_t>(end) - 1));
 }
 
-/// A list of elements or triangles, of nodes below `end`.
+/// Reads a list of elements or triangles with nodes below `end`.
 template <std::size_t n>
 std::vector<std::array<std::int32_t, n>> readElements(const Reader& in, const char* path,
                                                       std::size_t end) {
@@ -30,7 +30,7 @@ std::vector<std::array<std::int32_t, n>> readElements(const Reader& in, const ch
   return elements;
 }
 
-/// The middles of the edges are among the nodes, and must be those that the tetrahedra have.
+/// Checks that the stored mid-edge nodes are those of the tetrahedra.
 void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
   const auto edges = readElements<2>(in, edges_path, mesh.nodes.size());
   const std::vector<Eigen::Vector3d> points = mesh.nodes;
@@ -51,7 +51,7 @@ std::vector<std::int32_t> readNodes(const Reader& in, const char* path, std::siz
   return nodes;
 }
 
-/// Reads what must be `expected`.
+/// Reads a list that must equal `expected`.
 std::vector<std::int32_t> readDerived(const Reader& in, const char* path,
                                       std::vector<std::int32_t> expected) {
   if (in.readList<std::int32_t>(path) != expected)

@@ -32,14 +32,14 @@ constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-/// What is written of one space.
+/// The data of one space that is written.
 struct SpaceToWrite {
   const SpaceRows& rows;
   const std::vector<LatticeEdge>& jumps;
 };
 using SpacesToWrite = std::vector<SpaceToWrite>;
 
-// ---- the tables and their columns, as writer and reader both go through them ------------------
+// ---- the tables and their columns, for both writer and reader -------------------------------
 
 constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
 
@@ -53,8 +53,8 @@ constexpr auto probe_count = [](const SpaceToWrite& space) {
 };
 constexpr auto attempt_count = [](const SpaceToWrite& space) { return space.rows.attempts(); };
 
-/// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable, how
-/// many a SpaceToWrite has)
+/// Calls visit(path of the first rows, path of an array with these rows, the list in a SpaceTable,
+/// the number of rows of a SpaceToWrite) for each table.
 template <class Visit>
 void forEachTable(const Visit& visit) {
   visit("/spaces/first_patch_node", patch_node_path, patch_nodes,
@@ -66,8 +66,8 @@ void forEachTable(const Visit& visit) {
   visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts, attempt_count);
 }
 
-// Each column: visit(path, unit, the part of a row that it holds), and whether the file has a value
-// for a row, where that is not always so.
+// Each function calls visit(path, unit, part of a row) per column, with a predicate if some rows
+// have no value in the file.
 
 template <class Visit>
 void forEachSplitColumn(const Visit& visit) {
@@ -94,9 +94,9 @@ void forEachAttemptColumn(const Visit& visit) {
   visitFailure("/attempts/mumps_infog2", "1", &Failure::mumps_infog2);
 }
 
-/// What /points and /probes, which is `group`, have in common: the columns of recordOf(row). The
-/// tags come before what depends on them. `with_drive`: some space is of a finger; other files keep
-/// their bytes.
+/// Visits the columns of recordOf(row) that /points and /probes (`group`) share. Tags precede the
+/// columns that depend on them. `with_drive` says that some space belongs to a finger; other files
+/// keep their bytes.
 template <class RecordOf, class Visit>
 void forEachRecordColumn(const std::string& group, const RecordOf& recordOf, bool with_drive,
                          const Visit& visit) {
@@ -161,12 +161,12 @@ void writeLattices(Writer& out, const SpacesToWrite& spaces) {
         [](const Lattice& lattice, std::int32_t n) { return lattice.displacement(n); });
 }
 
-/// The uniform lattice of the scene, and what the file adds to it.
+/// Reads the lattices: the uniform lattice of the scene and the points that the file adds.
 void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
   const auto ijk = in.readList<LatticePoint>(ijk_path);
   const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
   std::size_t row = 0;
-  // Uniform points must be where the scene puts them; what follows them was added by refinement.
+  // Uniform points must match the scene; refinement added those after them.
   for (SpaceTable& space : spaces) {
     Lattice& lattice = space.lattice = uniformLattice(scene, space.patch);
     const auto n_points = static_cast<std::int32_t>(space.points.size());
@@ -178,7 +178,7 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
         throw in.damaged(ijk_path, "is not the lattice of the scene");
       if (is_new) lattice.add(ijk[row]);
       const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
-      // Positions are for other readers: they must agree with the numbers, to the rounding.
+      // Positions are for other programs and must agree with the numbers up to rounding.
       if (!(distance <= 1e-9 * lattice.radius()))
         throw in.damaged(position_path, "is not the lattice of the scene");
     }
@@ -187,14 +187,14 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
 
 // ---- columns --------------------------------------------------------------------------------
 
-/// As what a part of a row lies in the file: matrices by rows.
+/// Type in the file of a part of a row: matrices are stored row by row.
 template <class T>
 using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
 
 template <class Row, class Part>
 using PartInFile = InFile<std::remove_cvref_t<std::invoke_result_t<Part, Row&>>>;
 
-/// Stands where there is no number.
+/// Returns the value for a missing number.
 template <class T>
 T nothing() {
   if constexpr (std::is_floating_point_v<T>)
@@ -212,8 +212,8 @@ struct Always {
   bool operator()(const auto& /*row*/) const { return true; }
 };
 
-/// Writes columns of rows that come one after the other, as often as there are columns: they may
-/// be more than fit into memory.
+/// Writes columns of rows. Visits all rows once per column, because together they may not fit into
+/// memory.
 template <class Row>
 struct ColumnWriter {
   using Visit = std::function<void(const Row&)>;
@@ -233,7 +233,7 @@ struct ColumnWriter {
   }
 };
 
-/// The rows of all spaces, countOf(space) of which each(space, visit) goes through.
+/// Returns a writer for the rows of all spaces: countOf(space) rows, visited by each(space, visit).
 template <class Row, class Count, class Each>
 ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Count& countOf,
                             const Each& each) {
@@ -244,7 +244,7 @@ ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Coun
           }};
 }
 
-/// Reads columns into rows that are there.
+/// Reads columns into existing rows.
 template <class Row>
 struct ColumnReader {
   const Reader& in;
@@ -256,7 +256,7 @@ struct ColumnReader {
     using Value = PartInFile<Row, Part>;
     const std::vector<Value> values = in.readList<Value>(path, rows.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {
-      // A value from a newer program would be an enumerator without a name.
+      // A newer program may have written an enumerator that this one does not know.
       if constexpr (std::is_enum_v<Value>)
         if (!isKnown(values[n]))
           throw in.damaged(path, fmt::format("holds {}, which this program does not know",
@@ -266,7 +266,7 @@ struct ColumnReader {
   }
 };
 
-/// Rows of a list of each space, those of all spaces one after the other.
+/// Returns a reader for the rows of `list` of all spaces in sequence.
 template <class List>
 auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
   using Row = std::remove_reference_t<decltype(std::invoke(list, spaces.front()).front())>;
@@ -276,8 +276,8 @@ auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
   return columns;
 }
 
-/// Centre, radius, and what of the ball it reaches; of other tools no numbers. The width of that is
-/// an array of its own, which older files lack.
+/// Centre, radius, and outward and pull of the reach; NaN for other tools. The width of the reach
+/// is a separate array, which older files lack.
 using FingerRow = std::array<double, 8>;
 
 FingerRow noFinger() {
@@ -304,7 +304,7 @@ void writeNames(Writer& out, const SpacesToWrite& spaces) {
             std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
 }
 
-/// Where the rows of each space begin, and at the end how many there are.
+/// Writes the first row of each space, and finally the number of rows.
 template <class Count>
 void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces,
                  const Count& countOf) {
@@ -319,7 +319,7 @@ void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spac
   out.writeList(path, firsts, "1");
 }
 
-/// Whether some space is of a finger.
+/// Writes the patches; returns whether some space belongs to a finger.
 bool writePatches(Writer& out, const SpacesToWrite& spaces) {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
@@ -338,7 +338,7 @@ bool writePatches(Writer& out, const SpacesToWrite& spaces) {
   }
   out.makeGroup("/patches");
   out.writeList(patch_node_path, nodes, "1");
-  // Left out for rigid tools alone: their files keep their bytes.
+  // Files with rigid tools only lack these, so they keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
   if (with_finger) {
     out.writeList(finger_path, fingers, "m");
@@ -362,7 +362,7 @@ void checkNames(const Reader& in, const Scene& scene) {
   }
 }
 
-/// Makes room for the rows of each space.
+/// Resizes the list of each space to its rows in the file.
 template <class List>
 void resizeLists(const Reader& in, const std::string& firsts_path, const char* rows_path,
                  std::vector<SpaceTable>& spaces, List list) {
@@ -375,7 +375,7 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
     std::invoke(list, spaces[s]).resize(static_cast<std::size_t>(firsts[s + 1] - firsts[s]));
 }
 
-/// Whether some space is of a finger.
+/// Reads the patches; returns whether some space belongs to a finger.
 bool readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
                  std::vector<SpaceTable>& spaces) {
   const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
@@ -424,7 +424,7 @@ std::string unusableRow(std::size_t n) {
                      largest_stored);
 }
 
-/// What no reader would take.
+/// Refuses values that no reader would accept.
 template <class Row, class RecordOf>
 void refuseUnusable(const std::string& group, const ColumnWriter<Row>& columns,
                     const RecordOf& recordOf) {
