@@ -51,11 +51,9 @@ class Dataset {
   /// Returns whether the build was unfinished: some points are unknown, or refinement is not
   /// complete.
   bool isPartial() const { return partial_; }
-  const std::string& kernelFamily() const {
-    return kernel_family_;
-  }                                                             ///< of the workers that solved it
-  const std::string& sceneToml() const { return scene_toml_; }  ///< resolved scene as text
-  const Scene& scene() const { return scene_; }                 ///< parsed from sceneToml()
+  const std::string& kernelFamily() const { return kernel_family_; }  ///< of the workers
+  const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene as text
+  const Scene& scene() const { return scene_; }                       ///< parsed from sceneToml()
   /// Quadratic with P2 displacement. Groups are not stored.
   const Mesh& mesh() const { return body_.mesh; }
   const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted

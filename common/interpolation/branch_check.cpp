@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// The cells that refinement left whole.
+/// The cells that refinement did not split.
 struct Leaves {
   const std::vector<LatticeCell>& splits;
   std::int32_t divisions;
@@ -25,7 +25,7 @@ bool isMultiple(const LatticePoint& point, std::int32_t of) {
   return std::ranges::all_of(point, [of](std::int32_t x) { return x % of == 0; });
 }
 
-/// Whether one of the four cells around the edge that starts at `lower` along `axis` is a leaf.
+/// Returns whether one of the four cells around the edge from `lower` along `axis` is a leaf.
 bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t axis,
                  std::int32_t level) {
   for (int around = 0; around < 4; ++around) {
@@ -37,7 +37,7 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
   return false;
 }
 
-/// N: the thresholds in newtons are those of bodies with forces as large as this, or larger.
+/// N. Thresholds in newtons apply to bodies with forces at least this large.
 constexpr double measured_force = 3.3;
 
 double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) {
@@ -48,7 +48,7 @@ double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) 
   return largest;
 }
 
-/// The edges of leaf cells between solved points for which `selects` their check.
+/// Returns the edges of leaf cells between solved points whose check `selects` accepts.
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
                                      const EquilibriumOf& equilibriumOf, Select selects) {
@@ -59,7 +59,7 @@ std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<L
     const ToolEquilibrium* const here = equilibriumOf(n);
     if (here == nullptr) continue;
     for (std::int32_t level = 0; level <= leaves.deepest(); ++level) {
-      // Edges of a level start at corners of its cells only.
+      // Edges of a level start only at corners of its cells.
       if (!isMultiple(lattice.point(n), leaves.edge(level))) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         LatticePoint upper = lattice.point(n);
@@ -93,7 +93,7 @@ constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.cons
 }  // namespace
 
 bool EdgeCheck::consistent() const {
-  // The constants only keep round-off and perfectly linear edges out.
+  // The constant terms only exclude round-off and perfectly linear edges.
   return force_mismatch <= 2e-3 * scale + 0.1 * change + bend &&
          energy_mismatch <= 5e-4 * scale + 0.02 * change + 0.25 * bend;
 }
@@ -106,7 +106,7 @@ bool EdgeCheck::suspect() const {
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
-  // The corrected trapezoidal rule: forces at both ends, and their slopes.
+  // The corrected trapezoidal rule, from the forces and their slopes at both ends.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
   return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
           .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),

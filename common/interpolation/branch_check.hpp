@@ -6,60 +6,60 @@
 
 namespace palpate {
 
-/// How well one equilibrium, `step` metres from another, continues it: what of the changes of force
-/// and energy between the two the forces and stiffnesses at both do not explain. K step are the
-/// changes of force over the whole step at either stiffness; their mean length is `change`, the
-/// length of their difference `bend`.
+/// Measures how well one equilibrium continues another, `step` metres away: the part of the changes
+/// of force and energy that the forces and stiffnesses at both ends do not explain. K step is the
+/// change of force over the step at the stiffness of either end. `change` is the mean length of the
+/// two, `bend` the length of their difference.
 struct EdgeCheck {
-  /// N, |F_b - F_a - (K_a + K_b) / 2 step|: error of the trapezoidal rule.
+  /// N, |F_b - F_a - (K_a + K_b) / 2 step|: residual of the trapezoidal rule.
   double force_mismatch = 0;
-  /// N, that of the corrected trapezoidal rule for E_b - E_a, by |step|.
+  /// N, residual of the corrected trapezoidal rule for E_b - E_a, divided by |step|.
   double energy_mismatch = 0;
   double change = 0;  ///< N
   double bend = 0;    ///< N
-  /// 0 to 1: forces of the space against those that the thresholds in newtons were measured with.
+  /// 0 to 1: largest force of the space relative to the one behind the thresholds in newtons.
   double scale = 1;
 
-  /// False only when no smooth branch plausibly joins the two. Where the stiffness changes
-  /// monotonically the force mismatch is at most bend / 2; bend is allowed, so that a stiffness
-  /// with an extremum on the way passes too.
+  /// Returns false only if no smooth branch plausibly joins the two. If the stiffness changes
+  /// monotonically, the force mismatch is at most bend / 2. A mismatch up to bend is allowed, so
+  /// that a stiffness with an extremum on the way passes too.
   bool consistent() const;
-  /// True when the stiffnesses explain so little that a jump would not stand out: every edge that
-  /// is not consistent, and those too long for the curvature along them. Worth solving anew along
-  /// another way; not worth giving up order.
+  /// Returns true if the stiffnesses explain so little that a jump would not stand out. That holds
+  /// for every edge that is not consistent, and for edges too long for the curvature along them.
+  /// The ends are worth solving again along another path, but the interpolation keeps its order.
   bool suspect() const;
 };
-/// Of the step from a to b. largest_force: N, of the space; thresholds in newtons shrink with it,
-/// so that a jump shows in a soft body as it does in a stiff one.
+/// Checks the step from a to b. `largest_force` is the space's, N; thresholds in newtons shrink
+/// with it, so that a jump shows in a soft body as in a stiff one.
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force);
 
-/// The edges whose two ends lie on different branches of solutions, or with a fold between: no
-/// interpolation may treat the force between them as smooth. Sorted by (a, b). Points that are not
-/// solved are in no edge.
+/// Returns the edges whose ends lie on different solution branches, or have a fold between them. No
+/// interpolation may treat the force between them as smooth. Sorted by (a, b). Only edges between
+/// solved points are tested.
 ///
-/// Tested are the edges of the leaf cells: the cells of the uniform lattice, and the eighths of
-/// split cells, that were not split themselves. So in an unrefined lattice every pair of solved
-/// points one spacing apart along an axis, and where levels meet the whole edge of the coarse cell
-/// and the halves of the fine one. Any thread.
+/// The tested edges are those of the leaf cells: cells of the uniform lattice, and eighths of split
+/// cells, that are not split themselves. In an unrefined lattice these are all pairs of solved
+/// points one spacing apart along an axis. Where levels meet, they are the whole edge of the coarse
+/// cell and the halves of the fine one. Any thread.
 ///
 /// The thresholds were measured on liver-493 (Mooney-Rivlin, eight active nodes, 33 mm spacing,
-/// pushed up to 100 mm inwards), following every edge in 32 steps from either end. Of 2177 edges
-/// that are smooth none is inconsistent and 56 are suspect. Of 79 with a jump 35 are inconsistent
-/// and 74 suspect; those not even suspect have mismatches below 2 N. Of the jumps that pass as
-/// consistent, all change the stiffness by more than the force: smooth interpolation there was not
-/// worse than tri-linear.
+/// pushed up to 100 mm inwards) by following every edge in 32 steps from either end. None of
+/// 2177 smooth edges is inconsistent, and 56 are suspect. Among 79 edges with a jump, 35 are
+/// inconsistent and 74 suspect; the other 5 have mismatches below 2 N. Jumps that pass as
+/// consistent change the stiffness by more than the force, and smooth interpolation across them was
+/// no worse than trilinear.
 std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space);
 
-/// The equilibrium of a point by its lattice number; null when it is not solved.
+/// Returns the equilibrium of a point by its lattice number, null if it is not solved.
 using EquilibriumOf = std::function<const ToolEquilibrium*(std::int32_t)>;
-/// The same of a space that is no table: of its lattice, and its cells that were split (in the
-/// order of coarserFirst).
+/// Returns the inconsistent edges of a space given by its lattice and its split cells (sorted by
+/// coarserFirst).
 std::vector<LatticeEdge> inconsistentEdges(const Lattice& lattice,
                                            const std::vector<LatticeCell>& splits,
                                            const EquilibriumOf& equilibriumOf);
 
-/// The same for EdgeCheck::suspect.
+/// Returns the suspect edges (EdgeCheck::suspect), otherwise like inconsistentEdges.
 std::vector<LatticeEdge> suspectEdges(const SpaceTable& space);
 
 }  // namespace palpate

@@ -10,8 +10,9 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
-// Relative to the radius. Where only cells lie that were left out because they touch the ball
-// (shallow_reach), find() looks at a position pulled in farther than they reach.
+// Relative to the radius. Cells that only touch the ball are left out (shallow_reach). For a
+// position that lies in no other cell, find() uses one pulled inward by more than those cells
+// reach.
 constexpr double pull = 1e-9;
 static_assert(pull > shallow_reach);
 
@@ -55,7 +56,7 @@ void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::si
     edge_.push_back(spacing_ / (1 << cell.level));
     return;
   }
-  // The eighths are reserved together before any of them grows eighths of its own.
+  // Reserve the eight children together before any of them adds its own.
   const std::size_t children = nodes_.size();
   nodes_[place] = ~static_cast<std::int32_t>(children);
   nodes_.resize(children + 8, no_cell);
@@ -83,7 +84,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
       slot.kind = SlotKind::solved;
       slot.number = *number;
     }
-    // Last, since a hanging slot takes the coarse leaf's value even where it was solved.
+    // hang() comes last, because a hanging slot takes the coarse leaf's value even if it is solved.
     hang(slot);
     if (slot.kind == SlotKind::hanging)
       hanging_.push_back(static_cast<std::int32_t>(slots_.size()));
@@ -99,7 +100,8 @@ void CellTree::makeSlots(const SpaceTable& space) {
                            [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
 }
 
-/// Hangs a slot in the coarsest of the up to eight leaves around it if it is no corner of that one.
+/// Hangs a slot in the coarsest of the up to eight leaves around it, unless it is a corner of that
+/// leaf.
 void CellTree::hang(CellSlot& slot) const {
   LeafPlace coarsest;
   for (std::size_t octant = 0; octant < 8; ++octant) {
@@ -161,7 +163,7 @@ LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
   while (nodes_[node] < 0) {
     std::size_t child = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      // Halving is exact in floating point: no place falls between two leaves.
+      // Halving is exact in floating point, so no place falls between two leaves.
       const bool upper = place.local[axis] >= 0.5;
       child |= static_cast<std::size_t>(upper) << axis;
       place.local[axis] = 2 * place.local[axis] - (upper ? 1 : 0);
@@ -191,7 +193,7 @@ Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius
   if (!(displacement.array().isNaN().any() || std::isinf(largest))) {
     const double length = displacement.stableNorm();
     if (length <= radius) return displacement;
-    // Scaled first: the norm of huge numbers overflows.
+    // Scale first, because the norm of huge numbers overflows.
     return displacement / largest * (radius / (displacement / largest).norm());
   }
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();

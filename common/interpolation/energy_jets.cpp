@@ -10,11 +10,11 @@
 namespace palpate {
 namespace {
 
-// Of ghosts: the nearest solved points, up to so many times the distance of the first, or
-// Kind::most_extrapolated_from. Fewer lose accuracy at the rim, more gain none.
+// A ghost uses the nearest solved points up to this multiple of the distance of the first, at most
+// Kind::most_extrapolated_from. Fewer points lose accuracy at the rim; more gain none.
 constexpr double ghost_reach = 2.2;
 
-/// Chooses sources and fits.
+/// Chooses the sources of fits and fits the polynomials.
 class Fitter {
  public:
   Fitter(const CellTree& tree, const SpaceTable& space,
@@ -44,14 +44,14 @@ class Fitter {
     findKnown();
   }
 
-  /// Of a solved slot: its own data, and what the solved points around say.
+  /// Fits a solved slot: its own data exactly, the rest from the solved points around.
   LocalPolynomial complete(std::size_t slot) {
     const std::int32_t number = tree_.slots()[slot].number;
     return fits_.complete(space_.points[number].equilibrium, neighbours(slot, number), edge_[slot],
                           known_[at(number)]);
   }
 
-  /// From the nearest solved points.
+  /// Extrapolates a ghost from the nearest solved points.
   LocalPolynomial extrapolate(std::size_t slot) {
     std::vector<Candidate> candidates;
     for (const std::int32_t number : solved_)
@@ -64,7 +64,7 @@ class Fitter {
     const auto sources = choose(std::move(candidates), -1, fits_.kind().most_extrapolated_from);
     const auto edge =
         static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
-    // A polynomial of high degree far from its sources overshoots: a lower one is tried instead.
+    // A polynomial of high degree overshoots far from its sources, so lower degrees are tried then.
     for (int degree = fits_.degreeFor(sources.size());; --degree) {
       LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
       if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
@@ -85,7 +85,7 @@ class Fitter {
     auto operator<=>(const Candidate&) const = default;
   };
 
-  /// The nearest candidates that no inconsistent edge joins to those before them, nor to `own`.
+  /// Returns the nearest candidates that no inconsistent edge joins to a nearer one or to `own`.
   std::vector<FitSource> choose(std::vector<Candidate> candidates, std::int32_t own,
                                 std::size_t most) const {
     std::ranges::sort(candidates);
@@ -101,7 +101,7 @@ class Fitter {
     return sources;
   }
 
-  /// What of the points at slots counts.
+  /// Determines, for each point at a slot, the orders of its data that count.
   void findKnown() {
     known_.assign(space_.points.size(), fits_.kind().known);
     if (!fits_.kind().highest_known_are_judged) return;
@@ -113,8 +113,8 @@ class Fitter {
     }
   }
 
-  /// The solved corners of the leaves around a slot that is the solved point `own`, hanging ones
-  /// too.
+  /// Returns the solved corners of the leaves around a slot that is the solved point `own`. They
+  /// include hanging corners.
   std::vector<FitSource> neighbours(std::size_t slot, std::int32_t own) const {
     const CellSlot& center = tree_.slots()[slot];
     std::set<std::int32_t> numbers;
@@ -134,8 +134,8 @@ class Fitter {
     return {squaredNorm(offset), offset, number};
   }
 
-  /// Whether the force at a ghost differs from that of the nearest source by no more than what the
-  /// stiffness there and the differences to the other sources suggest.
+  /// Returns whether the force at a ghost differs from that of the nearest source by no more than
+  /// the stiffness there and the differences between sources suggest.
   bool isModest(const Equilibrium& ghost, const Candidate& nearest,
                 const std::vector<FitSource>& sources) const {
     const Equilibrium& base = space_.points[nearest.number].equilibrium;
@@ -152,8 +152,8 @@ class Fitter {
   const std::vector<bool> interpolated_;
   LocalFits& fits_;
   const std::vector<LatticeEdge>& inconsistent_;
-  std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
-  std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
+  std::vector<std::vector<std::int32_t>> around_;  ///< adjacent leaves, per slot
+  std::vector<std::int32_t> edge_;  ///< largest edge of the adjacent leaves, in lattice coordinates
   std::vector<std::int32_t> solved_;
   std::vector<KnownOrders> known_;  ///< per point
 };
@@ -169,13 +169,13 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   return jet;
 }
 
-/// Of one order of derivative: the factors of what is known at an end, [end 0..1][order 0..2].
+/// 1-D basis of one derivative: a factor per datum at an end, [end 0..1][order 0..2].
 using AxisBasis = std::array<std::array<double, 3>, 2>;
-/// Quintic Hermite basis along an axis and its derivatives by the place, 0..1.
+/// Quintic Hermite basis along an axis, 0..1, with its first and second derivatives.
 using Basis = std::array<AxisBasis, 3>;
 
-/// f: value 1 at the end, g: slope 1, k: curvature 1; the upper end mirrors the lower one, odd
-/// orders change sign.
+/// f has value 1 at the end, g slope 1, k curvature 1. The upper end mirrors the lower one, with a
+/// changed sign for odd orders.
 Basis quinticHermite(double t) {
   const double s = 1 - t;
   Basis basis;
@@ -198,7 +198,7 @@ Basis quinticHermite(double t) {
   return basis;
 }
 
-/// For what is known in units of the spacing, along an axis of a leaf.
+/// Returns the basis along an axis of a leaf, for data in units of the spacing.
 Basis basisIn(double edge, double spacing, double local) {
   Basis basis = quinticHermite(local);
   if (edge == spacing) return basis;
@@ -307,13 +307,13 @@ LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
   return basis;
 }
 
-/// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
+/// Sums over z, then y, then x, so that the longest sums run over contiguous memory.
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept {
   using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
   using Line = Eigen::Array3d;               // orders a
   const auto [x, y, z] = basesIn(edge, spacing, local);
-  // Derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2.
+  // Derivatives of the interpolant, [f along z][e along y][d along x], d + e + f <= 2.
   double d[3][3][3] = {};
   for (std::size_t x_end = 0; x_end < 2; ++x_end) {
     Line lines[3][3];  // [derivative f along z][e along y]

@@ -6,60 +6,61 @@
 
 namespace palpate {
 
-/// Derivative d^(a+b+c) E / dx^a dy^b dz^c, a, b, c <= 2, of the energy at a slot, times
-/// spacing^(a+b+c), J, at [a + 3 b + 9 c].
+/// Derivatives d^(a+b+c) E / dx^a dy^b dz^c of the energy at a slot, a, b, c <= 2, times
+/// spacing^(a+b+c), in J, at [a + 3 b + 9 c].
 using EnergyJet = std::array<double, 27>;
 
-/// Energy and its derivatives; force = -gradient, stiffness = -Hessian.
+/// Energy, force = -gradient and stiffness = -Hessian.
 struct EnergySample {
   double energy = 0;                                    ///< J
   Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// What the nearest solved points say about the energy near every ghost: a least-squares fit. Zero
-/// for other slots. Points that an inconsistent edge joins to a nearer source are left out. Spaces
-/// on such a lattice may share the fits.
+/// Fits a polynomial of the energy around every ghost to the nearest solved points (least squares);
+/// zero for other slots. Points joined to a nearer source by an inconsistent edge are left out.
+/// Spaces with equal lattices may share `fits`.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);
 
-/// The same of every slot, from `ghosts` (ghostPolynomials, which take nearly all of the time).
-/// Solved slots have their own data exactly, the higher derivatives from a fit to the solved
-/// corners of the leaves around, but those that an inconsistent edge joins to the slot or to a
-/// nearer source. Zero for hanging slots.
+/// Returns the polynomials of all slots. Those of ghosts are passed in `ghosts` (ghostPolynomials),
+/// because they take nearly all of the time. Solved slots reproduce their own data exactly. Their
+/// higher derivatives are fitted to the solved corners of the adjacent leaves, without corners that
+/// an inconsistent edge joins to the slot or to a nearer source. Hanging slots get zero.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);
 
-/// The jets of all slots from their polynomials (slotPolynomials), hanging ones from their coarser
-/// leaf.
+/// Returns the jets of all slots: from their polynomials (slotPolynomials), or for hanging slots
+/// from their coarser leaf.
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
-/// The same, those of hanging slots left to the caller.
+/// Returns the jets of all slots from their polynomials, leaving hanging slots to the caller.
 std::vector<EnergyJet> slotJets(const CellTree& tree,
                                 const std::vector<LocalPolynomial>& polynomials);
 
-/// The jets at the corners of a leaf, in its units: corner c has jets[c].
+/// The jets at the corners of a leaf; corner c has jets[c].
 using LeafJets = std::array<const EnergyJet*, 8>;
 
-/// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf, at a place
-/// in it. Real time: does not allocate, lock, throw or log.
+/// Evaluates the tensor-product quintic Hermite polynomial of the jets at the corners of a leaf.
+/// Real time: does not allocate, lock, throw or log.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept;
-/// The same of a leaf with edges of `edge` metres, 0..1 in which `local` is; jets are in units of
-/// the spacing (metres).
+/// Evaluates it in a leaf with edges of `edge` metres. `local` is 0..1 in the leaf, and jets are in
+/// units of the spacing (metres).
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept;
 
-/// Along one axis, what the derivative of order `wanted` at a place in a leaf is of the one of
-/// order `known` at an end: factors [axis][wanted][end][known], all in units of the spacing.
+/// 1-D Hermite basis along each axis: contribution of the order-`known` datum at an end of a leaf
+/// to the order-`wanted` derivative at a place, in units of the spacing. Indices
+/// [axis][wanted][end][known].
 using AxisFactors = std::array<std::array<std::array<std::array<double, 3>, 2>, 3>, 3>;
 AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local);
 
-/// The 27 numbers of such a polynomial at a place in a leaf, from those at its corners: known(c,
-/// n), of a type with sums and products with numbers. Axis after axis.
+/// Returns the 27 numbers of the jet at a place in a leaf from the numbers known(c, n) at its
+/// corners, axis by axis. Their type needs sums and products with numbers.
 template <class Factor, class Value, class Known>
 std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
   std::array<Value, 108> by_x;  // [corner in y and z][orders in y and z][wanted in x]
@@ -85,10 +86,10 @@ std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, K
   return by_z;
 }
 
-/// What the value of such a polynomial is of the 27 numbers at each corner: its factors.
+/// Basis of the value: the factor of each of the 27 numbers at each corner.
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
-/// The same of its derivative along a direction, per metre.
+/// Basis of the derivative along a direction, per metre.
 LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
                      const Eigen::Vector3d& direction) noexcept;
 

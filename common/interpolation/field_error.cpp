@@ -11,16 +11,15 @@ namespace palpate {
 namespace {
 
 // Measured at 18000 exact solutions (liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
-// 100 mm, spacings from 10 to 33 mm, the rim and the neighbourhood of jumps between branches
-// included), so that the bound holds at 99 % of them and is then 6 to 10 times the error in the
-// median.
-constexpr double share_of_spread = 0.75;  ///< of the disagreement in a leaf of solved corners
+// 100 mm, spacings from 10 to 33 mm, including the rim and the neighbourhood of jumps between
+// branches). The bound holds at 99 % of them and is then 6 to 10 times the error in the median.
+constexpr double share_of_spread = 0.75;  ///< of the disagreement at solved corners
 constexpr double share_at_ghosts = 2.5;   ///< added, times the weight of the ghosts
-constexpr double at_suspect_edges = 3;    ///< factor
+constexpr double at_suspect_edges = 3;    ///< multiplies the bound
 
 using Forces = Eigen::Matrix<double, 3, LocalPolynomial::terms>;
 
-/// Forces of a polynomial at one offset, in units of its scale, from its derivatives.
+/// Matrix from the derivatives of a polynomial to its force at one offset, in units of its scale.
 Forces forcesAt(const Eigen::Vector3d& offset) {
   Forces forces;
   for (Eigen::Index t = 0; t < LocalPolynomial::terms; ++t) {
@@ -31,8 +30,8 @@ Forces forcesAt(const Eigen::Vector3d& offset) {
   return forces;
 }
 
-/// Forces of local polynomials at the nodes of leaves. Offsets repeat, in units of the polynomial's
-/// scale.
+/// Evaluates the forces of local polynomials at the nodes of leaves. Caches the matrices, since
+/// offsets repeat in units of the polynomial's scale.
 class NodeForces {
  public:
   Eigen::Vector3d at(const LocalPolynomial& polynomial, const Eigen::Vector3d& offset) {
@@ -68,7 +67,7 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
   return false;
 }
 
-/// The leaves, coarse ones first: fine ones hang on them.
+/// Returns the leaves coarse to fine, because fine leaves hang on coarse ones.
 std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
   std::vector<std::int32_t> order(tree.leaves().size());
   std::iota(order.begin(), order.end(), 0);
@@ -77,7 +76,7 @@ std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
   return order;
 }
 
-/// How far the polynomials at the corners of a leaf are from what it interpolates.
+/// Measures how far the polynomials at the corners of a leaf are from its interpolant.
 class Disagreement {
  public:
   /// The arguments must outlive it.
@@ -85,7 +84,7 @@ class Disagreement {
                const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
       : tree_(tree), polynomials_(polynomials), jets_(jets), suspect_(suspect) {}
 
-  /// `inherited(leaf, local)`: the bound in a coarser leaf, at a hanging corner.
+  /// `inherited(leaf, local)` returns the bound in a coarser leaf at a hanging corner.
   template <class Inherited>
   double boundAt(std::int32_t leaf, const Eigen::Vector3d& local, Inherited inherited) {
     const Eigen::Vector3d force = evaluateEnergy(tree_, jets_, {leaf, local}).force;
@@ -108,7 +107,7 @@ class Disagreement {
       ++known;
       if (slot.kind == SlotKind::ghost) ghosts += weights[c];
     }
-    // Hanging corners have no polynomial: the others stand in for them.
+    // Hanging corners have no polynomial, so the mean of the others stands in.
     if (known > 0) spread += hanging * sum / known;
     const double factor = hasSuspectEdge(tree_, leaf, suspect_) ? at_suspect_edges : 1;
     return factor * (share_of_spread + share_at_ghosts * ghosts) * spread + of_coarser;

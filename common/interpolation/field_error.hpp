@@ -4,26 +4,26 @@
 
 namespace palpate {
 
-/// A-posteriori bound on the error of the force that the quintic interpolant of the energy gives
+/// A-posteriori bound on the error of the force of the quintic energy interpolant
 /// (energy_jets.hpp).
 ///
-/// Every corner of a leaf has a local polynomial of the energy. How far their forces differ from
-/// the interpolant's, weighted tri-linearly, tells how well the data around a place agree about it:
-/// zero at solved corners, and continuous over faces. Ghost corners and suspect edges
-/// (branch_check.hpp) make the same disagreement worth more; a hanging corner brings the bound that
-/// the coarser leaf has there.
+/// Every corner of a leaf has a local polynomial of the energy. The differences between the forces
+/// of these polynomials and the interpolant, weighted trilinearly, measure how well the data around
+/// a place agree. They are zero at solved corners and continuous across faces. Ghost corners and
+/// suspect edges (branch_check.hpp) increase the bound for the same difference. A hanging corner
+/// adds the bound of its coarser leaf.
 ///
-/// The factors were measured: see field_error.cpp and docs/measurements.md.
-/// Immutable after construction: any thread may read.
+/// The factors were measured; see field_error.cpp and docs/measurements.md. Immutable after
+/// construction, so any thread may read.
 class FieldError {
  public:
-  FieldError() = default;  ///< of no leaf
-  /// The arguments belong together; none is kept.
+  FieldError() = default;  ///< without leaves
+  /// All arguments must belong to the same space; none is kept.
   FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
              const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect);
 
-  /// N, on |force error|: sampled at the 27 nodes of a grid over the leaf, tri-linear between them.
-  /// Real time.
+  /// Returns the bound on |force error|, N. It is sampled at 27 grid nodes of the leaf and
+  /// trilinear between them. Real time.
   double bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept;
 
  private:

@@ -9,11 +9,11 @@
 namespace palpate {
 namespace {
 
-// Of one source at most: energy, three slopes, six curvatures, ten third derivatives, in the order
-// of the first terms.
+// Largest number of data of a source: energy, three slopes, six curvatures and ten third
+// derivatives, in the order of the first terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// Numbers of factorisations that are kept (8 MB); then they are made anew. The drives of a site
-/// share some 150 of them.
+/// Size of the cached factorisations, in numbers (8 MB). When it is exceeded, the cache is cleared.
+/// The drives of a site share some 150 factorisations.
 constexpr Eigen::Index most_kept = 1 << 20;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
@@ -44,7 +44,7 @@ Powers powersOf(const Eigen::Vector3d& x) {
   return powers;
 }
 
-/// Derivative `wanted`, of the third order at most, of the term x^a/a! y^b/b! z^c/c!.
+/// Returns derivative `wanted`, at most of third order, of the term x^a/a! y^b/b! z^c/c!.
 double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   double product = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,7 @@ double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   return product;
 }
 
-/// What is known, in units in which `scale` is 1.
+/// Returns the known data in units of length in which `scale` is 1.
 KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   const Eigen::Vector3d slope = -scale * e.force;
   const Eigen::Matrix3d curvature = -0.5 * scale * scale * (e.stiffness + e.stiffness.transpose());
@@ -69,21 +69,21 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   return data;
 }
 
-// Chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm, spacings from 15 to 33
-// mm; factors of ten in either direction change them by some 10 %, but for a fifth degree without
-// penalty, which doubles those at the rim. What all sources together leave open (a direction in
-// which none lies) tends to zero.
+// Chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm, with spacings from 15 to
+// 33 mm. Factors of ten in either direction change the errors by some 10 %. The exception is a
+// fifth degree without penalty, which doubles them at the rim. smallest_penalty pulls to zero what
+// all sources together leave undetermined, such as a direction without sources.
 constexpr double smallest_penalty = 1e-6;
-constexpr double distance_power = 4;  // of a source's weight: so much less do its data tell
+constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
-/// So many times farther than zero may a slope be and still count: one in the middle of a coarse
-/// cell says something even then. Near a point where the stiffness becomes singular slopes of dT/ds
-/// are wrong by factors of thousands.
+/// A slope counts if its prediction is at most this number of times worse than zero: a slope in the
+/// middle of a coarse cell is useful even then. Near a point with singular stiffness, slopes of
+/// dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 
-/// From its components (symmetric_axes).
+/// Returns the matrix of its components (symmetric_axes).
 Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
   Eigen::Matrix3d matrix;
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
@@ -97,13 +97,13 @@ KnownOrders oneLess(KnownOrders known) {
   return static_cast<KnownOrders>(static_cast<int>(known) - 1);
 }
 
-/// How many numbers of a source count.
+/// Returns the number of data of a source that count.
 Eigen::Index numbersOf(KnownOrders of_source, KnownOrders of_kind) {
   return termsUpTo(static_cast<int>(std::min(of_source, of_kind)));
 }
 
-/// Rows: the weighted data of the sources, then the penalties. Columns: the terms of degree `from`
-/// to `degree`.
+/// The least-squares system. Rows: the weighted data of the sources, then the penalties. Columns:
+/// the terms of degree `from` to `degree`.
 struct WeightedSystem {
   WeightedSystem(const std::vector<FitSource>& sources, std::int32_t edge, int from, int degree,
                  KnownOrders known, const std::array<double, 6>& penalty) {
@@ -131,8 +131,8 @@ struct WeightedSystem {
     int known_of_all = from > 0 ? from - 1 : static_cast<int>(known);
     for (const FitSource& source : sources)
       known_of_all = std::min(known_of_all, static_cast<int>(source.known));
-    // One row per unknown, which pulls it to zero: least squares with a ridge.
-    // Slopes and curvatures that no source knows are left open by a few sources, too.
+    // One row per unknown pulls it to zero (ridge regression). A few sources may also leave slopes
+    // and curvatures undetermined if no source knows them.
     for (int t = 0; t < unknowns; ++t) {
       const int order = total(term(t));
       matrix(weights.size() + t, t) = order > known_of_all
@@ -142,7 +142,7 @@ struct WeightedSystem {
   }
 
   Eigen::MatrixXd matrix;
-  Eigen::VectorXd weights;  ///< per datum
+  Eigen::VectorXd weights;  ///< one per datum
 };
 
 }  // namespace
@@ -194,7 +194,8 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
   PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "a value is held against nothing");
-  double with = 0, without = 0;  // squares of what is left of quotients of differences
+  double with = 0, without = 0;  // sums of squared residuals of difference quotients, with and
+                                 // without the derivative
   for (const FitSource& source : around) {
     const Eigen::Vector3d step =
         unit_ * Eigen::Vector3d(source.offset[0], source.offset[1], source.offset[2]);
@@ -247,7 +248,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   known = std::min(known, kind_.known);
   const Eigen::Index n_known = termsUpTo(static_cast<int>(known));
   result.derivatives.head(n_known) = dataOf(own, result.scale, known);
-  // Its own data stand; what is not known stays zero.
+  // The own data remain; unknown derivatives stay zero.
   if (sources.empty()) return result;
   const Factors& factors =
       factorsOf(sources, edge, static_cast<int>(known) + 1, kind_.highest_completed);

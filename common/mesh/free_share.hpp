@@ -21,9 +21,8 @@ class FreeShare {
   /// One triangle of the surface.
   struct Part {
     Eigen::AlignedBox3d box;
-    Eigen::Matrix3d corners;  ///< one per column, m
-    std::array<double, 6>
-        free{};  ///< 1 for free nodes, else 0: vertices, then mid-edge nodes of 01, 12, 20
+    Eigen::Matrix3d corners;       ///< one per column, m
+    std::array<double, 6> free{};  ///< 1 if free: vertices, then mid-edge nodes of 01, 12, 20
     bool is_quadratic = false;
   };
   static double freeAt(const Part& part, const Eigen::Vector3d& barycentric) noexcept;

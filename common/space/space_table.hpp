@@ -45,15 +45,13 @@ inline bool isBeyondForce(const PointRecord& record) {
 /// interpolation may use one.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
-  PointRecord
-      record;  ///< its parent is a lattice point; its tag is never unknown in a complete build
+  PointRecord record;  ///< its parent is a lattice point; unknown only in an incomplete build
 };
 
 /// Results of probes, as every program counts them.
 struct ProbeCounts {
   std::size_t all = 0;
-  std::size_t within_force =
-      0;  ///< solved within the scene's largest force; error statistics use these
+  std::size_t within_force = 0;  ///< solved within the scene's largest force; used to measure
   std::size_t beyond_force = 0;  ///< isBeyondForce()
 
   void add(const PointRecord& probe) {
