@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// An operator before what else he is.
+/// The operator precedes the observer that it includes.
 constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
     {{"worker", Roles::worker},
      {"operator", Roles::system_operator},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
 
 constexpr std::chrono::seconds read_again_after{1};
 
-/// Error unless nobody but this user and root could read or change it. False when it is not there.
+/// Returns false if the path does not exist. Error if any user but this one and root could read or
+/// change it.
 bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   struct stat info {};
   if (stat(path.c_str(), &info) != 0) {
@@ -41,7 +42,7 @@ bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   return true;
 }
 
-/// The lines of a file of this folder without comments; none when it is not there.
+/// Returns the lines of a file of this folder without comments, or nullopt if it does not exist.
 std::optional<TextLines> privateLines(const std::filesystem::path& file) {
   if (!isPrivate(file.parent_path(), 0700) || !isPrivate(file, 0600)) return std::nullopt;
   std::string text = readText(file, "key file");
@@ -62,7 +63,7 @@ PublicKey takeKey(TextLines& lines) {
 void makePrivateFolder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
-  // With its mode from its first instant: another program may look at it between two calls.
+  // Created with its final mode, because another program may look at it between two calls.
   if (!error && mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     error = {errno, std::generic_category()};
   if (error)
@@ -71,8 +72,8 @@ void makePrivateFolder(const std::filesystem::path& folder) {
   isPrivate(folder, 0700);
 }
 
-/// Replaces `file` by one that was never open to others. Nobody else changes it while `text` makes
-/// the new one of the old.
+/// Replaces `file` by one that is never accessible to others. No other process changes it while
+/// `text` computes the new content from the old.
 void writePrivate(const std::filesystem::path& file, const std::function<std::string()>& text) {
   makePrivateFolder(file.parent_path());
   replaceFile(file, text, "keys", 0600);
@@ -82,7 +83,7 @@ std::string lineOf(const KeyPair& own) { return own.secret().hex() + '\n'; }
 
 std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
 
-/// Writes what `change` makes of the keys that are let in.
+/// Applies `change` to the list of admitted keys and writes it.
 void changeAllowed(const KeyFolder& folder,
                    const std::function<void(std::vector<AllowedKey>& keys)>& change) {
   writePrivate(folder.allowedFile(), [&] {
@@ -139,7 +140,7 @@ KeyPair KeyFolder::own() const {
 }
 
 KeyPair KeyFolder::ownOrNew() const {
-  // Another process may make one meanwhile.
+  // Another process may make one in the meantime.
   if (!hasOwn())
     writePrivate(ownFile(folder_), [this] { return lineOf(hasOwn() ? own() : KeyPair::make()); });
   return own();
@@ -170,7 +171,7 @@ std::vector<AllowedKey> KeyFolder::allowed() const {
 
 void KeyFolder::allow(const AllowedKey& key) const {
   PALPATE_ASSERT(key.roles != Roles::none, "a line without a role is refused when it is read");
-  // A name with a line break in it would let another key in.
+  // A line break in a name would admit another key.
   const auto breaks = [](char c) {
     return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
   };
@@ -184,7 +185,7 @@ void KeyFolder::allow(const AllowedKey& key) const {
 }
 
 bool KeyFolder::withdraw(const std::string& name_or_key) const {
-  if (name_or_key.empty()) return false;  // those without a name have their digits
+  if (name_or_key.empty()) return false;  // a key without a name is given by its digits
   const auto is_meant = [&](const AllowedKey& key) {
     return key.key.hex() == name_or_key || key.name == name_or_key;
   };

@@ -14,46 +14,47 @@
 
 namespace palpate {
 
-/// What the holder of a key may do: a sum of bits.
+/// Permissions of a key's holder, as a sum of bits.
 enum class Roles : std::uint8_t {
   none = 0,
   worker = 1,    ///< takes work and delivers results
   observer = 2,  ///< reads the status
-  /// Stops a build, tries again, takes a haptic device and pushes the hand that holds it. Is an
-  /// observer too.
+  /// May stop a build, retry transitions, take a haptic device and push the hand that holds it.
+  /// Includes observer.
   system_operator = 4 | observer,
   all = worker | system_operator
 };
 constexpr Roles operator|(Roles a, Roles b) {
   return static_cast<Roles>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
 }
-/// Whether `wanted` is among the roles that somebody has.
+/// Returns whether `held` includes all of `wanted`.
 constexpr bool include(Roles held, Roles wanted) { return (held | wanted) == held; }
 
-/// "worker,operator" and back. Error (bad input) for a word that is no role, which lists them.
+/// Convert "worker,operator" to roles and back. Error (bad input) for an unknown word, with a list
+/// of the valid ones.
 Roles rolesOf(std::string_view words);
 std::string wordsOf(Roles roles);
 
-/// A key that a server lets in.
+/// A key that a server admits.
 struct AllowedKey {
   PublicKey key;
   Roles roles = Roles::none;
-  std::string name;  ///< for people; may be empty
+  std::string name;  ///< for display; may be empty
 };
 
 /// The folder with the keys of one user (docs/security.md):
 ///
-///   own.key   the own secret, 64 hexadecimal digits; a server's and a client's alike
-///   allowed   whom servers of this user let in: KEY ROLES NAME, a line each
-///   servers   which keys the servers have that this user's clients talk to: KEY ENDPOINT
+///   own.key   the own secret, 64 hexadecimal digits, for servers and clients
+///   allowed   keys that servers of this user admit: KEY ROLES NAME, one per line
+///   servers   keys of the servers that clients of this user connect to: KEY ENDPOINT
 ///
 /// # begins a comment. Folder and files must belong to this user (or root) and be closed to others
-/// (0700, 0600); Error (bad input), which says how to mend it, when they are not, or make no sense.
-/// Changes replace a file whole, one after the other, whichever processes make them. Any thread may
-/// read; nothing is kept in memory.
+/// (0700, 0600). Error (bad input) with a remedy if they are not, or if their content is invalid.
+/// Each change replaces a whole file; changes of several processes are serialised. Any thread may
+/// read; nothing is cached in memory.
 class KeyFolder {
  public:
-  /// Touches nothing.
+  /// Does not access the folder.
   explicit KeyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   const std::filesystem::path& path() const { return folder_; }
@@ -61,41 +62,42 @@ class KeyFolder {
 
   bool hasOwn() const;
   KeyPair own() const;
-  /// The own key, made before when there is none, with the folder. Two that make one at the same
-  /// time get the same.
+  /// Returns the own key; makes it and the folder if there is none. Two processes that do so at the
+  /// same time get the same key.
   KeyPair ownOrNew() const;
-  /// A new one in the place of the old.
+  /// Replaces the own key by a new one.
   KeyPair replaceOwn() const;
 
-  /// In the order of the file; the own key is not among them.
+  /// In the order of the file, without the own key.
   std::vector<AllowedKey> allowed() const;
-  /// In the place of what the same key had before. Error (bad input) for a name that would be more
-  /// than the rest of one line.
+  /// Adds a key, replacing an entry of the same key. Error (bad input) for a name that does not fit
+  /// on the rest of one line.
   void allow(const AllowedKey& key) const;
-  /// By its name or its digits. False when there is no such.
+  /// Removes keys by name or hexadecimal digits. Returns false if there is no such key.
   bool withdraw(const std::string& name_or_key) const;
 
-  /// The key of the server at `endpoint`: of its line, else of the line for "*"; else the own key:
-  /// a user whose machines share this folder needs no list.
+  /// Returns the key of the server at `endpoint`: from its line, else from the line for "*", else
+  /// the own key. A user whose machines share this folder needs no list.
   PublicKey serverAt(const std::string& endpoint) const;
-  /// `endpoint` may be "*".
+  /// Sets the key of the server at `endpoint`, which may be "*".
   void trust(const PublicKey& key, const std::string& endpoint) const;
-  /// Lines of `servers`: endpoint and key.
+  /// Lines of `servers` as (endpoint, key).
   std::vector<std::pair<std::string, PublicKey>> servers() const;
 
  private:
   std::filesystem::path folder_;
 };
 
-/// Whom a running server lets in: the own key with every role, and the list of its folder, which is
-/// read again every second, so that keys are added and withdrawn while a build runs. Any thread.
+/// The keys that a running server admits: the own key with every role, and the list of its folder.
+/// The list is read again every second, so that keys can be added and withdrawn during a build. Any
+/// thread.
 class Admission {
  public:
-  /// Makes the own key when there is none. Error (bad input) when the list cannot be read. Later a
-  /// list that cannot be read is told of, and the last good one stays.
+  /// Makes the own key if there is none. Error (bad input) if the list cannot be read. If it
+  /// becomes unreadable later, a warning is logged and the last good list stays in force.
   explicit Admission(KeyFolder folder);
 
-  /// None: the key is not let in.
+  /// Returns none if the key is not admitted.
   Roles rolesOf(const PublicKey& key);
 
  private:
@@ -105,14 +107,14 @@ class Admission {
 
   const KeyFolder folder_;
   const PublicKey own_;
-  std::mutex mutex_;  ///< guards what is below
+  std::mutex mutex_;  ///< guards the members below
   std::map<PublicKey, Roles> roles_;
   Clock::time_point read_at_;
-  std::string trouble_;  ///< why the list could not be read last
+  std::string trouble_;  ///< reason of the last failure to read the list
 };
 
-/// The folder that `option` (--keys) names; else $PALPATE_KEYS, $XDG_CONFIG_HOME/palpate/keys or
-/// $HOME/.config/palpate/keys. Error (bad input) when nothing of that is known.
+/// Returns the folder given by `option` (--keys), else $PALPATE_KEYS, $XDG_CONFIG_HOME/palpate/keys
+/// or $HOME/.config/palpate/keys. Error (bad input) if none of them is set.
 KeyFolder chosenKeyFolder(const std::string& option);
 
 }  // namespace palpate

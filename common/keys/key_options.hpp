@@ -5,14 +5,16 @@
 
 namespace palpate {
 
-/// What a program that talks to others is told about keys.
+/// Command-line options about keys for programs that use the network.
 struct KeyOptions {
-  std::string folder = {};  ///< --keys; empty: chosenKeyFolder()
-  bool insecure = false;    ///< --insecure: no keys at all
+  std::string folder = {};  ///< --keys; if empty, chosenKeyFolder()
+  bool insecure = false;    ///< --insecure: no keys are used
 
-  /// Declares both on `app`, which must not outlive this. `means`: what is open then, for --help.
+  /// Adds both options to `app`, which must not outlive this object. `means` describes the risk of
+  /// --insecure for --help.
   void addTo(CLI::App& app, const char* means);
-  /// Nothing: no keys are wanted. Error (bad input) when there is no folder to look in.
+  /// Returns the key folder, or nullopt with --insecure. Error (bad input) if there is no folder to
+  /// use.
   std::optional<KeyFolder> keys() const;
 };
 

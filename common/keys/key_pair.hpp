@@ -4,16 +4,16 @@
 
 namespace palpate {
 
-/// What of a key everybody may know: it names who holds the secret that belongs to it. Of
-/// Curve25519, which ZeroMQ's CURVE speaks. All zero: nobody's.
+/// The public part of a key, which identifies the holder of its secret. Curve25519, as in ZeroMQ's
+/// CURVE. All zero belongs to nobody.
 using PublicKey = Bytes32;
 
-/// A secret and what everybody may know of it. The secret is wiped from memory when it goes.
+/// A secret and its public key. The destructor wipes the secret from memory.
 class KeyPair {
  public:
-  /// A new one, from the system's randomness.
+  /// Returns a new key from the system's random source.
   static KeyPair make();
-  /// Error when libsodium makes no public key of it.
+  /// Error if libsodium cannot derive a public key from the secret.
   explicit KeyPair(const Bytes32& secret);
   KeyPair(const KeyPair&) = default;
   KeyPair& operator=(const KeyPair&) = default;

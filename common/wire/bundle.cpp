@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// As long as it says its payload is.
+/// Returns the payload length that the message states.
 std::size_t payloadBytesOf(const wire::Message& message) {
   switch (message.body_case()) {
     case wire::Message::kResult: return message.result().payload_bytes();

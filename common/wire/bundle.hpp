@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// A bundle takes no more than this, messages and payloads together, and no more messages; one
-/// message by itself may be longer.
+/// Largest size of a bundle, messages and payloads together, and largest number of its messages. A
+/// message outside a bundle may be longer.
 inline constexpr std::size_t bundle_bytes = 32 * 1024;
 inline constexpr int bundle_messages = 1024;
 
@@ -21,36 +21,37 @@ struct Letter {
   std::string payload;
 };
 
-/// Gathers what one peer is told, so that it leaves in few messages: a small one costs more by
-/// being one than by its bytes (docs/performance.md). One thread.
+/// Collects the messages to one peer into bundles. Small messages cost more per message than per
+/// byte (docs/performance.md). One thread.
 class Bundler {
  public:
-  /// Behind what was added before. `payload` is as long as the message says.
+  /// Appends a message. `payload` must be as long as the message says.
   void add(wire::Message message, std::string_view payload = {});
-  /// What was added since the last call: bundles, and what is by itself as it is.
+  /// Returns everything added since the last call: bundles, and single messages as they are.
   std::vector<Letter> take();
 
  private:
   void close();
 
   std::vector<Letter> closed_;
-  Letter open_;  ///< a bundle, which has room
+  Letter open_;  ///< the bundle under construction
   std::size_t bytes_ = 0;
 };
 
-/// The messages of a bundle, or the one that is none. Those that cannot be read have no body, as
-/// receiveMessage() has it; of a bundle that has too many, or whose payload is not theirs, one
-/// without a body is all there is. The bytes that it took count as the first one's.
+/// Returns the messages of a bundle, or a message that is none unchanged. Unreadable messages have
+/// no body, as from receiveMessage(). A bundle with too many messages, or with a payload that does
+/// not fit them, gives one message without a body. The bytes of the bundle count for its first
+/// message.
 std::vector<Incoming> unbundled(Incoming incoming);
 
-/// What comes in over one socket, message by message, however many came as one. One thread.
+/// Receives single messages from one socket, also if several arrive in one bundle. One thread.
 class Inbox {
  public:
-  /// As receiveMessage(), but never a bundle.
+  /// Like receiveMessage(), but never returns a bundle.
   std::optional<Incoming> next(zmq::socket_t& socket, bool router) {
     return next([&] { return receiveMessage(socket, router); });
   }
-  /// The same of what `receive` gives.
+  /// Takes incoming messages from `receive` instead of a socket.
   template <class Receive>
   std::optional<Incoming> next(const Receive& receive) {
     if (opened_.empty())

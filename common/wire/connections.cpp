@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// Kept for files, and for whoever comes to ask for the status.
+/// Reserved for files and for clients that ask for the status.
 constexpr std::size_t descriptors_of_our_own = 128;
 constexpr double seconds_of_messages = 2;
 constexpr std::size_t most_closed_told = 20;
@@ -31,7 +31,7 @@ std::string addressOf(int descriptor) {
   return text.data();
 }
 
-/// Of the socket for as long as it lives; 0 when there is none.
+/// Returns an id that the socket keeps for its lifetime; 0 without a socket.
 std::uint64_t cookieOf(int descriptor) {
   std::uint64_t cookie = 0;
   socklen_t size = sizeof cookie;
@@ -57,7 +57,7 @@ Connections::Connections(zmq::context_t& context, zmq::socket_t& router, const P
 
 Connections::~Connections() {
   thread_.request_stop();
-  zmq_socket_monitor(router_->handle(), nullptr, 0);  // this is an event too, and wakes the thread
+  zmq_socket_monitor(router_->handle(), nullptr, 0);  // this is an event too and wakes the thread
   thread_.join();
 }
 
@@ -73,11 +73,12 @@ void Connections::watch(const std::stop_token& stop) {
   }
 }
 
-/// The connection that has the descriptor now, which may be known by a message before its event
-/// comes. One that ended stays known until another has its descriptor, or there are many.
+/// Returns the connection that now has the descriptor. A message may arrive before the event of its
+/// connection. An ended connection stays known until its descriptor is reused or keepDescriptors()
+/// runs.
 Connections::Connection& Connections::of(int descriptor) {
   Connection& connection = connections_[descriptor];
-  // Of one that has ended messages may come still.
+  // Messages of an ended connection may still arrive.
   if (const std::uint64_t cookie = cookieOf(descriptor); cookie != 0 && connection.cookie != cookie)
     connection = {.cookie = cookie, .since = Clock::now(), .latest = Clock::now()};
   return connection;
@@ -96,7 +97,7 @@ void Connections::keepDescriptors() {
     ++open;
     if (!connection.spoke) silent.emplace_back(connection.since, descriptor);
   }
-  // Some more, so that not every new one has all looked at.
+  // Close some more, so that not every new connection causes a full check.
   const auto beyond = [](std::size_t count, std::size_t most) {
     return count > most ? count - most + most / 64 : 0;
   };
@@ -108,8 +109,9 @@ void Connections::keepDescriptors() {
           fmt::format("it said nothing, and there are {} others", open - 1));
 }
 
-/// ZeroMQ's thread finds it ended, drops the message that is not whole, and closes the descriptor.
-/// Should that thread have done so just now, who has the descriptor then connects again.
+/// Shuts the connection down; ZeroMQ's thread then drops its incomplete message and closes the
+/// descriptor. If that thread closed it a moment ago and the descriptor was reused, the new owner
+/// connects again.
 void Connections::close(int descriptor, Connection& connection, const std::string& why) {
   connection.closed = true;
   ++closed_.count;

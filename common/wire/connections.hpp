@@ -12,26 +12,27 @@
 
 namespace palpate {
 
-/// What a connection to a ROUTER may cost its process.
+/// Limits on connections to a ROUTER.
 struct PeerLimits {
-  /// Of one message, payload and all. It is in memory when it is refused.
+  /// Largest message with its payload. A longer one is refused, but has then been in memory.
   std::size_t message_bytes;
-  /// In a second, for two seconds.
+  /// Allowed rate. A burst may hold the messages of two seconds.
   double messages_per_second = 20000;
-  /// Connections at a time; nothing: as many as the process has descriptors for, less some of its
-  /// own.
+  /// Largest number of simultaneous connections. Default: the process's descriptor limit minus some
+  /// for its own use.
   std::optional<std::size_t> connections = std::nullopt;
-  /// Over which nothing was received: of each libzmq may hold a frame of 128 kB.
+  /// Largest number of connections without a received message. For each, libzmq may hold a frame of
+  /// 128 kB.
   std::size_t silent = 4096;
 };
 
-/// Closes connections of a ROUTER that CURVE and the limits of libzmq leave open: those that sent
-/// too long a message or too many, and the oldest of those over which nothing was received, which
-/// are strangers nearly always, before the process runs out of descriptors or there are thousands.
+/// Closes connections of a ROUTER that CURVE and the limits of libzmq leave open: those with too
+/// long or too many messages, and the oldest silent ones. Silent connections, nearly always of
+/// strangers, are closed before the process runs out of descriptors or has thousands of them.
 ///
-/// A thread of its own looks after descriptors, so that a disk that takes its time lets nobody in;
-/// the other functions may be called by one other thread. Construct before the socket is bound,
-/// destroy before it is.
+/// A separate thread watches descriptors, so that a slow disk does not stop this protection. One
+/// other thread may call the other functions. Construct before the socket is bound, destroy before
+/// the socket.
 class Connections {
  public:
   Connections(zmq::context_t& context, zmq::socket_t& router, const PeerLimits& limits);
@@ -39,10 +40,11 @@ class Connections {
   Connections& operator=(const Connections&) = delete;
   ~Connections();
 
-  /// A message of so many bytes came over this connection (its descriptor, Incoming::connection).
-  /// False when that is closed: nobody cares what it says.
+  /// Records a message of `bytes` bytes over this connection (its descriptor,
+  /// Incoming::connection). Returns false if the connection is closed; the message must then be
+  /// ignored.
   bool received(int connection, std::size_t bytes);
-  /// How many were closed since the last call, and why, for people; not of all where it was many.
+  /// Number of connections closed since the last call, with reasons for the first few.
   struct Closed {
     std::int64_t count = 0;
     std::vector<std::string> why;
@@ -52,9 +54,9 @@ class Connections {
  private:
   using Clock = std::chrono::steady_clock;
   struct Connection {
-    std::uint64_t cookie = 0;  ///< of the socket: descriptors are used again
+    std::uint64_t cookie = 0;  ///< of the socket, since descriptors are reused
     Clock::time_point since, latest;
-    double messages = 0;  ///< beyond messages_per_second
+    double messages = 0;  ///< level of a leaky bucket that drains at messages_per_second
     bool spoke = false, closed = false;
   };
 
@@ -67,9 +69,9 @@ class Connections {
   const std::size_t most_connections_;
   zmq::socket_t* router_;
   zmq::socket_t events_;
-  std::mutex mutex_;  ///< guards what is below
+  std::mutex mutex_;  ///< guards the members below
   std::map<int, Connection> connections_;
-  Clock::time_point looked_;  ///< at all of them
+  Clock::time_point looked_;  ///< time of the last check of all connections
   Closed closed_;
   std::jthread thread_;
 };

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// ZeroMQ asks who listens there. Were there nobody, it would let everybody in, and their messages
-/// would carry no key.
+/// ZeroMQ sends its admission requests here. Without a handler it would admit everyone, and their
+/// messages would carry no key.
 constexpr const char* zap_endpoint = "inproc://zeromq.zap.01";
 
 void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t bytes) {
@@ -66,9 +66,9 @@ ZapHandler::ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const Key
 
 ZapHandler::~ZapHandler() {
   thread_.request_stop();
-  eventfd_write(wake_up_.get(), 1);  // should it fail, the thread looks within a second
+  eventfd_write(wake_up_.get(), 1);  // if it fails, the thread checks within a second
   thread_.join();
-  // At once: a socket that closes keeps its name for a moment.
+  // Unbind now, because a closing socket keeps its name for a moment.
   zmq_unbind(questions_.handle(), zap_endpoint);
 }
 

@@ -7,32 +7,32 @@
 #include "common/base/file_descriptor.hpp"
 #include "common/keys/key_folder.hpp"
 
-// Keys on sockets: CURVE (rfc.zeromq.org/spec/26) proves both sides to each other and encrypts what
-// they say; ZAP (rfc.zeromq.org/spec/27) asks whether a client is let in.
+// Keys on sockets. CURVE (rfc.zeromq.org/spec/26) authenticates both sides and encrypts the
+// messages. ZAP (rfc.zeromq.org/spec/27) decides whether a client is admitted.
 
 namespace palpate {
 
-/// For a socket that will be connected, to a server with the key `server`.
+/// Sets the keys of a socket that will connect to a server with the key `server`.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
-/// The same as the keys of a user have it for `endpoint`. On this machine a key is made when there
-/// is none, as a server does; Error (bad input) elsewhere, where nobody could know it, and for an
-/// endpoint that makes no sense.
+/// Sets the keys that `keys` holds for `endpoint`. For an endpoint on this machine, a missing own
+/// key is made, as a server does. Error (bad input) for a missing key otherwise, because no server
+/// could know a new one, and for an invalid endpoint.
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint);
 
-/// Of a server that will be bound: only clients that know its key, and that it lets in, get
-/// through; their messages carry their keys (senderOf). A thread of its own answers whether a
-/// client that connects is let in. One per context; to go after the socket.
+/// Authentication of a server that will be bound. Only clients that know its key and are admitted
+/// get through; their messages carry their keys (senderOf). A separate thread answers ZAP requests
+/// for connecting clients. One per context; destroy after the socket.
 class ZapHandler {
  public:
-  /// For `socket` of `context`, which is not bound yet. Makes the own key when there is none. Error
-  /// (bad input) when the keys cannot be read.
+  /// `socket` belongs to `context` and is not bound yet. Makes the own key if there is none. Error
+  /// (bad input) if the keys cannot be read.
   ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
   ~ZapHandler();
   ZapHandler(const ZapHandler&) = delete;
   ZapHandler& operator=(const ZapHandler&) = delete;
 
-  /// What the sender of a message may do now; nothing when its key was withdrawn since it
-  /// connected. For the thread of the socket.
+  /// Returns the current roles of the sender of a message; none if its key was withdrawn after it
+  /// connected. Call from the thread of the socket.
   Roles rolesOf(const std::optional<PublicKey>& sender);
 
  private:
@@ -41,18 +41,18 @@ class ZapHandler {
   zmq::socket_t questions_;
   Admission admission_;
   FileDescriptor wake_up_;
-  std::jthread thread_;  ///< the last member: it ends before what it uses goes
+  std::jthread thread_;  ///< last, so that it ends before the members it uses
 };
 
-/// Why a client does not get through to its server, which ZeroMQ keeps to itself: it tries again
-/// and again. One thread.
+/// Finds out why a client cannot connect to its server. ZeroMQ does not report it and retries
+/// silently. One thread.
 class HandshakeWatch {
  public:
-  /// Before `socket` is connected.
+  /// Call before `socket` connects.
   HandshakeWatch(zmq::context_t& context, zmq::socket_t& socket);
 
-  /// What failed last since the last call, as a clause that says what to do; empty when nothing
-  /// did.
+  /// Returns the last failure since the previous call, as a clause with a remedy; empty if there
+  /// was none.
   std::string trouble();
 
  private:

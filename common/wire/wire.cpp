@@ -20,13 +20,13 @@
 namespace palpate {
 namespace {
 
-/// What the frames of a message lie in, until the system has the last of them; none: they are
-/// copied.
+/// Owner of the memory of a message's frames until the system has taken the last one. Frames
+/// without an owner are copied.
 using Owner = std::shared_ptr<const void>;
 
 zmq::message_t frameOf(std::string_view bytes, const Owner& owner) {
   if (!owner) return {bytes.data(), bytes.size()};
-  // ZeroMQ takes what it only reads for changeable, and gives it back from a thread of its own.
+  // ZeroMQ wants mutable memory, although it only reads it, and releases it from its own thread.
   return {const_cast<char*>(bytes.data()), bytes.size(),
           [](void*, void* held) { delete static_cast<Owner*>(held); }, new Owner(owner)};
 }
@@ -39,7 +39,7 @@ bool sendFrame(zmq::socket_t& socket, zmq::message_t frame, bool more) {
 
 Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view message,
                   std::string_view payload, const Owner& owner) {
-  // Once the first frame was accepted, libzmq accepts the rest of the message too.
+  // After libzmq accepts the first frame, it accepts the rest of the message too.
   try {
     if (!peer.empty() && !sendFrame(socket, frameOf(peer, nullptr), true)) return Sent::full;
     if (!sendFrame(socket, frameOf(message, owner), !payload.empty())) return Sent::full;
@@ -56,7 +56,7 @@ Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view
 
 zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
   zmq::socket_t socket(context, type);
-  // What was not delivered when a program ends is computed again; it must not keep it from ending.
+  // Undelivered messages are computed again; they must not keep the program from ending.
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(4) << 20);
   socket.set(zmq::sockopt::handshake_ivl, 10000);
@@ -67,16 +67,16 @@ zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
   return socket;
 }
 
-/// What a host's name was found to be.
+/// The result of resolving a host name.
 struct HostAddress {
-  std::string text = {};     ///< as endpoints have it: "127.0.0.1", "[::1]"; empty when not found
-  std::string trouble = {};  ///< why not
+  std::string text = {};     ///< as in endpoints: "127.0.0.1", "[::1]"; empty if not found
+  std::string trouble = {};  ///< reason if not found
 
   bool isOfIPv6() const { return text.starts_with('['); }
 };
 
-/// The first address of IPv4, or else of IPv6: who listens at 127.0.0.1 is called localhost, which
-/// is both.
+/// Returns the first IPv4 address, else the first IPv6 address. Clients name a server at 127.0.0.1
+/// localhost, which has both.
 HostAddress lookUp(const std::string& host) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
@@ -99,8 +99,8 @@ HostAddress lookUp(const std::string& host) {
   return {.text = of_ipv6 ? fmt::format("[{}]", text.data()) : text.data()};
 }
 
-/// HOST and PORT of tcp://HOST:PORT, empty where they are missing; the brackets of an address of
-/// IPv6 are left out.
+/// Returns HOST and PORT of tcp://HOST:PORT, empty if missing, without the brackets of an IPv6
+/// address.
 std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
   const std::string address = endpoint.substr(std::string_view("tcp://").size());
   const std::size_t colon = address.rfind(':');
@@ -110,20 +110,20 @@ std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
   return {host, address.substr(colon + 1)};
 }
 
-/// `endpoint` with the address of its host, which libzmq does not look up for those who listen.
-/// Error when the host is not found.
+/// Returns `endpoint` with the address of its host, because libzmq does not resolve names for bind.
+/// Error if the host is not found.
 std::string withAddress(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp://")) return endpoint;
   const auto [host, port] = hostAndPort(endpoint);
-  // * is every address of IPv4, and an interface (eth0) has addresses that libzmq finds.
+  // * means every IPv4 address; libzmq finds the addresses of an interface (eth0).
   if (host == "*" || if_nametoindex(host.c_str()) != 0) return endpoint;
   const HostAddress found = lookUp(host);
   if (!found.trouble.empty()) throw failure("cannot listen on {}: {}", endpoint, found.trouble);
   return fmt::format("tcp://{}:{}", found.text, port);
 }
 
-/// Whether it says what nobody of this protocol wrote, and takes that away: it would be kept and
-/// handed on. No message of the protocol holds a map, whose unknown fields libraries leave there.
+/// Removes unknown fields, which would otherwise be kept and passed on; returns whether there were
+/// any. The library keeps unknown fields in maps, but no message of the protocol contains a map.
 bool dropUnknownFields(google::protobuf::Message& message) {
   const std::size_t before = message.ByteSizeLong();
   message.DiscardUnknownFields();
@@ -134,7 +134,8 @@ bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
   return !message.GetReflection()->GetUnknownFields(message).empty();
 }
 
-/// Whether a process listens at the socket file. One that was killed leaves a file that refuses.
+/// Returns whether a process listens at the socket file. The file of a killed process refuses
+/// connections.
 bool isListenedAt(const std::string& path) {
   struct sockaddr_un address {};
   address.sun_family = AF_UNIX;
@@ -144,19 +145,19 @@ bool isListenedAt(const std::string& path) {
   if (probe < 0) throw failure("ipc://{}: cannot look who listens there: {}", path, errnoText());
   const bool connected =
       connect(probe, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
-  // EAGAIN: it has more connections waiting than it takes.
+  // EAGAIN: its queue of pending connections is full.
   const bool listening = connected || errno == EAGAIN || errno == EACCES;
   close(probe);
   return listening;
 }
 
-/// libzmq removes whatever lies at the path before it listens there, the socket of a scheduler that
-/// lives as well.
+/// Refuses a path in use. libzmq removes any file at the path before it listens there, even the
+/// socket of a running scheduler.
 void refuseTakenPath(const std::string& endpoint) {
   constexpr std::string_view ipc = "ipc://";
   if (!endpoint.starts_with(ipc)) return;
   const std::string path = endpoint.substr(ipc.size());
-  // An abstract name is no file, and * one that libzmq chooses.
+  // An abstract name is not a file, and * lets libzmq choose one.
   if (path.starts_with('@') || path == "*") return;
   if (path.size() >= sizeof(sockaddr_un::sun_path))
     throw badInput("{}: the path is too long for a socket: it may have {} bytes", endpoint,
@@ -172,7 +173,7 @@ void refuseTakenPath(const std::string& endpoint) {
         endpoint, endpoint);
 }
 
-/// Doubles as raw bytes; nothing when the length is wrong.
+/// Reads doubles from raw bytes; returns false if the length is wrong.
 template <int rows, int columns, int options>
 bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, options>& matrix) {
   Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
@@ -182,7 +183,7 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, o
   return true;
 }
 
-/// By rows, as readMatrix takes them.
+/// Returns the bytes row by row, as readMatrix expects them.
 std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& rows) {
   return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
 }
@@ -277,7 +278,7 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  // All frames were taken all the same: the next message begins behind them.
+  // All frames were read even so, and the next message begins after them.
   if (!intact) incoming.message.Clear();
   return incoming;
 }
@@ -285,9 +286,9 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
 zmq::socket_t makeRouter(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::router);
   socket.set(zmq::sockopt::router_mandatory, true);
-  // A worker that comes back under its old name takes its place over.
+  // A worker that reconnects under its old name replaces the old connection.
   socket.set(zmq::sockopt::router_handover, true);
-  // What workers say in one frame is a result without its fields, or a part of those.
+  // A frame from a worker holds a result without its fields, or a part of the fields.
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(2 * payload_frame_bytes));
   socket.set(zmq::sockopt::backlog, 4096);
   socket.set(zmq::sockopt::sndhwm, 4096);
@@ -297,7 +298,7 @@ zmq::socket_t makeRouter(zmq::context_t& context) {
 
 zmq::socket_t makeDealer(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::dealer);
-  // Nothing is queued for a scheduler that is not there.
+  // Queue nothing while the scheduler is not connected.
   socket.set(zmq::sockopt::immediate, true);
   socket.set(zmq::sockopt::reconnect_ivl, 200);
   socket.set(zmq::sockopt::reconnect_ivl_max, 8000);
@@ -340,9 +341,9 @@ std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
   HostAddress found;
   if (endpoint.starts_with("tcp://")) found = lookUp(hostAndPort(endpoint).first);
   try {
-    // With it libzmq takes an address of IPv6 wherever there is one.
+    // With this option libzmq prefers IPv6 addresses wherever they exist.
     socket.set(zmq::sockopt::ipv6, found.isOfIPv6());
-    // By name, so that it is looked up again when the connection is lost.
+    // By name, so that it is resolved again if the connection is lost.
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     throw badInput("cannot connect to {}: {}", endpoint, error.what());
@@ -380,7 +381,7 @@ zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kind
     throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
   zmq::socket_t monitor(context, zmq::socket_type::pair);
   monitor.set(zmq::sockopt::linger, 0);
-  // ZeroMQ's own thread would wait for room.
+  // Unlimited; otherwise ZeroMQ's own thread would wait for room.
   monitor.set(zmq::sockopt::rcvhwm, 0);
   monitor.connect(endpoint);
   return monitor;
