@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The instruction sets that hot loops are compiled for, slowest first. Results of two families
-/// agree to the rounding, not to the bit.
+/// Instruction sets for which hot loops are compiled, slowest first. Results of two families agree
+/// up to rounding, but not bit by bit.
 enum class CpuFamily {
   baseline,  ///< x86-64
   avx2,      ///< AVX2 and FMA
@@ -17,26 +17,26 @@ enum class CpuFamily {
 inline constexpr std::array all_cpu_families = {CpuFamily::baseline, CpuFamily::avx2,
                                                 CpuFamily::avx512};
 
-/// "baseline", "avx2" or "avx512".
+/// Returns "baseline", "avx2" or "avx512".
 constexpr std::string_view name(CpuFamily family) {
   constexpr std::array<std::string_view, 3> names = {"baseline", "avx2", "avx512"};
   return names[static_cast<std::size_t>(family)];
 }
 
-/// The kernels of OpenBLAS for it, by their own name.
+/// Returns OpenBLAS's name of its kernels for this family.
 constexpr std::string_view blasKernelsOf(CpuFamily family) {
   constexpr std::array<std::string_view, 3> names = {"Prescott", "Haswell", "SkylakeX"};
   return names[static_cast<std::size_t>(family)];
 }
 
-/// What the bits of a result depend on: element kernels and those of OpenBLAS, "avx2/Haswell". The
-/// same on every machine that runs this family, whatever its CPU is called.
+/// Returns what determines the bits of a result: the element kernels and the OpenBLAS kernels, as
+/// in "avx2/Haswell". It is the same on every machine with this family, whatever its CPU is called.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }
 
-#ifdef __x86_64__  // the fields are compiled for WebAssembly too, which has one family
-/// The fastest family that this machine runs. Any thread.
+#ifdef __x86_64__  // the fields are also compiled for WebAssembly, which has only one family
+/// Returns the fastest family that this machine supports. Any thread.
 inline CpuFamily cpuFamily() {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return CpuFamily::baseline;
   const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -47,11 +47,11 @@ inline CpuFamily cpuFamily() {
 
 }  // namespace palpate
 
-/// Before a function: it is compiled once per CpuFamily, and the machine's own version is called.
-/// For loops whose last bits need not be the same everywhere; elsewhere cpuFamily() chooses, so
-/// that the choice can be recorded. Functions that it inlines are compiled with it.
-/// Once only under the thread sanitizer, which is not ready yet when the loader chooses, and by
-/// Clang, which makes the fuzzers: it does not inline vectors that are wider than the default.
+/// Attribute of a function that is compiled once per CpuFamily; calls use the machine's version. It
+/// is for loops whose last bits may differ between machines. Elsewhere cpuFamily() chooses, so that
+/// the choice can be recorded. Inlined functions are compiled along with it. Not used with the
+/// thread sanitizer, which is not ready when the loader chooses, nor with Clang (which builds the
+/// fuzzers), because Clang does not inline vectors wider than the default.
 #if defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define PALPATE_PER_CPU_FAMILY
 #else

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// The finite numbers that the words are, `count` of them: 3 or 6.
+/// Returns the `count` finite numbers in `words`, 3 or 6.
 std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t count,
                               const std::string& where) {
   if (words.size() != count)
@@ -26,7 +26,7 @@ std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t
                    words.size());
   std::vector<double> numbers;
   for (const std::string& word : words) {
-    // numberIn takes no plus sign, people write one.
+    // numberIn refuses a plus sign, but users write one.
     const auto number = numberIn<double>(std::string_view(word).substr(word.starts_with('+')));
     if (!number || !std::isfinite(*number))
       throw badInput("{}: \"{}\" is not a finite number", where, word);
@@ -41,7 +41,7 @@ Eigen::Vector3d vectorIn(const std::vector<std::string>& words, const std::strin
 
 const std::vector<std::string> from_input = {"-"};
 
-/// Nobody asks for places this many radii away on purpose.
+/// Displacements beyond this number of radii are probably a mistake.
 constexpr double far_beyond = 3;
 
 std::vector<std::string> wordsIn(std::string line) {

@@ -14,33 +14,33 @@ class Option;
 
 namespace palpate {
 
-/// The option `--displacement X Y Z` (metres), or `--displacement -` to read one "X Y Z" per line
-/// from standard input, as `solve` and `query` take it. Negative numbers are numbers here, not
-/// options.
+/// Adds the option `--displacement X Y Z` (metres), or `--displacement -` to read one "X Y Z" per
+/// line from standard input, for `solve` and `query`. Negative numbers are not taken for options.
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words);
 
-/// The option `--at X Y Z` (metres), or `--at -`, with `--displacement -`, to read six numbers per
-/// line.
+/// Adds the option `--at X Y Z` (metres), or `--at -` with `--displacement -` to read six numbers
+/// per line.
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words);
 
-/// Where a finger is and how far it is displaced, metres.
+/// Place and displacement of a finger, metres.
 struct TouchInput {
-  std::optional<Eigen::Vector3d> at;  ///< nothing: where the active node is
+  std::optional<Eigen::Vector3d> at;  ///< nullopt for the place of the active node
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
-/// Calls `visit` for the displacement in `words`, or for every line of `input`, where blanks or
-/// commas stand between the numbers; empty lines and lines that start with # are passed over. Error
-/// (bad input) for what is not three finite numbers, naming the line. `at` has the words of the
-/// place, none when none was given; "-" when each line begins with a place, X Y Z, for which
-/// `words` must be "-" too. The first displacement that
-/// looksLikeMillimetres in a workspace of this radius (m) is warned of on stderr.
+/// Calls `visit` for the displacement in `words`, or for every line of `input` if `words` is "-".
+/// Numbers in a line are separated by blanks or commas. Empty lines and lines that start with # are
+/// skipped. Error (bad input) with the line for anything but finite numbers.
+///
+/// `at` holds the words of the place and is empty if none was given. If it is "-", each line begins
+/// with the X Y Z of a place, and `words` must be "-" too. A warning is logged for the first
+/// displacement that looksLikeMillimetres in a workspace of this radius (m).
 void forEachTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                   std::istream& input, double workspace_radius,
                   const std::function<void(const TouchInput&)>& visit);
 
-/// Whether a displacement is far beyond a workspace of this radius (both in metres), and a
-/// thousandth of it is within.
+/// Returns whether a displacement is far beyond a workspace of this radius (both in metres), but a
+/// thousandth of it is inside.
 bool looksLikeMillimetres(const Eigen::Vector3d& displacement, double workspace_radius);
 
 }  // namespace palpate

@@ -11,13 +11,13 @@
 
 namespace palpate {
 
-/// Process exit codes of every program (contract).
+/// Exit codes of every program; part of the interface.
 enum class ExitCode { done = 0, failed = 1, usage = 2, partly_failed = 3, interrupted = 130 };
 
-/// What the user gave, or what the machine did, made it impossible to go on. Thrown, never for
-/// expected numerical failure: that is a Failure (failure.hpp) and travels as a value.
+/// Input or machine made it impossible to continue. Expected numerical failure is not an exception:
+/// it is a Failure (failure.hpp), returned as a value.
 ///
-/// The message says what happened, where (file, line, key, id) and what to do about it.
+/// The message says what happened, where (file, line, key, id) and what to do.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -27,25 +27,25 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// What errno says, in words. Before anything else is called: that may change it.
+/// Returns errno as text. Call it first, because other calls may change errno.
 inline std::string errnoText() {
   return errno == EFBIG ? "the limit of file sizes is reached (ulimit -f)" : std::strerror(errno);
 }
 
-/// The scene, the mesh or the command line is wrong; the process ends with exit code 2.
+/// The scene, the mesh or the command line is wrong; exit code 2.
 template <class... Args>
 Error badInput(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::usage, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-/// The input was right and something else went wrong (disk, network, library); exit code 1.
+/// The input is right, but something else failed (disk, network, library); exit code 1.
 template <class... Args>
 Error failure(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::failed, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-/// Writes to stderr for people. Unlike fmt::print it does not throw where that finds no room: the
-/// full disk behind a log must not end a night's work.
+/// Writes a message to stderr. Unlike fmt::print, it does not throw if stderr is full: a full disk
+/// behind a log must not end a long run.
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) {
   std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);

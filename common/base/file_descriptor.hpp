@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Owns a file descriptor; -1 is none. Closes without looking at the result: whoever needs the data
-/// on disk has synced before.
+/// Owns a file descriptor; -1 means none. The destructor ignores errors of close, so data must be
+/// synced before if they have to be on disk.
 class FileDescriptor {
  public:
   FileDescriptor() = default;

@@ -23,8 +23,7 @@
 namespace palpate {
 namespace {
 
-/// The same file under a number that is none of stdin, stdout and stderr, which this process may
-/// have been started without.
+/// Duplicates the descriptor above 2, in case stdin, stdout or stderr were closed at start.
 FileDescriptor beyondStandard(FileDescriptor file) {
   if (file.get() > STDERR_FILENO) return file;
   FileDescriptor other(fcntl(file.get(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
@@ -32,7 +31,7 @@ FileDescriptor beyondStandard(FileDescriptor file) {
   return other;
 }
 
-/// In memory: what is written to it waits, however much it is, until somebody reads.
+/// Makes a file in memory. Unlike a pipe, it takes any amount of data before somebody reads.
 FileDescriptor memoryFile(const char* name) {
   FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
   if (!file) throw failure("memfd_create: {}", errnoText());
@@ -51,7 +50,8 @@ std::string readWhole(const FileDescriptor& file) {
   }
 }
 
-/// Between fork and exec: only calls that are safe there. What stops it goes through the pipe.
+/// Runs between fork and exec, so it only uses calls that are safe there. Errors go through the
+/// pipe.
 [[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
                                 const std::array<int, 3>& files, int pipe) {
   int number = 0;
@@ -61,12 +61,12 @@ std::string readWhole(const FileDescriptor& file) {
   if (setpgid(0, 0) != 0) _exit(126);
   execvp(arguments[0], arguments);
   const int error = errno;
-  // Nobody is left to tell of a write that fails.
+  // A failing write cannot be reported to anyone.
   if (write(pipe, &error, sizeof error) < 0) _exit(125);
   _exit(127);
 }
 
-/// The errno of an exec that failed; 0 when the program runs.
+/// Returns the errno of a failed exec; 0 if the program runs.
 int errorOfStart(const FileDescriptor& pipe) {
   int error = 0;
   ssize_t count = 0;
@@ -76,7 +76,7 @@ int errorOfStart(const FileDescriptor& pipe) {
 }
 
 pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
-  // Before fork(): memory may not be allocated behind it.
+  // Allocate before fork(), because the child must not.
   std::vector<std::string> words = program.words;
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -103,7 +103,7 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
 
 enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
 
-/// Waits for the end of the child, whose status is then as waitpid has it; or kills it.
+/// Waits for the end of the child and returns its status as waitpid does, or kills it.
 WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
   const auto deadline = std::chrono::steady_clock::now() + program.patience;
   for (;;) {
@@ -112,7 +112,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
     if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
     const bool stop = program.heeds_interrupts && interrupted();
     if (stop || std::chrono::steady_clock::now() > deadline) {
-      kill(-child, SIGKILL);  // and what it started
+      kill(-child, SIGKILL);  // with its own children
       while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
       }
       return stop ? WhyEnded::interrupted : WhyEnded::out_of_patience;
@@ -135,7 +135,7 @@ Ran runToItsEnd(const ForeignProgram& program) {
     case WhyEnded::interrupted:
       throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was at work", name));
     case WhyEnded::out_of_patience: {
-      // sbatch tries again by itself, for minutes, and says why.
+      // sbatch retries by itself for minutes and prints the reason.
       const std::string said = printable(readWhole(err), longest_reason);
       throw failure("{} did not answer within {} s{}{}", name, program.patience.count(),
                     said.empty() ? "" : " but: ", said);

@@ -6,30 +6,29 @@
 
 namespace palpate {
 
-/// A program of others that is run to its end: sbatch, gmsh, ...
+/// An external program that is run to its end, such as sbatch or gmsh.
 struct ForeignProgram {
-  std::vector<std::string> words;  ///< the first is the program, looked for in $PATH; no shell
-  std::string package;             ///< of Debian, named where the program is missing
-  std::string input = {};          ///< at its stdin
-  std::chrono::seconds patience = std::chrono::seconds(60);  ///< then it is killed
-  /// Kill it when this process is interrupted (interrupted()), and end with exit code 130. Else
-  /// whoever waits for it finishes first.
+  std::vector<std::string> words;  ///< the program, found in $PATH, then its arguments; no shell
+  std::string package;             ///< Debian package that the error names if it is missing
+  std::string input = {};          ///< contents of its stdin
+  std::chrono::seconds patience = std::chrono::seconds(60);  ///< it is killed after this time
+  /// Whether an interrupt of this process (interrupted()) kills it and ends the call with exit code
+  /// 130. Otherwise the call waits for its end.
   bool heeds_interrupts = false;
 };
 
-/// What became of it.
+/// Its exit code and output.
 struct Ran {
   int exit_code = -1;
-  std::string out, err;  ///< what it wrote to stdout and stderr
+  std::string out, err;  ///< text on its stdout and stderr
 };
 
-/// Runs it, in a group of processes of its own, which signals of a terminal do not reach, and waits
-/// for its end; the system kills it when this process dies. Error (bad input)
-/// that names the package when it is not installed; Error when it cannot be started, a signal ends
-/// it, or it takes longer than `patience`.
+/// Runs the program in its own process group, beyond signals of the terminal, and waits for its
+/// end. The system kills it if this process dies. Error (bad input) with the package if it is not
+/// installed. Error if it cannot be started, is ended by a signal, or takes longer than `patience`.
 Ran runToItsEnd(const ForeignProgram& program);
 
-/// Whether there is such a program in $PATH, or at this path.
+/// Returns whether the program exists in $PATH or at this path.
 bool isInstalled(const std::string& program);
 
 }  // namespace palpate

@@ -5,8 +5,9 @@
 
 namespace palpate {
 
-/// A number of a node, point, cell, ..., which is signed so that -1 can mean "none", as the index
-/// of a standard container: `nodes[at(number)]`. The number is not negative. Real time.
+/// Converts a number of a node, point, cell, ... to an index of a standard container:
+/// `nodes[at(number)]`. Numbers are signed, so that -1 can mean "none"; here they must not be
+/// negative. Real time.
 template <std::signed_integral Number>
 constexpr std::size_t at(Number number) noexcept {
   return static_cast<std::size_t>(number);

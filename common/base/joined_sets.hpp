@@ -7,14 +7,14 @@
 
 namespace palpate {
 
-/// Disjoint sets of the numbers 0.. that are joined two by two (union-find, halving the path).
+/// Disjoint sets of the numbers 0, 1, ... (union-find with path halving).
 class JoinedSets {
  public:
   explicit JoinedSets(std::size_t size) : parent_(size) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// The lowest number of its set.
+  /// Returns the lowest number in the set of n.
   std::int32_t lowest(std::int32_t n) {
     while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
     return n;

@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// Formats every line of a log as one JSON object: time (utcText), level ("info", "warning", ...),
-/// program, verb, pid, message. What a message holds is escaped; bytes that are no UTF-8 are
+/// Returns a formatter that writes every log line as one JSON object: time (utcText), level
+/// ("info", "warning", ...), program, verb, pid, message. Messages are escaped; invalid UTF-8 is
 /// replaced.
 std::unique_ptr<spdlog::formatter> jsonLines(std::string program, std::string verb);
 
-/// "2026-11-24T20:17:59.123Z": UTC, so that the order of texts is that of times.
+/// Returns "2026-11-24T20:17:59.123Z": UTC, so that texts sort by time.
 std::string utcText(std::chrono::system_clock::time_point when);
 
 }  // namespace palpate

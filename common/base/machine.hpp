@@ -3,17 +3,17 @@
 #include <filesystem>
 #include <optional>
 
-// What this process may use of its machine: containers, jobs of a cluster and taskset leave it a
-// part. Any thread.
+// The part of the machine that this process may use; containers, cluster jobs and taskset limit it.
+// Any thread.
 
 namespace palpate {
 
-/// Cores, at least 1.
+/// Returns the number of cores, at least 1.
 unsigned coreCount();
 
-/// Cores that control groups allow a process, the least of its groups and of those around them, of
-/// version 2 and 1; nothing where they set no limit. `groups` lists its groups as /proc/self/cgroup
-/// does, `mounted` is where they are.
+/// Returns the cores that control groups (versions 1 and 2) allow this process: the least over its
+/// groups and their parents, or nullopt without a limit. `groups` lists its groups like
+/// /proc/self/cgroup; `mounted` is the mount point of the hierarchy.
 std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
 

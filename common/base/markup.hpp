@@ -4,17 +4,17 @@
 #include <string>
 #include <string_view>
 
-// HTML, XML and SVG.
+// Text for HTML, XML and SVG.
 
 namespace palpate {
 
-/// Text as it may stand between tags and in quoted attributes.
+/// Escapes text for use between tags and in quoted attributes.
 std::string escaped(std::string_view text);
 
-/// JSON as it may stand in a <script>: no text in it ends the script.
+/// Escapes JSON for use in a <script>, so that no text in it ends the script.
 std::string scriptJson(std::string json);
 
-/// `text` with the values of `by` in place of their names in double braces. Every name is in `by`.
+/// Replaces names in double braces by their values in `by`, which must contain every name.
 std::string filledMarkup(std::string_view text,
                          const std::map<std::string, std::string, std::less<>>& by);
 

@@ -6,8 +6,7 @@
 
 namespace palpate {
 
-/// The number that `text` is, as std::from_chars reads it; nothing when something else stands
-/// there, before or behind it too, or it does not fit.
+/// Parses `text` with std::from_chars. Returns nullopt unless all of it is one number that fits.
 template <class Number>
 std::optional<Number> numberIn(std::string_view text) {
   Number number{};

@@ -7,18 +7,18 @@
 #include <string>
 #include <string_view>
 
-// Numbers as people read them.
+// Numbers as text for messages.
 
 namespace palpate {
 
-/// "1 node", "2 nodes"; `plural` where an s does not make it: "3 tetrahedra".
+/// Returns "1 node" or "2 nodes"; `plural` is for irregular nouns, as in "3 tetrahedra".
 template <std::integral Count>
 std::string counted(Count count, std::string_view noun, std::string_view plural = {}) {
   if (count == 1) return fmt::format("1 {}", noun);
   return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
 }
 
-/// "0.0025, 0, -0.017": each with at most so many figures, and zeros without a sign.
+/// Returns "0.0025, 0, -0.017": at most `figures` significant digits each, and zero without a sign.
 inline std::string vectorText(const Eigen::Vector3d& v, int figures,
                               std::string_view between = ", ") {
   // -0.0 + 0.0 is 0.0.

@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// Calls task(0), ..., task(count - 1), on coreCount() threads, the calling one among them, and
-/// returns when all have ended. Tasks are taken in order, each by the next thread that is free.
-/// When one throws, no further ones begin, and what the first of them threw is thrown.
+/// Runs task(0), ..., task(count - 1) on coreCount() threads, including the calling one, and
+/// returns when all have ended. Each free thread takes the next task in order. After an exception
+/// no further task starts, and the first exception is rethrown.
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task);
 
 }  // namespace palpate

@@ -18,13 +18,13 @@
 namespace palpate {
 namespace {
 
-bool log_is_json = false;  ///< since the command line was read
+bool log_is_json = false;  ///< set when the command line is read
 constexpr const char* log_format_variable = "PALPATE_LOG_FORMAT";
 
-/// Signals so close together (ms) have one cause.
+/// Signals this close together (ms) have one cause.
 constexpr std::int64_t same_interrupt = 1000;
 
-std::atomic<std::int64_t> first_interrupt = 0;  ///< CLOCK_MONOTONIC, ms; 0: none yet
+std::atomic<std::int64_t> first_interrupt = 0;  ///< CLOCK_MONOTONIC, ms; 0 before the first
 static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
 
 void onInterrupt(int) {
@@ -49,7 +49,7 @@ void logToStderr(int verbosity, const std::string& verb) {
                                     : spdlog::level::info);
 }
 
-/// How a verb ends: one line.
+/// Reports the error that ends a verb, on one line.
 void tellError(const std::string& verb, const std::string& what) {
   if (log_is_json)
     spdlog::critical("{}", what);
@@ -57,7 +57,7 @@ void tellError(const std::string& verb, const std::string& what) {
     tell("palpate {}: {}\n", verb, what);
 }
 
-/// ZeroMQ ends the program where it gets no descriptor, and libraries are at a loss for words.
+/// Without a free descriptor ZeroMQ aborts, and libraries fail with unclear messages.
 void refuseFewDescriptors() {
   constexpr rlim_t fewest = 64;
   struct rlimit limit {};
@@ -70,10 +70,10 @@ void refuseFewDescriptors() {
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
   try {
     refuseFewDescriptors();
-    // Beyond the limit of file sizes writing fails, which is told, and does not kill.
+    // Writing beyond the file size limit must fail with an error instead of killing the process.
     std::signal(SIGXFSZ, SIG_IGN);
     const ExitCode code = run();
-    // Only now is it known whether the last of the answer found room.
+    // Only flushing shows whether the whole answer was written.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw failure("cannot write the answer to standard output; is the disk full?");
     return code;
@@ -86,7 +86,7 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
   }
 }
 
-/// Every --help says what the program's exit codes mean, in the verb's own words where it has some.
+/// Adds the meaning of exit codes to --help, unless the verb has its own text for them.
 void sayExitCodes(CLI::App& verb) {
   const std::string own = verb.get_footer();
   if (own.find("Exit codes:") != std::string::npos) return;
@@ -101,7 +101,7 @@ int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   return static_cast<int>(ExitCode::usage);
 }
 
-/// "-.5" is an option to CLI11, "-0.5" a number.
+/// CLI11 takes "-.5" for an option, but "-0.5" for a number.
 std::vector<std::string> withLeadingZeros(int argc, char** argv) {
   std::vector<std::string> arguments(argv, argv + argc);
   for (std::string& argument : arguments)
@@ -138,7 +138,7 @@ void catchInterrupts() {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
-    // Whoever started it with nohup wants it to outlive the terminal.
+    // A user of nohup wants the program to outlive the terminal.
     if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP &&
         before.sa_handler == SIG_IGN)
       continue;
@@ -177,7 +177,7 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) return refuseUsage(app, error);
-    app.exit(error);  // --help or --version, which it prints
+    app.exit(error);  // prints --help or --version
     return static_cast<int>(ExitCode::done);
   }
   log_is_json = log_format == "json";

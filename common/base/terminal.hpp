@@ -9,16 +9,16 @@ struct TerminalSize {
   std::size_t rows = 24, columns = 80;
 };
 
-/// Of the terminal behind a file descriptor, as of now: windows are resized. A usual one where
-/// there is none.
+/// Returns the current size of the terminal behind a file descriptor, since windows are resized; a
+/// default size if it is no terminal.
 TerminalSize sizeOf(int terminal);
 
-/// As much of a page of text as a terminal shows without scrolling: lines are cut, and the last row
-/// says how many are left out.
+/// Cuts a page of text to what a terminal shows without scrolling. Lines are cut, and the last row
+/// gives the number of lines left out.
 std::string fitted(const std::string& text, TerminalSize size);
 
-/// Lines of at most so many columns, broken at blanks; what is broken off is indented. A word that
-/// is wider stays whole.
+/// Breaks text at blanks into lines of at most `columns` columns and indents continuation lines. A
+/// wider word stays whole.
 std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent);
 
 }  // namespace palpate

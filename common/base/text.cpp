@@ -9,12 +9,12 @@
 namespace palpate {
 namespace {
 
-/// That no shell reads as anything else.
+/// Returns whether a shell takes the character literally.
 bool isPlain(unsigned char c) {
   return std::isalnum(c) != 0 || std::string_view("_./:=,@%+-").find(char(c)) != std::string::npos;
 }
 
-/// Edit distance with transpositions of neighbouring letters.
+/// Edit distance with transpositions of adjacent letters.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i)
@@ -50,7 +50,7 @@ std::string shellWord(std::string_view file) {
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {
   constexpr std::size_t longest_word = 64;
-  // The table of distances grows with the square; nobody misspells so long a word.
+  // The distance table grows quadratically, and such long words are not misspellings.
   if (word.size() > longest_word) return {};
   std::string_view nearest;
   std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;

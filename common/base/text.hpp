@@ -4,27 +4,27 @@
 #include <string>
 #include <string_view>
 
-// Texts as people read, mistype and paste them.
+// Text for display and for shells, and its misspellings.
 
 namespace palpate {
 
-/// Of a sentence, as peers say why they refuse something; names have less.
+/// Length of a sentence in which a peer gives the reason of a refusal; names are shorter.
 inline constexpr std::size_t longest_reason = 500;
 
-/// What a peer sent, as it may be shown to people: at most so many bytes, with ? in place of all
-/// that is not printable ASCII, so that it cannot move a cursor or begin a line of its own.
+/// Makes text from a peer safe to display: at most `most` bytes, with ? for everything but
+/// printable ASCII, so that it cannot move the cursor or start a line.
 std::string printable(std::string_view text, std::size_t most = 64);
 
-/// A file's name as one word of a POSIX shell, for commands that people paste: quoted where it
-/// needs to be, and none of the options of a program.
+/// Returns a file name as one word of a POSIX shell, for commands to paste: quoted if necessary,
+/// and never mistaken for an option.
 std::string shellWord(std::string_view file);
 
-/// The one of `words` that `word` is probably a misspelling of: the fewest inserted, deleted,
-/// replaced or swapped letters, at most a third of its length (and always one). Empty when none is
-/// that close.
+/// Returns the one of `words` that `word` probably misspells: the nearest by insertions, deletions,
+/// replacements and swaps of letters. At most a third of its letters, but always one, may be wrong.
+/// Empty if none is that close.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words);
 
-/// `words` as text for messages: "a, b or c"; `last` stands before the last one.
+/// Returns `words` as text for messages: "a, b or c", with `last` before the last one.
 std::string listed(std::span<const std::string_view> words, std::string_view last = "or");
 
 }  // namespace palpate

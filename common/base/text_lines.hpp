@@ -11,24 +11,24 @@
 
 namespace palpate {
 
-/// The text of a mesh file line by line, and a line word by word. Blank lines are skipped; errors
-/// carry file and line.
+/// Reads text line by line and each line word by word. Skips blank lines. Errors carry file and
+/// line.
 class TextLines {
  public:
-  /// A mark that some programs for Windows begin UTF-8 with is passed over.
+  /// Skips a UTF-8 byte order mark, which some Windows programs write.
   TextLines(std::string text, std::string source)
       : text_(std::move(text)),
         source_(std::move(source)),
         at_(text_.starts_with("\xEF\xBB\xBF") ? 3 : 0) {}
 
-  /// Goes to the next line that is not blank; false at the end of the text.
+  /// Advances to the next line that is not blank; returns false at the end of the text.
   bool advance() {
     while (nextLine())
       if (!rest_.empty()) return true;
     return false;
   }
 
-  /// advance(), or an error that the file is truncated inside `section`.
+  /// Like advance(), but the end of the text is an error: the file is truncated inside `section`.
   void advanceIn(std::string_view section) {
     if (!advance())
       throw badInput("{}:{}: the file is truncated: it ends inside {}", source_, number_, section);
@@ -38,7 +38,7 @@ class TextLines {
   std::size_t number() const { return number_; }
   bool atEndOfLine() const { return rest_.empty(); }
 
-  /// The next number of the line; `what` names it in errors.
+  /// Reads the next number of the line; `what` names it in errors.
   template <class Number>
   Number take(const char* what) {
     const std::string_view token = takeWord();
@@ -54,7 +54,7 @@ class TextLines {
     return value;
   }
 
-  /// The next word of the line; empty at its end.
+  /// Reads the next word of the line; empty at its end.
   std::string_view takeWord() {
     const std::string_view word = rest_.substr(0, rest_.find_first_of(blanks));
     rest_.remove_prefix(word.size());
@@ -62,8 +62,8 @@ class TextLines {
     return word;
   }
 
-  /// A count that is announced. It is not believed before its items were seen: only reserveFor()
-  /// may use it.
+  /// Reads an announced count. It is not trusted before its items are read, so only reserveFor()
+  /// may use it to allocate.
   std::size_t takeCount(const char* what) {
     const auto count = take<std::int64_t>(what);
     if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
@@ -71,8 +71,8 @@ class TextLines {
     return static_cast<std::size_t>(count);
   }
 
-  /// No more than the text can hold, whatever is announced: the shortest item that is counted, a
-  /// point, takes six characters.
+  /// Limits an announced count to the items that the text can hold. The shortest item, a point,
+  /// takes six characters.
   std::size_t reserveFor(std::size_t announced) const {
     return std::min(announced, text_.size() / 6);
   }
@@ -92,7 +92,7 @@ class TextLines {
  private:
   static constexpr const char* blanks = " \t\r";
 
-  /// Goes to the next line, without the blanks around it; false at the end of the text.
+  /// Advances to the next line, stripped of blanks; returns false at the end of the text.
   bool nextLine() {
     rest_ = {};
     if (at_ >= text_.size()) return false;

@@ -34,8 +34,8 @@ bool isTheSame(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// FILE.tmp, which one process at a time holds: the others wait. One that was killed leaves it to
-/// the next. Where a file system knows no locks (some of networks), two may write it at once.
+/// Opens and locks FILE.tmp; other processes wait. The file of a killed process is reused. On file
+/// systems without locks (some network ones), two processes may write it at once.
 FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view what, mode_t mode) {
   for (;;) {
     FileDescriptor taken(open(aside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, mode));
@@ -46,7 +46,7 @@ FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view wh
       if (interrupted())
         throw Error(ExitCode::interrupted,
                     fmt::format("interrupted while another process writes {}", aside.string()));
-    // Else it was renamed or removed by the one that had it.
+    // If not, its previous owner renamed or removed it.
     if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;
     if ((held.st_mode & 077 & ~mode) != 0 && fchmod(taken.get(), mode) != 0)
       throw unwritable(aside, what);
@@ -76,14 +76,14 @@ void replace(const std::filesystem::path& named, std::string_view what, mode_t m
     throw;
   }
   held = {};
-  // A rename is on disk only when its folder is.
+  // A rename is on disk only after its folder is synced.
   syncFolder(file.parent_path());
 }
 
 }  // namespace
 
 std::filesystem::path linkTarget(std::filesystem::path file) {
-  constexpr int most_links = 40;  // as the kernel has it
+  constexpr int most_links = 40;  // the kernel's limit
   std::error_code none;
   for (int links = 0; std::filesystem::is_symlink(file, none); ++links) {
     if (links == most_links) throw failure("{}: is a circle of links", file.string());
@@ -94,7 +94,7 @@ std::filesystem::path linkTarget(std::filesystem::path file) {
 
 std::string readText(const std::filesystem::path& file, std::string_view what) {
   std::error_code error;
-  // A directory opens like a file and fails at the first read.
+  // A directory can be opened like a file and fails at the first read.
   if (std::filesystem::is_directory(file, error))
     throw badInput("{} {} is a directory", what, file.string());
   std::ifstream in(file, std::ios::binary);
@@ -125,7 +125,7 @@ void replaceFile(const std::filesystem::path& file, const std::function<std::str
     errno = 0;
     std::ofstream out(aside, std::ios::binary);
     out << all;
-    // The last bytes are written here: only now is it known whether the disk took all.
+    // close() writes the last bytes, and only then is it known whether the disk took all.
     out.close();
     if (!out) throw unwritable(file, what);
   });
@@ -158,7 +158,7 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
 void refuseInput(const std::filesystem::path& file, const char* option,
                  std::span<const std::filesystem::path> inputs) {
   for (const std::filesystem::path& input : inputs) {
-    std::error_code none;  // what does not exist is no other file
+    std::error_code none;  // a file that does not exist is not the same
     if (std::filesystem::equivalent(file, input, none))
       throw badInput("{} {}: is {}, which is read and would be replaced; name another file", option,
                      file.string(), input.string());

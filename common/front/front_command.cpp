@@ -1,4 +1,4 @@
-// The front command: `palpate VERB ...` becomes the program that knows the verb.
+// The command `palpate VERB ...`: replaces itself by the program that has the verb.
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -118,9 +118,9 @@ bool namesDirectory(const std::string& argument) {
   return std::filesystem::is_directory(argument, none);
 }
 
-/// The program that has the verb, which the arguments begin with; empty when none has.
+/// Returns the program with the verb that the arguments begin with; empty if there is none.
 std::string programFor(const std::vector<std::string>& arguments) {
-  // A state directory is the scheduler's.
+  // A state directory belongs to the scheduler.
   if (arguments[0] == "check" &&
       std::any_of(arguments.begin() + 1, arguments.end(), namesDirectory))
     return "palpate-scheduler";
@@ -129,8 +129,8 @@ std::string programFor(const std::vector<std::string>& arguments) {
   return "";
 }
 
-/// Whether the system grants what a program that solves takes before its first line: OpenBLAS asks
-/// again for ever, while it is loaded, where it is refused its 128 MiB.
+/// Returns whether the system grants the memory that a solving program needs at start. While it is
+/// loaded, OpenBLAS retries for ever if it does not get its 128 MiB.
 bool memorySuffices(const std::string& program, const std::string& verb) {
   if (program != "palpate-worker" && verb != "build") return true;
   constexpr std::size_t needed = 384u << 20;
@@ -144,7 +144,7 @@ bool memorySuffices(const std::string& program, const std::string& verb) {
   return false;
 }
 
-/// Replaces this process by the program beside it. Returns only when that fails.
+/// Replaces this process by the program beside it. Returns only on failure.
 int become(const std::string& name, std::vector<std::string> arguments) {
   const std::string verb = arguments[0];
   if (!memorySuffices(name, verb)) return static_cast<int>(ExitCode::failed);
@@ -159,8 +159,8 @@ int become(const std::string& name, std::vector<std::string> arguments) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  // Read while OpenBLAS is loaded. On many cores its threads would not let palpate-worker, which
-  // sees to it too, come to its first line where address space is limited.
+  // OpenBLAS reads this while it is loaded. palpate-worker sets it too, but on many cores with
+  // limited address space OpenBLAS's threads would keep it from starting.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
   const char* hint = errno == ENOENT
