@@ -29,8 +29,8 @@ constexpr std::string_view blasKernelsOf(CpuFamily family) {
   return names[static_cast<std::size_t>(family)];
 }
 
-/// Returns what determines the bits of a result: the element kernels and the OpenBLAS kernels, as
-/// in "avx2/Haswell". It is the same on every machine with this family, whatever its CPU is called.
+/// Returns the kernels that the bits of a result depend on, of elements and of OpenBLAS, as in
+/// "avx2/Haswell". They are the same on every machine with this family, whatever its CPU is called.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }
@@ -48,10 +48,11 @@ inline CpuFamily cpuFamily() {
 }  // namespace palpate
 
 /// Attribute of a function that is compiled once per CpuFamily; calls use the machine's version. It
-/// is for loops whose last bits may differ between machines. Elsewhere cpuFamily() chooses, so that
-/// the choice can be recorded. Inlined functions are compiled along with it. Not used with the
-/// thread sanitizer, which is not ready when the loader chooses, nor with Clang (which builds the
-/// fuzzers), because Clang does not inline vectors wider than the default.
+/// is for loops with results that may differ between machines in the last bits. Elsewhere
+/// cpuFamily() chooses, so that the choice can be recorded. Inlined functions are compiled along
+/// with it. It is off with the thread sanitizer, which is not ready when the loader chooses. It is
+/// also off with Clang (which builds the fuzzers), because Clang does not inline vectors wider than
+/// the default.
 #if defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define PALPATE_PER_CPU_FAMILY
 #else

@@ -17,7 +17,7 @@ enum class ExitCode { done = 0, failed = 1, usage = 2, partly_failed = 3, interr
 /// Input or machine made it impossible to continue. Expected numerical failure is not an exception:
 /// it is a Failure (failure.hpp), returned as a value.
 ///
-/// The message says what happened, where (file, line, key, id) and what to do.
+/// The message gives the problem, its place (file, line, key, id) and the remedy.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

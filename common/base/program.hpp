@@ -23,8 +23,8 @@ struct Verb {
 };
 
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and
-/// palpate-answers. It parses the command line, runs the verb, and turns every exception into an
-/// exit code and one line on stderr ("palpate VERB: what happened"). Unknown options end with code
+/// palpate-answers. It parses the command line and runs the verb. Every exception becomes an exit
+/// code and one line on stderr ("palpate VERB: MESSAGE"). Unknown options end with code
 /// 2. It also reads the common options --version, -q/--quiet, -v/--verbose and --log-format.
 /// Programs that this one starts inherit --log-format through the environment (PALPATE_LOG_FORMAT).
 /// Logs go to stderr.

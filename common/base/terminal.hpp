@@ -13,8 +13,8 @@ struct TerminalSize {
 /// default size if it is no terminal.
 TerminalSize sizeOf(int terminal);
 
-/// Cuts a page of text to what a terminal shows without scrolling. Lines are cut, and the last row
-/// gives the number of lines left out.
+/// Cuts a page of text to the size of a terminal, so that it does not scroll. Lines are cut, and
+/// the last row gives the number of lines left out.
 std::string fitted(const std::string& text, TerminalSize size);
 
 /// Breaks text at blanks into lines of at most `columns` columns and indents continuation lines. A

@@ -17,8 +17,8 @@ namespace palpate {
 namespace layout {
 
 inline constexpr std::string_view format = "palpate-dataset";
-/// Readers refuse major versions outside this range. They ignore unknown arrays, such as those of
-/// newer minor versions and /rbf of version 2.
+/// Readers refuse major versions outside this range. They ignore unknown arrays, such as additions
+/// of newer minor versions and /rbf of version 2.
 inline constexpr std::int32_t oldest_major_version = 2, major_version = 3;
 /// Added by minor version: 2 fingers, 3 probe places, 4 width of fingers.
 inline constexpr std::int32_t minor_version = 4;
@@ -38,8 +38,8 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
 
 }  // namespace layout
 
-/// Reads every array in parts, compares it with its hash, and returns the content hash. Errors are
-/// those of Dataset and Dataset::verifyAll().
+/// Reads every array in parts, compares it with its hash, and returns the content hash. Fails like
+/// Dataset and Dataset::verifyAll().
 ContentId verifiedContent(const std::filesystem::path& file);
 
 // ---- /mesh: the body with its surface, fixed and stored nodes (stored_mesh.cpp) -------------
@@ -57,15 +57,15 @@ StoredBody readMesh(const hdf5::Reader& in, const Scene& scene);
 void writeSpaces(hdf5::Writer& out, const SpaceRowsList& spaces,
                  const std::vector<std::vector<LatticeEdge>>& jumps);
 
-/// Reads the spaces. Error that names the array or space unless they are those of the scene's
-/// active nodes, on its lattice, with nodes of the mesh, and pass faultOf.
+/// Reads the spaces. Error that names the array or space unless they match the scene's active
+/// nodes, its lattice and the nodes of the mesh, and pass faultOf.
 std::vector<SpaceTable> readSpaces(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh);
 
 // ---- the nodal fields that scene.storage selects, in the rows of /points (stored_fields.cpp) ---
 
 /// Writes the fields of the points of all spaces in sequence, as the scene's [storage] says.
-/// `fields` returns those of a solved point for all nodes. Error if they are not the fields that
-/// the record names.
+/// `fields` returns the fields of a solved point for all nodes. Error if they are not the fields
+/// that the record names.
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
                  const std::function<NodalFields(std::size_t space, std::int32_t point)>& fields);
 
@@ -79,9 +79,8 @@ class FieldsReader {
 
   /// Returns the fields of `count` points from `first` on, point after point: displacements
   /// (metres) of the stored nodes, and pressures (Pa) of the nodes if stored. NaN at points that
-  /// are not solved. At a node between materials the pressure is that of the node's own slot
-  /// (PressureSlots). `table` is that of space number `space`. Error that names point and array if
-  /// a row is damaged.
+  /// are not solved. A node between materials gets the pressure of its own slot (PressureSlots).
+  /// `table` belongs to space number `space`. Error that names point and array if a row is damaged.
   NodalFields read(std::size_t space, const SpaceTable& table, std::size_t first,
                    std::size_t count) const;
 

@@ -21,8 +21,9 @@ void silenceErrorStack();
 /// not, because other code in its process (h5py) may rely on that closing.
 void leaveOpenFilesAtExit() noexcept;
 
-/// Returns the reason of the last failure: the system's message ("No space left on device") if a
-/// system call failed, else the innermost sentence of HDF5's error stack, or "unknown HDF5 error".
+/// Returns the reason of the last failure. It is the system's message ("No space left on device")
+/// if a system call failed, else the innermost sentence of HDF5's error stack, or "unknown HDF5
+/// error".
 std::string lastError();
 
 /// Returns `result` of an HDF5 call. Throws Error "FILE: WHAT: HDF5's reason" if it is negative.

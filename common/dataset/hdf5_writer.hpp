@@ -9,8 +9,8 @@ namespace palpate::hdf5 {
 class RowWriter;
 
 /// Writes arrays of plain types and attributes to a new HDF5 file. The bytes depend on the calls
-/// alone (no time stamps). The file format is that of HDF5 1.10, the first in which all structure
-/// has checksums.
+/// alone (no time stamps). The file format is HDF5 1.10, the first in which all structure has
+/// checksums.
 ///
 /// Memory use does not grow with the file. If the disk is full, the call that notices throws, at
 /// the latest close(). The caller must then remove the file and keep HDF5 from closing it when the

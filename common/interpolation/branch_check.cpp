@@ -48,7 +48,7 @@ double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) 
   return largest;
 }
 
-/// Returns the edges of leaf cells between solved points whose check `selects` accepts.
+/// Returns the edges of leaf cells between solved points with a check that `selects` accepts.
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
                                      const EquilibriumOf& equilibriumOf, Select selects) {

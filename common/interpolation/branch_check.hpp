@@ -34,14 +34,14 @@ struct EdgeCheck {
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force);
 
-/// Returns the edges whose ends lie on different solution branches, or have a fold between them. No
-/// interpolation may treat the force between them as smooth. Sorted by (a, b). Only edges between
-/// solved points are tested.
+/// Returns the edges between different solution branches or across a fold. No interpolation may
+/// treat the force between them as smooth. Sorted by (a, b). Only edges between solved points are
+/// tested.
 ///
-/// The tested edges are those of the leaf cells: cells of the uniform lattice, and eighths of split
-/// cells, that are not split themselves. In an unrefined lattice these are all pairs of solved
-/// points one spacing apart along an axis. Where levels meet, they are the whole edge of the coarse
-/// cell and the halves of the fine one. Any thread.
+/// All edges of leaf cells are tested. A leaf is a cell of the uniform lattice, or an eighth of a
+/// split cell, that is not split itself. An unrefined lattice thus tests all pairs of solved points
+/// one spacing apart along an axis. At a boundary between levels, the whole edge of the coarse cell
+/// and both halves are tested. Any thread.
 ///
 /// The thresholds were measured on liver-493 (Mooney-Rivlin, eight active nodes, 33 mm spacing,
 /// pushed up to 100 mm inwards) by following every edge in 32 steps from either end. None of

@@ -43,8 +43,8 @@ inline bool isCorner(const Eigen::Vector3d& local) noexcept {
 }
 
 /// The leaf cells of one configuration space. They are the cells between uniform lattice positions
-/// that reach into the workspace ball; split cells are replaced by those of their eighths that
-/// reach into it, and so on. Together they cover the whole ball.
+/// that reach into the workspace ball. A split cell is replaced by its eighths that reach into the
+/// ball, and so on. Together the leaves cover the whole ball.
 ///
 /// A method that interpolates nodal data proceeds in three steps:
 /// 1. take the data of solved slots from the space;

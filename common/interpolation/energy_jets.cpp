@@ -134,8 +134,9 @@ class Fitter {
     return {squaredNorm(offset), offset, number};
   }
 
-  /// Returns whether the force at a ghost differs from that of the nearest source by no more than
-  /// the stiffness there and the differences between sources suggest.
+  /// Returns whether the force at a ghost is plausible. It may differ from the nearest source's by
+  /// twice the larger of two changes: the one that the stiffness there predicts, and the largest
+  /// one to another source.
   bool isModest(const Equilibrium& ghost, const Candidate& nearest,
                 const std::vector<FitSource>& sources) const {
     const Equilibrium& base = space_.points[nearest.number].equilibrium;

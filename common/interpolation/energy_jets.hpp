@@ -24,10 +24,11 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);
 
-/// Returns the polynomials of all slots. Those of ghosts are passed in `ghosts` (ghostPolynomials),
-/// because they take nearly all of the time. Solved slots reproduce their own data exactly. Their
-/// higher derivatives are fitted to the solved corners of the adjacent leaves, without corners that
-/// an inconsistent edge joins to the slot or to a nearer source. Hanging slots get zero.
+/// Returns the polynomials of all slots. The ghosts' polynomials (ghostPolynomials) take nearly all
+/// of the time, so they are passed in `ghosts`. Solved slots reproduce their own data exactly.
+/// Their higher derivatives are fitted to the solved corners of the adjacent leaves, without
+/// corners that an inconsistent edge joins to the slot or to a nearer source. Hanging slots get
+/// zero.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);

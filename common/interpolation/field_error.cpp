@@ -10,9 +10,9 @@
 namespace palpate {
 namespace {
 
-// Measured at 18000 exact solutions (liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
-// 100 mm, spacings from 10 to 33 mm, including the rim and the neighbourhood of jumps between
-// branches). The bound holds at 99 % of them and is then 6 to 10 times the error in the median.
+// Measured at 18000 exact solutions: liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
+// 100 mm, spacings from 10 to 33 mm. They include the rim and the neighbourhood of jumps between
+// branches. The bound holds at 99 % of them and is then 6 to 10 times the error in the median.
 constexpr double share_of_spread = 0.75;  ///< of the disagreement at solved corners
 constexpr double share_at_ghosts = 2.5;   ///< added, times the weight of the ghosts
 constexpr double at_suspect_edges = 3;    ///< multiplies the bound

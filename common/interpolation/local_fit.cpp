@@ -71,8 +71,8 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
 
 // Chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm, with spacings from 15 to
 // 33 mm. Factors of ten in either direction change the errors by some 10 %. The exception is a
-// fifth degree without penalty, which doubles them at the rim. smallest_penalty pulls to zero what
-// all sources together leave undetermined, such as a direction without sources.
+// fifth degree without penalty, which doubles them at the rim. Directions that all sources together
+// leave undetermined are pulled to zero by smallest_penalty.
 constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},

@@ -45,8 +45,8 @@ struct FitSource {
 
 /// Weighted least-squares fits of local polynomials to energies, forces, stiffnesses and further
 /// known derivatives. Near sources weigh more. A penalty on derivatives above the known ones keeps
-/// small what the sources do not determine. Sources in equal arrangements share one factorisation,
-/// across spaces too. One thread.
+/// undetermined terms small. Sources in equal arrangements share one factorisation, across spaces
+/// too. One thread.
 class LocalFits {
  public:
   /// Configures the data and degrees of a fit. Orders lower than KnownOrders::curvature ignore

@@ -26,7 +26,7 @@ class BumpQuadrature {
       : center_(center), radius_(radius), part_(part * radius) {}
 
   /// Calls visit(barycentric coordinates, area of the quadrature point, m^2) at points of a
-  /// triangle whose corners are the columns. Leaves out some of the parts beyond the radius. Real
+  /// triangle; its corners are the columns. Leaves out some of the parts beyond the radius. Real
   /// time.
   template <class Visit>
   void over(const Eigen::Matrix3d& corners, const Visit& visit) const noexcept {
@@ -77,12 +77,12 @@ struct BumpIntegral {
 };
 
 /// Returns, for each node, the integral over the rest surface of its shape function times the bump
-/// (1 - (r/radius)^2)^2, with r the distance from `center` and zero for r > radius. The integral is
-/// zero for nodes that the bump does not reach. Shape functions are linear, or quadratic on a
-/// quadratic mesh; then single values may be negative. The sum of the values is the integral of the
-/// bump. Its relative error is below 1e-6 for any mesh, because triangles are subdivided. The
-/// gradients are exactly those of the values, which are continuously differentiable. The curvatures
-/// jump where the rim of the bump passes a quadrature point and are accurate to 1e-2.
+/// of bumpAt(). The integral is zero for nodes that the bump does not reach. Shape functions are
+/// linear, or quadratic on a quadratic mesh; then single values may be negative. The sum of the
+/// values is the integral of the bump. Its relative error is below 1e-6 for any mesh, because
+/// triangles are subdivided. The values are continuously differentiable, and the gradients are
+/// exact. The curvatures jump where the rim of the bump passes a quadrature point and are accurate
+/// to 1e-2.
 std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
                                         double radius);
 

@@ -41,7 +41,7 @@ struct Mesh {
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;  ///< nodes of the file that no tetrahedron used
-  /// Number of tetrahedra whose node order was reversed.
+  /// Number of tetrahedra with reversed node order.
   std::int32_t reoriented_tetrahedra = 0;
 };
 
@@ -72,9 +72,9 @@ std::vector<NodeSet> piecesOf(const Mesh& mesh);
 /// and 0 if flat.
 double shapeOf(const Mesh& mesh, std::size_t element);
 
-/// Describes, as a sentence for errors, an edge of a 10-node tetrahedron (corners, then mid-edge
-/// nodes in the order of tetrahedron_edges) that is curved or whose node is off the middle by more
-/// than 1e-6 of its length. Empty if there is none.
+/// Describes, as a sentence for errors, an edge of a 10-node tetrahedron with its mid-edge node off
+/// the middle by more than 1e-6 of the edge's length; empty if there is none. The tetrahedron lists
+/// its corners, then its mid-edge nodes in the order of tetrahedron_edges.
 std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
                        const std::array<std::int32_t, 10>& tetrahedron);
 

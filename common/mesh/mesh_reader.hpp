@@ -14,7 +14,7 @@ namespace palpate {
 /// nodes to their physical groups. An element that version 2.2 repeats for each of its physical
 /// groups is read once.
 ///
-/// Physical groups of every dimension become node groups under their name; those of dimension 3
+/// Physical groups of every dimension become node groups under their name. Groups of dimension 3
 /// also become element groups. Groups without a name are called "point 3", "curve 3", "surface 3"
 /// or "volume 3", since Gmsh numbers each dimension separately. Groups with the same name are
 /// united. $ElementData of three components become element vectors under their first string tag.

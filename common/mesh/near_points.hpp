@@ -33,10 +33,11 @@ class NearPoints {
   std::vector<std::int32_t> first_, listed_;       ///< per cube, x fastest
 };
 
-/// Chooses places by farthest-point sampling. It takes the first place, then repeatedly the place
-/// with the largest distance to the taken ones relative to its own value in `distances`, until no
-/// place is farther than that value. Returns them in this order, the same on every machine. Metres,
-/// straight lines; `distances` holds one value > 0 per place.
+/// Chooses places by farthest-point sampling. The relative distance of a place is its distance to
+/// the nearest taken place divided by its value in `distances`. The first place is taken first,
+/// then always the one with the largest relative distance, until none exceeds 1. Returns the taken
+/// places in this order, the same on every machine. Metres, straight lines; `distances` holds one
+/// value > 0 per place.
 ///
 /// `accepts` is called before a place is taken. Refused places are left out and need no taken place
 /// near them. It may throw, for instance if too many are taken.

@@ -21,7 +21,7 @@ struct SelfIntersections {
 SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points,
                                       const std::vector<Triangle>& triangles);
 
-/// Refuses a body whose surface intersects itself: inner faces that do not match, or parts in the
+/// Refuses a body with a self-intersecting surface: inner faces that do not match, or parts in the
 /// same place. Matching faces with separate nodes (a cut, parts that are not welded) are accepted.
 /// Error (bad input) with the number of pairs and a position in the unit of the nodes, which need
 /// not be metres yet. `source` names the file.

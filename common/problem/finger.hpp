@@ -37,22 +37,22 @@ Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector
                   double radius);
 
 /// Returns the displacements that a purely pushing finger of this radius (metres) reaches at a
-/// place with this outward unit normal. They lean from the inward normal by at most 75 degrees; the
-/// finger slides before it leans farther. (Displacements of the virtual hand lean by less than 72
-/// degrees for 99 % of its time.) They also go at most 1.5 radii aside, so deeper ones go straight
-/// on.
+/// place with this outward unit normal. They lean from the inward normal by at most 75 degrees,
+/// because the finger slides before it leans farther. The virtual hand leans by less than 72
+/// degrees for 99 % of its time. The displacements go at most 1.5 radii aside, so deeper ones go
+/// straight on.
 PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 
-/// Returns the displacements that it reaches at any place under the finger. The surface there turns
-/// by about the angle a with cos a = 2 |m| - 1, where m is the mean of its unit normals weighted by
-/// the finger's bump. So p leans from -m by at most 75 degrees plus a. The whole ball is returned
-/// if that is 180 degrees or more, as at sharp rims and on thin lobes.
+/// Returns the displacements that it reaches at any place under the finger. Let m be the mean of
+/// the unit normals there, weighted by the finger's bump. The surface turns by about the angle a
+/// with cos a = 2 |m| - 1. So p leans from -m by at most 75 degrees plus a. The whole ball is
+/// returned if that is 180 degrees or more, as at sharp rims and on thin lobes.
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
 /// Returns whether the finger reaches around a lobe thinner than itself, so that normals cancel
 /// out.
 bool isOnBothSides(const Mesh& mesh, const Finger& finger);
 
-/// Returns the distance from the surface, m, beyond which a place cannot be meant to lie on it: a
+/// Returns the largest distance from the surface, m, of a place that is meant to lie on it. It is a
 /// quarter of the finger's radius, or a millionth of the body's size if that is more.
 inline double mostPlaceDistance(const Mesh& mesh, double finger_radius) {
   return std::max(0.25 * finger_radius, 1e-6 * boundingBox(mesh).diagonal().norm());

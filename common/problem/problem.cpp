@@ -171,9 +171,9 @@ std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
   return nodes;
 }
 
-/// Refuses elements whose volume cannot be kept. A pressure keeps the volume of the elements around
-/// it. If the tool and the fixed set hold all nodes of these elements, every displacement changes a
-/// volume that no free node can restore.
+/// Refuses elements that cannot keep their volume. A pressure keeps the volume of the elements
+/// around it. If the tool and the fixed set hold all nodes of these elements, every displacement
+/// changes a volume that no free node can restore.
 void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
   const PressureSpace pressure = problem.scene.discretization.pressure;
   const bool exact = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;

@@ -50,12 +50,12 @@ void checkProblem(const Problem& problem);
 inline constexpr std::int32_t lattice_divisions = 1024;
 
 /// Returns the uniform lattice of a scene, with divisions if points or probes may be added to it.
-/// The lattice of a finger covers only its reach; that of a probe (ActivePatch::probe) is the
-/// origin alone.
+/// The lattice of a finger covers only its reach. The lattice of a probe (ActivePatch::probe) is
+/// the origin alone.
 Lattice uniformLattice(const Scene& scene, const ActivePatch& patch = {});
 
-/// Returns the number of held-out positions of one space: accuracy.probes, 1 for a probe of an
-/// area, and 0 for a site whose area has probes of its own.
+/// Returns the number of held-out positions of one space. It is 1 for a probe of an area, 0 for a
+/// site of an area with such probes, and accuracy.probes for all others.
 std::int32_t probesIn(const Scene& scene, std::size_t space);
 
 /// Computes Problem::pressures of a problem that checkProblem accepts.

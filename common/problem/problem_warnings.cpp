@@ -18,11 +18,11 @@ namespace {
 
 /// Young's moduli of soft tissue, Pa, from brain and fat to cartilage.
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
-/// Stretch that is far beyond what tissue, or max_force, allows.
+/// Stretch far beyond the limits of tissue, and of max_force.
 constexpr double largest_stretch = 3;
 /// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres
-/// differs from their stretch. (The force of a fibre-reinforced cube pulled along its fibres is 29,
-/// 11 and 3 % too small at 2, 10 and 50 times k1.)
+/// differs from their stretch. Measured on a cube pulled along its fibres: at 2, 10 and 50 times k1
+/// the force is 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
 
 /// Returns `"a", "b" and 398 more`.

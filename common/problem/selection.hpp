@@ -28,9 +28,9 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
                                             const NodeSet& fixed);
 
 /// Returns the patch of an [[active]] table without `surface`. A rigid patch holds all nodes within
-/// the radius, including inner and mid-edge nodes. A weighted patch holds those of the surface,
-/// with their weights (ActivePatch::weights). A finger is centred at the surface point nearest to
-/// `near` (finger.hpp). Fixed nodes are left out. Error if the node does not exist or is not a
+/// the radius, including inner and mid-edge nodes. A weighted patch holds the surface nodes within
+/// it, with their weights (ActivePatch::weights). A finger is centred at the surface point nearest
+/// to `near` (finger.hpp). Fixed nodes are left out. Error if the node does not exist or is not a
 /// surface vertex, if `near` is far from the body, or if fewer than three nodes are left to
 /// average.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);

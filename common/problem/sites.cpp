@@ -113,7 +113,7 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
   return x;
 }
 
-/// Returns a uniform point of the sphere, whose area equals that of its cylinder (Archimedes).
+/// Maps the unit square to the unit sphere with constant density (Archimedes).
 Eigen::Vector3d onSphere(double height, double turn) {
   const double z = 2 * height - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
   return {r * std::cos(angle), r * std::sin(angle), z};

@@ -20,14 +20,15 @@ double siteDistance(const Scene& scene, double radius);
 /// surface. Each site is the place farthest from all earlier ones, until none is farther than
 /// `distance` radii. That limit falls to 0.6 of it at rims and tips, where the energy changes
 /// faster along the surface. Distances are straight lines, because a finger's energy is a function
-/// of its position in space (finger_weights.hpp): one site serves both sides of a lobe that is thin
-/// compared with the finger.
+/// of its position in space (finger_weights.hpp). One site therefore serves both sides of a thin
+/// lobe.
 ///
 /// Places are left out if the finger would rest on `fixed` (sorted) by nearly half or more, or if
-/// their triangle is fixed; neighbouring sites extend over them as far as they reach. The number of
-/// sites follows from shape and radius, not from the mesh, whose triangles are divided into pieces
-/// of at most place_distance. The result is a deterministic function of the arguments; it is empty
-/// if a finger can stand nowhere. Error (bad input) with a remedy if there are more than max_sites.
+/// their triangle is fixed. Neighbouring sites extend over them as far as they reach. The number of
+/// sites depends on shape and radius, but not on the mesh, because triangles are divided into
+/// pieces of at most place_distance. The result is a deterministic function of the arguments; it is
+/// empty if a finger can stand nowhere. Error (bad input) with a remedy if there are more than
+/// max_sites.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius, double distance);
 

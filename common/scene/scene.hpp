@@ -66,9 +66,9 @@ struct HalfSpace {
   bool operator==(const HalfSpace&) const = default;
 };
 
-/// [fixed]: the union of all given selectors. `below`, `above`, `box` and `sphere` may be a table
-/// or an array of tables, `group` a name or an array of names, and `nodes` is an array of 0-based
-/// node numbers.
+/// [fixed]: the union of all given selectors. `below`, `above`, `box` and `sphere` may be tables or
+/// arrays of tables. `group` is a name or an array of names. `nodes` is an array of 0-based node
+/// numbers.
 struct FixedSelection {
   std::vector<HalfSpace> half_spaces;
   std::vector<Box> boxes;
@@ -79,8 +79,8 @@ struct FixedSelection {
   bool operator==(const FixedSelection&) const = default;
 };
 
-/// Places on the surface of the body: all of it, or the union of the given selectors, which work
-/// like those of [fixed].
+/// Places on the surface of the body: all of it, or the union of the given selectors, which work as
+/// in [fixed].
 struct SurfaceSelection {
   bool all = false;  ///< if true, nothing else is given
   std::vector<Box> boxes = {};

@@ -53,8 +53,8 @@ struct FingerSlopes {
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
-  // The third derivatives have about seven correct digits. Where the stiffness jumps they are
-  // arbitrary (worker/solver/third_derivatives.hpp).
+  // The third derivatives have about seven correct digits. They are arbitrary at jumps of the
+  // stiffness (worker/solver/third_derivatives.hpp).
   /// N/m^2, d stiffness / d p, symmetric in all three axes.
   SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
   /// N/m^2, d stiffness / d s. Its column k is also the second derivative of drive[k] by p.

@@ -49,8 +49,8 @@ struct PushedPart {
 /// and numbers the rest in the same order.
 ///
 /// Coordinates are in units of spacing / divisions, with divisions a power of two. Refined points
-/// and probes therefore have integer coordinates too, and a displacement equals that of a lattice
-/// without divisions to the last bit. Uniform points have the numbers 0..uniformSize()-1, sorted by
+/// and probes therefore have integer coordinates too. Displacements are equal, to the last bit,
+/// with and without divisions. Uniform points have the numbers 0..uniformSize()-1, sorted by
 /// (squared norm, i, j, k); number 0 is the origin. Added points follow in the order in which they
 /// were added. The numbering is part of the dataset. Any thread may read as long as no thread adds.
 class Lattice {
@@ -126,7 +126,7 @@ bool coarserFirst(const LatticeCell& a, const LatticeCell& b);
 /// Returns whether `cell` is in `splits`, which is sorted by coarserFirst.
 bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell);
 
-/// Returns the cell of the next coarser level that contains `cell`, whose level is at least 1.
+/// Returns the cell of the next coarser level that contains `cell`. Level 0 is not allowed.
 LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions);
 
 /// Depth in radii from which a cell counts as reaching into the ball, so that round-off does not

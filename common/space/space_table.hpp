@@ -83,7 +83,7 @@ class SpaceRows {
  public:
   virtual ~SpaceRows() = default;
   virtual const ActivePatch& patch() const = 0;
-  /// Its first points are those of the space; other positions (probes) may follow.
+  /// Its first points belong to the space; other positions (probes) may follow.
   virtual const Lattice& lattice() const = 0;
   virtual const std::vector<LatticeCell>& splits() const = 0;
   virtual std::int32_t points() const = 0;  ///< number of points
@@ -104,9 +104,9 @@ SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables);
 SpaceTable tableOf(const SpaceRows& rows);
 
 /// Largest force of a terminating point that interpolation uses, as a multiple of the largest force
-/// of the expandable points. Beyond it an element beside the tool is being crushed: the force is
-/// tens to thousands of times the range of a device, and a polynomial through it is wrong in the
-/// whole cell.
+/// of the expandable points. Beyond it an element beside the tool is being crushed. The force is
+/// then tens to thousands of times the range of a device, and a polynomial through it is wrong in
+/// the whole cell.
 inline constexpr double largest_force_share = 3;
 
 /// Returns, by lattice number, whether interpolation uses the point: it is solved and, if
