@@ -35,8 +35,8 @@ class Bytes32 {
   std::array<std::uint8_t, 32> bytes_{};
 };
 
-/// Initialises libsodium. Required before direct calls to it; may be repeated from any thread.
-/// Error if it fails.
+/// Initialises libsodium, which is required before direct calls to it. May be repeated, from any
+/// thread. Error if it fails.
 void startSodium();
 
 /// Returns `count` unpredictable bytes from the system. Error if the system fails.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-// Text for display and for shells, and its misspellings.
+// Text for messages and shells, and corrections of misspelled words.
 
 namespace palpate {
 

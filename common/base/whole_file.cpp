@@ -158,7 +158,7 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
 void refuseInput(const std::filesystem::path& file, const char* option,
                  std::span<const std::filesystem::path> inputs) {
   for (const std::filesystem::path& input : inputs) {
-    std::error_code none;  // a file that does not exist is not the same
+    std::error_code none;  // a missing file is none of the inputs
     if (std::filesystem::equivalent(file, input, none))
       throw badInput("{} {}: is {}, which is read and would be replaced; name another file", option,
                      file.string(), input.string());

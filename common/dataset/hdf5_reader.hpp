@@ -19,9 +19,9 @@ struct FileKind {
 /// then refuses to open the file, although it may be complete.
 bool isOpenForWriting(const std::filesystem::path& file);
 
-/// Reads files of Writer without trusting them: types, shapes and hashes are checked before values
-/// are used. Accepts only arrays of the five plain types, stored in the file itself. Every Error
-/// names the file and the array.
+/// Reads files that Writer wrote, without trusting them: types, shapes and hashes are checked
+/// before values are used. Accepts only arrays of the five plain types, stored in the file itself.
+/// Every Error names the file and the array.
 class Reader : public NamedFile {
  public:
   /// Error (bad input) if `file` is missing, not a regular file or not an HDF5 file. Error if it is

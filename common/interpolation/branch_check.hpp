@@ -44,9 +44,9 @@ EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Ei
 /// and both halves are tested. Any thread.
 ///
 /// The thresholds were measured on liver-493 (Mooney-Rivlin, eight active nodes, 33 mm spacing,
-/// pushed up to 100 mm inwards) by following every edge in 32 steps from either end. None of
-/// 2177 smooth edges is inconsistent, and 56 are suspect. Among 79 edges with a jump, 35 are
-/// inconsistent and 74 suspect; the other 5 have mismatches below 2 N. Jumps that pass as
+/// pushed up to 100 mm inwards) by following every edge in 32 steps from either end. None of 2177
+/// smooth edges is inconsistent, and 56 are suspect. Among 79 edges with a jump, 35 are
+/// inconsistent and 74 suspect; the other 5 have mismatches below 2 N. All jumps that pass as
 /// consistent change the stiffness by more than the force, and smooth interpolation across them was
 /// no worse than trilinear.
 std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space);

@@ -79,8 +79,8 @@ class CellTree {
   double radius() const { return radius_; }              ///< of the ball, metres
   double spacing() const { return spacing_; }            ///< edge of the root cells, metres
   double unit() const { return spacing_ / divisions_; }  ///< metres per lattice coordinate
-  /// Returns whether no corner of a leaf is supported: all are ghosts, or hang in leaves of which
-  /// the same holds.
+  /// Returns whether a leaf has no solved data: every corner is a ghost or hangs in an unsupported
+  /// leaf.
   bool unsupported(std::int32_t leaf) const { return unsupported_[at(leaf)]; }
 
   /// Returns the leaf next to a lattice position in one of eight octants: bit `axis` of `octant` is

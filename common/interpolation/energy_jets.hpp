@@ -49,8 +49,8 @@ using LeafJets = std::array<const EnergyJet*, 8>;
 /// Real time: does not allocate, lock, throw or log.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept;
-/// Evaluates it in a leaf with edges of `edge` metres. `local` is 0..1 in the leaf, and jets are in
-/// units of the spacing (metres).
+/// Evaluates the polynomial in a leaf with edges of `edge` metres. `local` is 0..1 in the leaf.
+/// Jets are in units of the spacing (metres).
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept;
 

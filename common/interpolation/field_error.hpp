@@ -4,8 +4,7 @@
 
 namespace palpate {
 
-/// A-posteriori bound on the error of the force of the quintic energy interpolant
-/// (energy_jets.hpp).
+/// A-posteriori bound on the force error of the quintic energy interpolant (energy_jets.hpp).
 ///
 /// Every corner of a leaf has a local polynomial of the energy. The differences between the forces
 /// of these polynomials and the interpolant, weighted trilinearly, measure how well the data around

@@ -236,7 +236,7 @@ class GmshText {
       });
       eachLine(count, [&] {
         mesh_.nodes.push_back(takeVector("a coordinate"));
-        // Otherwise unused coordinates on the entity follow.
+        // If parametric, unused coordinates on the entity follow.
         if (!parametric) lines_.expectEndOfLine();
       });
     });

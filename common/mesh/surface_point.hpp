@@ -16,8 +16,8 @@ struct SurfacePoint {
 Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept;
 
-/// Returns the point (metres), or if it is so far away that squared distances overflow, a finite
-/// point in the same direction with the same nearest point of a body. Real time.
+/// Returns `point` (metres). If it is so far away that squared distances would overflow, returns a
+/// nearer one in the same direction, with the same nearest point on a body. Real time.
 Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept;
 
 /// Returns the point of the mesh's rest surface nearest to `place` (metres, finite). Checks every

@@ -38,9 +38,9 @@ Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector
 
 /// Returns the displacements that a purely pushing finger of this radius (metres) reaches at a
 /// place with this outward unit normal. They lean from the inward normal by at most 75 degrees,
-/// because the finger slides before it leans farther. The virtual hand leans by less than 72
-/// degrees for 99 % of its time. The displacements go at most 1.5 radii aside, so deeper ones go
-/// straight on.
+/// because the finger slides before it leans farther. The displacements of the virtual hand lean by
+/// less than 72 degrees for 99 % of its time. The displacements go at most 1.5 radii aside, so
+/// deeper ones go straight on.
 PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 
 /// Returns the displacements that it reaches at any place under the finger. Let m be the mean of

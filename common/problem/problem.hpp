@@ -23,8 +23,8 @@ struct Problem {
   std::vector<std::array<Eigen::Vector3d, 2>> fibers;
   std::vector<std::int32_t> fixed;  ///< sorted
   std::vector<ActivePatch> active;  ///< one configuration space each, in scene order
-  /// Numbering of the pressures in NodalFields; follows from the other members. A node without a
-  /// material that has a pressure has a zero slot that is not an unknown.
+  /// Numbering of the pressures in NodalFields; follows from the other members. If no material
+  /// around a node has a pressure, its slot is zero and not an unknown.
   PressureSlots pressures;
 };
 

@@ -406,7 +406,7 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
             placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
       region_of[element] = static_cast<std::uint16_t>(r);
     }
-  // [material] takes the tetrahedra outside all groups. Without a [material], none may be left.
+  // [material] takes the tetrahedra outside all regions. Without a [material], none may be left.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
     throw badInputAt(regions.front().lines.table,

@@ -58,7 +58,7 @@ double bulkModulus(const Material& material);
 double youngModulus(const Material& material);
 double poissonRatio(const Material& material);
 /// The strain beyond which a law is unstable: a shear for Yeoh's law with negative c20, a
-/// compression for St. Venant-Kirchhoff. nullopt for the other laws.
+/// compression for St. Venant-Kirchhoff. softeningOf returns nullopt for the other laws.
 struct Softening {
   double strain;
   const char* kind;  ///< "shear" or "compression"

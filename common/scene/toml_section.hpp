@@ -96,7 +96,8 @@ class TomlSection {
 
   /// Returns `key` as a list: empty if absent, the elements of an array, or the single value.
   std::vector<const toml::node*> oneOrMany(std::string_view key) const;
-  /// Returns the tables of the required [[key]]; errors say that there is one for each `each`.
+  /// Returns the tables of the required [[key]]. `each` names the thing that one table describes,
+  /// for errors.
   const toml::array& tables(std::string_view key, std::string_view each) const;
   /// Returns the table that `key` holds, which may contain only these keys.
   TomlSection inner(std::string_view key, const toml::node& node, Words keys) const;

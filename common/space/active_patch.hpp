@@ -14,8 +14,8 @@ namespace palpate {
 /// fingers of one radius that lie this close share one energy. They lie closer where the surface
 /// bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
-/// Places up to this distance from a site are still answered, because sites are chosen among places
-/// that lie apart.
+/// Largest distance, in finger radii, from a place that is answered to the nearest site. It exceeds
+/// site_distance, because sites are chosen among places that lie apart.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
 /// The contact of a soft finger with the surface at rest: centre and radius, metres.

@@ -44,8 +44,9 @@ struct ToolEquilibrium {
 };
 
 /// The further derivatives of a finger's energy E(s, p), which also depends on its place s on the
-/// surface (ActivePatch::finger). They are zero for other tools. All are exact and
-/// three-dimensional, because E is defined for any s near the surface.
+/// surface (ActivePatch::finger). They are zero for other tools. They are derivatives in three
+/// dimensions, because E is defined for any s near the surface. First and second derivatives are
+/// exact.
 struct FingerSlopes {
   /// Configurational force T = -dE/ds, N. It drives the finger along the surface.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();

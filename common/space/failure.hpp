@@ -43,11 +43,10 @@ bool stopsTransitions(Cause cause);
 /// A cause and the numbers to judge it by. Fields that do not apply keep their defaults.
 struct Failure {
   Cause cause = Cause::none;
-  double step_reached = 0;  ///< fraction of the transition accepted before the stop, 0 to 1
-  double residual = 0;      ///< N, norm of the residual at the stop
-  std::int32_t element =
-      -1;  ///< element of the smallest det F, in Mesh::tetrahedra; -1 if not determined
-  double element_det_F = 0;          ///< det F of `element`
+  double step_reached = 0;    ///< fraction of the transition accepted before the stop, 0 to 1
+  double residual = 0;        ///< N, norm of the residual at the stop
+  std::int32_t element = -1;  ///< smallest det F, in Mesh::tetrahedra; -1 if unknown
+  double element_det_F = 0;   ///< det F of `element`
   std::int32_t negative_pivots = 0;  ///< in the last factorisation
   std::int32_t expected_negative_pivots = 0;
   std::int32_t mumps_infog1 = 0;  ///< INFOG(1) and INFOG(2) of the last MUMPS call

@@ -42,8 +42,8 @@ struct PushedPart {
 ///
 /// Integers decide which points lie in the ball: i^2+j^2+k^2 <= (radius/spacing)^2. For r = 100 mm,
 /// spacings of 20, 100/7, 10 and 100/15 mm give 515, 1419, 4169 and 14147 points; a floating-point
-/// test drops some on the sphere. "100/7 mm" may be written 14.3 mm: a spacing
-/// within 0.2 % of radius/n, n integer, is taken as exactly radius/n.
+/// test drops some that lie exactly on it. "100/7 mm" may be written 14.3 mm: a spacing is taken as
+/// exactly radius/n, n integer, if it is within 0.2 % of that.
 ///
 /// The lattice may cover a part of the ball only (PushedPart). It then leaves out the other points
 /// and numbers the rest in the same order.

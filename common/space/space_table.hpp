@@ -51,7 +51,7 @@ struct Probe {
 /// Results of probes, as every program counts them.
 struct ProbeCounts {
   std::size_t all = 0;
-  std::size_t within_force = 0;  ///< solved within the scene's largest force; used to measure
+  std::size_t within_force = 0;  ///< solved within max_force; error statistics use these
   std::size_t beyond_force = 0;  ///< isBeyondForce()
 
   void add(const PointRecord& probe) {

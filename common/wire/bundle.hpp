@@ -38,13 +38,13 @@ class Bundler {
   std::size_t bytes_ = 0;
 };
 
-/// Returns the messages of a bundle, or a message that is none unchanged. Unreadable messages have
-/// no body, as from receiveMessage(). A bundle with too many messages, or with a payload that does
-/// not fit them, gives one message without a body. The bytes of the bundle count for its first
-/// message.
+/// Returns the messages of a bundle. A message that is no bundle is returned unchanged. Unreadable
+/// messages have no body, as from receiveMessage(). A bundle with too many messages, or with a
+/// payload that does not fit them, gives one message without a body. The bytes of the bundle count
+/// for its first message.
 std::vector<Incoming> unbundled(Incoming incoming);
 
-/// Receives single messages from one socket, also if several arrive in one bundle. One thread.
+/// Receives messages from one socket one by one, even if several arrive in a bundle. One thread.
 class Inbox {
  public:
   /// Like receiveMessage(), but never returns a bundle.

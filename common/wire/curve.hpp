@@ -15,13 +15,13 @@ namespace palpate {
 /// Sets the keys of a socket that will connect to a server with the key `server`.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
 /// Sets the keys that `keys` holds for `endpoint`. For an endpoint on this machine, a missing own
-/// key is made, as a server does. Error (bad input) for a missing key otherwise, because no server
-/// could know a new one, and for an invalid endpoint.
+/// key is made, as a server does. Error (bad input) for an invalid endpoint. A missing key is also
+/// an Error for other machines, because their servers could not know a new one.
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint);
 
-/// Authentication of a server that will be bound. Only clients that know its key and are admitted
-/// get through; their messages carry their keys (senderOf). A separate thread answers ZAP requests
-/// for connecting clients. One per context; destroy after the socket.
+/// Authenticates the clients of a server that will be bound. Only clients that know its key and are
+/// admitted get through; their messages carry their keys (senderOf). A separate thread answers ZAP
+/// requests for connecting clients. One per context; destroy after the socket.
 class ZapHandler {
  public:
   /// `socket` belongs to `context` and is not bound yet. Makes the own key if there is none. Error

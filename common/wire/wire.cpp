@@ -75,8 +75,8 @@ struct HostAddress {
   bool isOfIPv6() const { return text.starts_with('['); }
 };
 
-/// Returns the first IPv4 address, else the first IPv6 address. Clients name a server at 127.0.0.1
-/// localhost, which has both.
+/// Returns the first IPv4 address, else the first IPv6 address. A server at 127.0.0.1 is also
+/// called localhost, which has both.
 HostAddress lookUp(const std::string& host) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;

@@ -22,7 +22,8 @@ namespace palpate {
 /// versions.
 inline constexpr std::uint32_t protocol_version = 4;
 
-/// Messages of one connection that wait in a ROUTER; its peer must wait with further ones.
+/// Largest number of messages of one connection that wait in a ROUTER. Further ones wait at the
+/// peer.
 inline constexpr int router_queue_length = 16;
 
 /// Largest payload frame. libzmq allocates a frame as soon as its length arrives, so a ROUTER
