@@ -24,10 +24,10 @@ struct Verb {
 
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and
 /// palpate-answers. It parses the command line and runs the verb. Every exception becomes an exit
-/// code and one line on stderr ("palpate VERB: MESSAGE"). Unknown options end with code
-/// 2. It also reads the common options --version, -q/--quiet, -v/--verbose and --log-format.
-/// Programs that this one starts inherit --log-format through the environment (PALPATE_LOG_FORMAT).
-/// Logs go to stderr.
+/// code and one line on stderr ("palpate VERB: MESSAGE"). Exit code 2 stands for unknown options.
+/// It also reads the common options --version, -q/--quiet, -v/--verbose and --log-format. Programs
+/// that this one starts inherit --log-format through the environment (PALPATE_LOG_FORMAT). Logs go
+/// to stderr.
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs);
 
 /// Returns whether the log is JSON for other programs (--log-format json). Everything on stderr
