@@ -28,7 +28,7 @@ ELSEWHERE = {
     r"plugin:\./touch\.so": "is the reader's own: that of docs/devices.md is compiled here",
     r"palpate verify": "takes minutes: tests/worker/verification",
     r"palpate fleet (slurm|ssh)": "needs other machines: tests/scheduler/fleet",
-    r"side\.(toml|h5)|--at 0\.0315 ": "is of the kidney, which README's five minutes make: tutorial_test.py",
+    r"side\.(toml|h5)|--at 0\.0315 ": "is of the kidney, which the tutorial makes: tutorial_test.py",
     r"palpate share": "needs the modules for browsers: tests/viewer/share",
 }
 if not os.environ.get("PALPATE_LONG_TESTS"):
