@@ -22,7 +22,7 @@ from virtual_screen import virtual_screen
 
 PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
          "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md", "docs/failures.md",
-         "docs/tissues.md", "docs/accuracy.md")
+         "docs/tissues.md", "docs/accuracy.md", "docs/faq.md")
 # What is not run here, and why.
 ELSEWHERE = {
     r"--device haply": "needs the device",
