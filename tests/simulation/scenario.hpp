@@ -7,6 +7,7 @@
 
 #include "common/problem/problem.hpp"
 #include "common/space/result_key.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate::simulation {
 
