@@ -275,7 +275,7 @@ TEST_F(RemoteWorkerTest, WhatAKilledOneHeldIsHandedOutAgainWithoutWaitingForItsS
   std::cout << (two_networks ? "two networks" : "one network") << ": handed out again after "
             << seconds << " s" << std::endl;
   EXPECT_THAT(lineThatTells(), HasSubstr(its_name));
-  EXPECT_THAT(lineThatTells(), HasSubstr("cannot be reached"));
+  EXPECT_THAT(lineThatTells(), HasSubstr("unreachable"));
   expectFinished(*scheduler);
   EXPECT_THAT(scheduler->output(), Not(HasSubstr("says nothing any more")));
   EXPECT_EQ(near->wait(), 0) << near->output();
