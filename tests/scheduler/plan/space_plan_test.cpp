@@ -46,7 +46,8 @@ void finish(SpacePlan& plan, const Solver& solver, std::mt19937* random = nullpt
     const Transition transition = ready[n];
     ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(n));
     const Outcome outcome = solver(plan, transition);
-    plan.record(transition, outcome, ContentId::of(std::to_string(outcome.equilibrium().energy)));
+    const double energy = outcome.converged() ? outcome.equilibrium().energy : 0;
+    plan.record(transition, outcome, ContentId::of(std::to_string(energy)));
     for (const Transition& next : plan.takeReady()) ready.push_back(next);
   }
   EXPECT_TRUE(plan.complete());

@@ -21,6 +21,7 @@ wire::Status bigBuild() {
   for (int n = 0; n < 16; ++n) status.add_workers();
   wire::SpaceStatus& space = *status.add_spaces();
   space.set_points(67890);
+  space.set_expandable(12345);
   space.set_unknown(67890 - 12345);
   return status;
 }
@@ -42,8 +43,10 @@ TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
 TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
   wire::Status status = bigBuild();
   status.mutable_spaces(0)->set_unknown(0);
+  status.mutable_spaces(0)->set_expandable(67890);
   EXPECT_THAT(progressBar(status, 120), StartsWith("[############################] 67890/67890"));
   status.mutable_spaces(0)->set_unknown(67890);
+  status.mutable_spaces(0)->set_expandable(0);
   EXPECT_THAT(progressBar(status, 120), StartsWith("[                            ] 0/67890"));
 }
 
