@@ -35,7 +35,7 @@ execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/deploy/debian/changelog OU
 # palpate_package(NAME COMPONENTS... SECTION word [ARCHITECTURE all] [DEPENDS text] [RECOMMENDS text] [SUGGESTS text]
 #                 [OVERRIDE text for lintian] SUMMARY text DESCRIPTION text)
 function(palpate_package name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SECTION;ARCHITECTURE;DEPENDS;RECOMMENDS;SUGGESTS;OVERRIDE;SUMMARY;DESCRIPTION" "COMPONENTS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SECTION;ARCHITECTURE;DEPENDS;RECOMMENDS;SUGGESTS;REPLACES;OVERRIDE;SUMMARY;DESCRIPTION" "COMPONENTS")
   string(MAKE_C_IDENTIFIER ${name} group)
   string(TOUPPER ${group} upper)
   install(FILES deploy/debian/copyright ${debian}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
@@ -46,7 +46,7 @@ function(palpate_package name)
   foreach(component ${arg_COMPONENTS} debian-${name})
     set_property(GLOBAL APPEND PROPERTY palpate_packaged ${component}=${group})
   endforeach()
-  foreach(word SECTION DEPENDS RECOMMENDS SUGGESTS ARCHITECTURE)
+  foreach(word SECTION DEPENDS RECOMMENDS SUGGESTS REPLACES ARCHITECTURE)
     if(arg_${word})
       set(CPACK_DEBIAN_${upper}_PACKAGE_${word} "${arg_${word}}" PARENT_SCOPE)
     endif()
@@ -56,6 +56,7 @@ function(palpate_package name)
 endfunction()
 
 palpate_package(palpate COMPONENTS service verification manual documents data SECTION science
+  REPLACES palpate-viewer  # which had the manual pages of query, report, share and export
   RECOMMENDS "palpate-viewer (= ${PROJECT_VERSION}), gmsh" SUGGESTS "python3-palpate, python3-meshio, tetgen, slurm-client, bash-completion"
   SUMMARY "feel a nonlinear soft body at 1 kHz"
   DESCRIPTION "A scheduler and workers precompute the equilibrium of a soft body, by

@@ -163,11 +163,14 @@ int become(const std::string& name, std::vector<std::string> arguments) {
   // limited address space OpenBLAS's threads would keep it from starting.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
-  const char* hint = errno == ENOENT
-                         ? "; install the package palpate-viewer, or build all programs with "
-                           "`cmake --build --preset release`"
-                         : "";
-  tell("palpate {}: cannot start {}: {}{}\n", verb, program, errnoText(), hint);
+  const bool is_missing = errno == ENOENT;
+  const std::string why = errnoText();
+  const std::string hint = is_missing ? fmt::format(
+                                            "; install the package {}, or build all programs with "
+                                            "`cmake --build --preset release`",
+                                            name == "palpate-viewer" ? "palpate-viewer" : "palpate")
+                                      : "";
+  tell("palpate {}: cannot start {}: {}{}\n", verb, program, why, hint);
   return static_cast<int>(ExitCode::failed);
 }
 

@@ -40,7 +40,9 @@ class Legend {
     draw_.AddRectFilled({at_.x, top}, {at_.x + size, top + size}, imColour(colour), px(2));
     for (const float part : {0.5F, 1.0F, 1.5F}) {
       const float from = std::max(0.0F, part - 1) * size, to = std::min(1.0F, part) * size;
-      if (hatched) draw_.AddLine({at_.x + from, top + to}, {at_.x + to, top + from}, paper, px(2));
+      if (hatched)
+        draw_.AddLine({at_.x + from, top + size - to}, {at_.x + to, top + size - from}, paper,
+                      px(2));
     }
     word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
   }

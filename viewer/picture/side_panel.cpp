@@ -147,8 +147,8 @@ void touchNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Touch");
   row("force", newtons(contents.state.force.norm()));
-  if (contents.beside && contents.beside->sentence.empty())
-    row("beside", newtons(contents.beside->force));
+  if (contents.beside)
+    row("beside", contents.beside->sentence.empty() ? newtons(contents.beside->force) : "none");
   const double bound = touch.error_bound;
   row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
   if (touch.touching)
