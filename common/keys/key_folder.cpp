@@ -140,9 +140,18 @@ KeyPair KeyFolder::own() const {
 }
 
 KeyPair KeyFolder::ownOrNew() const {
-  // Another process may make one in the meantime.
-  if (!hasOwn())
-    writePrivate(ownFile(folder_), [this] { return lineOf(hasOwn() ? own() : KeyPair::make()); });
+  if (hasOwn()) return own();
+  // Another process may make one in the meantime. link() keeps the first, also on file systems
+  // without locks.
+  const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
+  writePrivate(aside, [] { return lineOf(KeyPair::make()); });
+  const bool first = link(aside.c_str(), ownFile(folder_).c_str()) == 0;
+  const int reason = errno;
+  std::error_code ignored;
+  std::filesystem::remove(aside, ignored);
+  if (!first && reason != EEXIST)
+    throw failure("{}: cannot make: {}", ownFile(folder_).string(), std::strerror(reason));
+  syncFolder(folder_);
   return own();
 }
 

@@ -1,5 +1,6 @@
 #include "scheduler/events/event_reader.hpp"
 
+#include <deque>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -43,13 +44,13 @@ std::vector<std::string> lastEvents(const std::filesystem::path& directory,
   std::vector<std::string> found;
   const std::vector<std::uint32_t> numbers = eventFiles(directory);
   for (auto number = numbers.rbegin(); number != numbers.rend() && found.size() < most; ++number) {
-    std::vector<std::string> earlier;
-    readLines(eventFile(directory, *number), 0, wanted,
-              [&](std::string_view line) { earlier.emplace_back(line); });
+    std::deque<std::string> earlier;
+    readLines(eventFile(directory, *number), 0, wanted, [&](std::string_view line) {
+      earlier.emplace_back(line);
+      if (earlier.size() > most - found.size()) earlier.pop_front();
+    });
     found.insert(found.begin(), earlier.begin(), earlier.end());
   }
-  if (found.size() > most)
-    found.erase(found.begin(), found.end() - static_cast<std::ptrdiff_t>(most));
   return found;
 }
 

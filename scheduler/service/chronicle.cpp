@@ -163,6 +163,14 @@ bool Chronicle::mayTell() {
   return left_out.has_value();
 }
 
+bool Chronicle::mayLog() {
+  const auto left_out = lines_.spend(clock_);
+  if (left_out.value_or(0) > 0)
+    spdlog::warn("{} lines about connections and about idle or overdue workers were left out",
+                 *left_out);
+  return left_out.has_value();
+}
+
 Event Chronicle::of(EventWord word, const ResultKey& key) const {
   return Event(word)
       .with("space", problem_->scene.active[key.space].name)

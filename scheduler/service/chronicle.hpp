@@ -19,16 +19,16 @@ class Chronicle {
 
   /// `log` may be null: no events are then written. All arguments must outlive this object.
   Chronicle(const Problem& problem, EventLog* log, const Time& clock)
-      : problem_(&problem), log_(log), clock_(clock), budget_(clock) {}
+      : problem_(&problem), log_(log), clock_(clock), budget_(clock), lines_(clock) {}
 
   // Log lines that peers cause and that are not events.
   template <class... Args>
   void info(spdlog::format_string_t<Args...> text, Args&&... args) {
-    if (mayTell()) spdlog::info(text, std::forward<Args>(args)...);
+    if (mayLog()) spdlog::info(text, std::forward<Args>(args)...);
   }
   template <class... Args>
   void warn(spdlog::format_string_t<Args...> text, Args&&... args) {
-    if (mayTell()) spdlog::warn(text, std::forward<Args>(args)...);
+    if (mayLog()) spdlog::warn(text, std::forward<Args>(args)...);
   }
 
   // Workers.
@@ -62,12 +62,15 @@ class Chronicle {
   /// Returns true if the budget allows another report that workers cause at will. Reports first how
   /// many were left out.
   bool mayTell();
+  /// The same for log lines that are not events. They have a budget of their own, so that they
+  /// never displace events.
+  bool mayLog();
   Event of(EventWord word, const ResultKey& key) const;
 
   const Problem* problem_;
   EventLog* log_;
   const Time& clock_;
-  LineBudget budget_;
+  LineBudget budget_, lines_;
   std::vector<Stage> stages_;
   double divisions_ = 1;  ///< coordinates per spacing
 };

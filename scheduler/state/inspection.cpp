@@ -59,8 +59,13 @@ class Inspector {
                                                        : Database::Access::read_untouched);
       tables.verify();
       const StoredBuild& build = tables.build();
-      std::optional<Problem> problem = problemOf(build);
-      if (!problem)
+      std::optional<Problem> problem;
+      try {
+        problem = decodeProblem(build.problem);
+      } catch (const Error& error) {
+        throw DamagedDatabase(file, error.what());
+      }
+      if (problemId(*problem) != build.build)
         throw DamagedDatabase(file, "the problem in them is not that of their build id");
       found_.build = build.build;
       found_.scene_name = build.scene_name;

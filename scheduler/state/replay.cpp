@@ -29,9 +29,10 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
 /// for.
 std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
   constexpr std::uint64_t smallest_record = 100;
+  constexpr std::uint64_t most = 1 << 26;  // 0.5 GB of buckets; a damaged count may say anything
   const std::uint64_t bytes =
       JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max());
-  return std::min<std::size_t>(expected, bytes / smallest_record);
+  return std::min<std::size_t>(expected, std::min(most, bytes / smallest_record));
 }
 
 /// Records the result and returns true, unless it was solved from another start than the plan has.
