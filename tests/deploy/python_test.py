@@ -346,8 +346,8 @@ class PythonArrays(WithDatasets):
             np.testing.assert_allclose(b.displacement(b.solved), a.displacement(a.solved), atol=0.02 / 60000)
 
     def testWordsForTagsAndCausesAreThoseOfTheProgram(self):
-        causes = re.search(r"Causes: (.*?)\. `unreachable`", (ROOT / "docs/dataset.md").read_text(encoding="utf-8"), re.S)[1]
-        listed = {int(number): word for number, word in re.findall(r"([0-9]+)\s+([a-z_]+)", re.sub(r"\([^)]*\)", "", causes))}
+        page = (ROOT / "docs/failures.md").read_text(encoding="utf-8")
+        listed = {int(number): word for number, word in re.findall(r"^\| ([0-9]+) \| `([a-z_]+)` \|", page, re.M)}
         self.assertEqual(dict(enumerate(palpate.arrays.CAUSES[1:], 1)), listed)
 
     def testAFileThatWasLeftOpenForWritingIsNotCalledDamaged(self):
