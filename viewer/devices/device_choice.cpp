@@ -21,7 +21,7 @@ namespace {
 
 using Device = std::unique_ptr<HapticDevice>;
 
-/// The parts of a word before and after its first colon.
+/// A word of --device: the part before its first colon and the part after it.
 struct Word {
   std::string_view kind;
   std::string rest;
@@ -48,7 +48,7 @@ Device openVirtual(const Word& word, const DeviceContext& context) {
 }
 
 Device openMouse(const Word&, const DeviceContext& context) {
-  modelFor("mouse", context);  // only the picture of a body moves the mouse
+  modelFor("mouse", context);  // the mouse moves only in the picture of a body
   return std::make_unique<MouseDevice>(context.period, context.profile);
 }
 
@@ -66,13 +66,13 @@ Device openPlugin(const Word& word, const DeviceContext& context) {
       std::string(library.kind), std::string(device.kind), device.rest, context.period});
 }
 
-enum class Rest { none, optional, needed };  // the part after the colon
+enum class Rest { none, optional, needed };  // whether a part after the colon may or must follow
 
 struct Opener {
   std::string_view kind;
   Device (*open)(const Word& word, const DeviceContext& context);
   Rest rest;
-  const char* missing = "";  // error text if a needed part is missing
+  const char* missing = "";  // error text if the part after the colon is missing but needed
 };
 constexpr std::array<Opener, 5> openers = {
     {{"virtual", openVirtual, Rest::optional},
@@ -86,7 +86,7 @@ Error unknown(const std::string& text, std::string_view kind, bool with_body) {
   for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
   const std::string_view near = nearestWord(kind, kinds);
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
-  // Names of devices are profiles too: the user may want to set the limits.
+  // A word such as "haply" is also the name of a profile: the user may have wanted its limits.
   if (std::ranges::find(device_words, kind) != device_words.end())
     hint = fmt::format(" (for the limits of one: --profile {})", kind);
   return badInput("--device {}: there is no such device{}; it can be {}", text, hint,
@@ -103,7 +103,7 @@ const Opener& openerOf(const std::string& text, const Word& word, bool with_body
   throw unknown(text, word.kind, with_body);
 }
 
-/// Endpoints contain a colon, but are not pairs of kind and rest.
+/// An endpoint contains a colon, but does not consist of a kind and a rest.
 bool isEndpoint(const std::string& text) {
   return text.starts_with("tcp://") || text.starts_with("ipc://");
 }

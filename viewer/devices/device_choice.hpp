@@ -12,25 +12,28 @@ class HapticModel;
 
 /// The loop and the body that a device is opened for.
 struct DeviceContext {
-  /// The body: gives the virtual hand its default path and the mouse its target. If null, neither
-  /// of the two can be opened.
+  /// The body. Its surface determines the default path of the virtual hand, and the mouse touches
+  /// it in the picture. If null, neither of these two devices can be opened.
   const HapticModel* model = nullptr;
   double period = 1e-3;  ///< s; period of the loop that reads the device
-  /// Limits of devices without their own (virtual hand, mouse), and of a network device until it
-  /// reports its own.
+  /// Limits for devices that have none of their own (virtual hand, mouse). A network device uses
+  /// them until it reports its own limits.
   DeviceProfile profile = device_profiles.front();
-  KeyOptions keys = {};    ///< for a device on the network
+  KeyOptions keys = {};    ///< key for a device on the network
   bool real_time = false;  ///< see NetworkDeviceOptions::real_time
 };
 
-/// Defaults of --device: for a window that runs in real time, and for other runs.
+/// Defaults of --device: the first for a window that runs in real time, the second for all other
+/// runs.
 inline constexpr const char *window_device = "mouse", *default_device = "virtual";
 
-/// Returns the valid words for --device, as text for users. Without a body there are fewer.
+/// Returns the words that --device accepts, as text for users. Without a body (`with_body` false)
+/// the list leaves out the devices that need one.
 std::string deviceHelp(bool with_body);
 
-/// Throws Error (bad input), listing the valid words, if no device of a body has this word or if a
-/// part of it is missing. Opens nothing; openDevice() finds out whether the device is available.
+/// Checks a word of --device without opening the device; only openDevice() finds out whether the
+/// device is available. Throws Error (bad input), which lists the valid words, if no device for a
+/// body has this word or a required part of the word is missing.
 void checkDeviceWord(const std::string& word);
 
 /// Opens a device by its word:
@@ -40,15 +43,15 @@ void checkDeviceWord(const std::string& word);
 ///   replay:FILE         a recorded run
 ///   tcp://HOST:PORT     a device that `palpate device` lends (also ipc://PATH)
 ///   haply, haply:ID     a Haply Inverse3 through its service on this machine
-///   plugin:LIB[:ID[:OPTIONS]]  a device of a plug-in (palpate_device.h); LIB without a colon
+///   plugin:LIB[:ID[:OPTIONS]]  a device of a plug-in (palpate_device.h); LIB has no colon
 /// Throws Error (bad input) as checkDeviceWord() does, and the errors of the device's constructor.
 std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceContext& context);
 
-/// Returns the smaller force, stiffness and workspace radius of two profiles, with the name of the
-/// first.
+/// Returns a profile with the smaller force, the smaller stiffness and the smaller workspace radius
+/// of the two, and the name of the first.
 DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second);
-/// Returns a warning, as a sentence, if the limits fit no haptic device: more than 100 N, or a
-/// workspace radius below 5 mm or above 2 m. Usually empty.
+/// Returns a warning, as a sentence, if no haptic device has such limits: more than 100 N, or a
+/// workspace radius below 5 mm or above 2 m. Otherwise returns an empty string.
 std::string doubtsOf(const DeviceProfile& profile);
 
 }  // namespace palpate

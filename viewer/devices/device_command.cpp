@@ -19,13 +19,13 @@ using namespace std::chrono_literals;
 
 constexpr auto look_interval = 100ms;
 
-/// The state of a lent device that was last logged.
+/// The last state of a lent device that was logged.
 struct Told {
   DeviceServer::State state;
   std::string trouble;
 };
 
-/// Logs the changes since the last call.
+/// Logs how the state has changed since the last call.
 void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
   const DeviceServer::State state = server.state(), last = std::exchange(told.state, state);
   if (!state.fault.empty()) throw failure("lending the device ended: {}", state.fault);

@@ -14,8 +14,8 @@ double inSeconds(DeviceExchange::Clock::duration time) {
 
 }  // namespace
 
-/// Returns the time from a reading to the effect of a force written now, s: the device takes the
-/// force at its next turn.
+/// Returns the time from a reading until a force that is written now takes effect, s. The device
+/// takes the force when it calls force() the next time.
 double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) noexcept {
   const double age = inSeconds(now - arrival.time), turn = inSeconds(arrival.turn),
                offset = inSeconds(arrival.offset);
@@ -25,7 +25,7 @@ double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) no
 
 DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
   const Arrival arrival = readings_.read();
-  const std::uint64_t unseen = arrival.number - seen_.number;  // since the last seen one
+  const std::uint64_t unseen = arrival.number - seen_.number;  // readings that were not seen yet
   DeviceReading reading = arrival.reading;
   const std::uint64_t oldest = std::min(arrival.oldest, unseen == 2  ? arrival.before
                                                         : unseen > 2 ? seen_.newest
@@ -63,12 +63,14 @@ Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
         std::max(std::min<Clock::duration>(now - taken_, silence), next_.turn - next_.turn / share);
   taken_ = now;
   next_.offset = std::min(now - next_.time, next_.turn);
-  // Read the flag first: a reader that sees the resume also sees the zero force written before it.
+  // Read the flag first. A device thread that sees the resume then also sees the zero force that
+  // was written before the resume.
   const bool halted = halted_.load(std::memory_order_acquire);
   const NumberedForce& taken = forces_.read();
   const bool usable = !halted && taken.force.allFinite();
   const std::uint64_t number = usable ? taken.number : 0;
-  // After a longer delay, the previous force was also held on the way to the next reading.
+  // If the device takes a new force at once, it holds no older force until the next reading. If it
+  // takes the new force later, it has also held the previous one, which then remains the oldest.
   if (number != next_.newest && inSeconds(now - next_.time) <= at_once * inSeconds(next_.turn))
     next_.oldest = number;
   next_.newest = number;

@@ -13,8 +13,11 @@
 namespace palpate {
 
 /// Exchanges the newest reading and the newest force between the haptic thread and the thread of a
-/// device. Neither side ever waits for the other. Forces are numbered and everything is
-/// timestamped, to compute the HeldForces of each reading. Tests pass `now`.
+/// device. Neither thread ever waits for the other.
+///
+/// Forces are numbered, and readings and forces are timestamped. The exchange computes from this
+/// which forces the device held before each reading (HeldForces). Tests pass their own times as
+/// `now`.
 class DeviceExchange {
  public:
   using Clock = std::chrono::steady_clock;
@@ -22,24 +25,25 @@ class DeviceExchange {
   static constexpr std::chrono::milliseconds silence{50};
 
   // For the haptic thread; real time.
-  /// Returns the newest reading: fresh if it came since the last call, lost if none came for
-  /// `silence`, else repeated.
+  /// Returns the newest reading. Its status is fresh if the reading arrived since the last call,
+  /// lost if no reading arrived for `silence`, and repeated otherwise.
   DeviceReading read(Clock::time_point now = Clock::now()) noexcept;
   void write(const Eigen::Vector3d& force) noexcept { forces_.write({force, ++written_}); }
 
   // For any thread; real time.
   void halt() noexcept { halted_ = true; }
-  /// force() calls after a resume return the last force written before it, or a newer one.
+  /// After a resume, force() returns the last force that was written before the resume, or a newer
+  /// one.
   void resume() noexcept { halted_ = false; }
   bool halted() const noexcept { return halted_; }
 
   // For the device's thread.
-  /// Passes on a reading of status fresh or lost. read() fills in its `held`.
+  /// Passes a reading to the haptic thread. Its status is fresh or lost; read() fills in `held`.
   void deliver(const DeviceReading& reading, Clock::time_point now = Clock::now()) noexcept;
-  /// Returns the last force written, N; zero while halted or if it is not finite. The device holds
-  /// it from now on.
+  /// Returns the last force that was written, N; zero while halted or if that force is not finite.
+  /// The exchange assumes that the device holds this force until the next call.
   Eigen::Vector3d force(Clock::time_point now = Clock::now()) noexcept;
-  /// A sentence about the current problem; empty if there is none. Any thread.
+  /// Describes the current problem as a sentence; empty if there is no problem. Any thread.
   void setTrouble(const std::string& sentence);
   std::string trouble() const;
 
@@ -47,10 +51,10 @@ class DeviceExchange {
   struct Arrival {
     DeviceReading reading;
     Clock::time_point time{};
-    /// Numbers of the oldest and newest force held since the previous reading, and of the oldest
-    /// force held in the interval before; 0: zero force.
+    /// Numbers of forces; 0 means zero force. oldest, newest: held between the previous reading and
+    /// this one. before: the oldest force held in the interval before that.
     std::uint64_t oldest = 0, newest = 0, before = 0;
-    Clock::duration turn{};    ///< time between calls of force(): a recent maximum
+    Clock::duration turn{};    ///< time between two calls of force(): a recent maximum
     Clock::duration offset{};  ///< from a reading to the next call of force()
     std::uint64_t number = 0;  ///< the reading's number
   };
@@ -70,13 +74,13 @@ class DeviceExchange {
   std::string trouble_;
 };
 
-/// The properties that a device reports.
+/// Properties that a device reports about itself.
 struct DeviceTraits {
   DeviceProfile profile;
   bool lives_in_scene = false, has_buttons = true;
 };
 
-/// A device with a thread of its own, connected through an exchange.
+/// A device that has its own thread and is connected to the haptic thread by a DeviceExchange.
 class ThreadedDevice : public HapticDevice {
  public:
   DeviceReading read() noexcept override { return exchange_->read(); }
@@ -90,7 +94,7 @@ class ThreadedDevice : public HapticDevice {
 
  protected:
   DeviceTraits traits_;  ///< constant after construction
-  /// Shared with a thread that may hang and then outlive this object.
+  /// Shared with the device's thread, which may hang and then outlive this object.
   const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };
 

@@ -13,7 +13,8 @@ using namespace std::chrono_literals;
 constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
 constexpr auto longest_validity = 1s;
-/// An honest client sends this many in two seconds; more are a flood.
+/// An honest client sends this number of messages in two seconds. More messages in one turn are a
+/// flood.
 constexpr int messages_per_turn = 2048;
 
 }  // namespace
@@ -49,13 +50,13 @@ void DeviceServer::run(const std::stop_token& stop, double rate) {
     const std::lock_guard lock(mutex_);
     state_.fault = error.what();
   }
-  // Clear the device's force, whatever ended the loop.
+  // Always end with a force of zero, whatever ended the loop.
   device_.write(Eigen::Vector3d::Zero());
 }
 
 void DeviceServer::turn() {
-  // Take all waiting messages, since the newest force counts. During a flood take only some, so
-  // that the force still expires in time.
+  // Take all waiting messages, since only the newest force counts. In a flood, take a limited
+  // number, so that the loop still notices in time when a force expires.
   for (int n = 0; n < messages_per_turn; ++n) {
     const auto incoming = receiveDeviceMessage(socket_, true);
     if (!incoming) break;
@@ -112,11 +113,12 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
                                     device_protocol, greeting.protocol()));
   if (!holder_.empty() && holder_ != peer)
     return refuse(peer, "another simulator holds the device");
-  // Also release the holder itself: a client that greets again has lost its state.
+  // Release the device even if this client holds it: a client that greets again has lost its state.
   release();
   holder_ = peer;
   last_heard_ = Clock::now();
-  // The numbers of readings continue, so a delayed force cannot answer a newer reading.
+  // The numbers of readings are not reset, so a delayed force cannot be taken for an answer to a
+  // newer reading.
   last_force_ = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -139,7 +141,7 @@ void DeviceServer::follow(const wire::DeviceForce& message) {
   const std::chrono::duration<double> validity(message.valid_for_s());
   const bool valid = force.allFinite() && validity > 0s && validity <= longest_validity;
   if (!valid) return count(&State::garbage);
-  // Skip old forces: the client's numbers continue when it repeats its greeting.
+  // Skip forces that arrive out of order. The client continues its numbers when it greets again.
   if (message.sequence() <= last_force_) return;
   last_force_ = message.sequence();
   const auto answered = sentAt(message.reading());
@@ -167,7 +169,7 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   while (now - sent_.front() > longest_validity) sent_.pop_front();
   setVector(content, reading.position);
   content.set_buttons(reading.buttons);
-  // The protocol has no `away`. In both states the position is meaningless.
+  // The protocol has no `away`. It is sent as lost, because the position is meaningless in both.
   content.set_lost(reading.status == DeviceStatus::lost || reading.status == DeviceStatus::away);
   content.set_trouble(trouble_);
   // A client that does not read misses the message.

@@ -15,16 +15,17 @@
 
 namespace palpate {
 
-/// Lends a device to one simulator at a time on another machine (NetworkDevice).
+/// Lends a device to simulators on other machines (NetworkDevice), one simulator at a time.
 ///
 /// A thread of its own reads the device at `rate`, sends each reading to the client that holds the
-/// device, and writes the client's newest force. The client is not trusted:
+/// device, and writes the newest force of that client to the device. The client is not trusted:
 /// - A force that is not finite is ignored. A force above the device's limit is scaled down to it.
-/// - Each force states how long it is valid, counted from the time its reading was sent. A force
-///   that arrives later is ignored, and without a valid force the device gets zero.
-/// - A client that is silent for a second loses the device to the next one.
+/// - Each force states how long it is valid. The time counts from the moment when the server sent
+///   the reading that the force answers. A force that arrives after that time is ignored, and the
+///   device gets zero while no force is valid.
+/// - A client that is silent for a second loses the device, and the next client can have it.
 ///
-/// The last force written at the end is zero.
+/// At the end the server writes a force of zero.
 class DeviceServer {
  public:
   struct State {
@@ -33,18 +34,18 @@ class DeviceServer {
     std::uint64_t forces = 0;    ///< number accepted
     std::uint64_t garbage = 0;   ///< invalid messages, and forces that are not finite
     std::uint64_t outdated = 0;  ///< forces that arrived too late
-    std::uint64_t lapses = 0;    ///< times that the force expired and became zero
-    std::string fault;           ///< reason for the end of the thread; empty if it runs
+    std::uint64_t lapses = 0;    ///< number of times that the force expired and was set to zero
+    std::string fault;           ///< reason why the thread ended; empty while it runs
   };
 
-  /// `device` must outlive this object, which is its only user. Port * in `endpoint` lets the
-  /// system choose. The device is read at `rate`, Hz, 1 to 100000. With `keys`, only an operator
-  /// gets the device; without, any client does. Throws Error if it cannot listen, and Error (bad
-  /// input) for a rate out of range.
+  /// `device` must outlive this object, and nothing else may use it. The port * in `endpoint` lets
+  /// the system choose a port. `rate` is the number of readings per second, 1 to 100000 Hz. With
+  /// `keys`, only a client with an operator's key gets the device; without keys, any client does.
+  /// Throws Error if the server cannot listen, and Error (bad input) if the rate is out of range.
   DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000,
                const std::optional<KeyFolder>& keys = std::nullopt);
 
-  /// Returns the endpoint, with the port that was chosen.
+  /// Returns the endpoint. It contains the actual port.
   const std::string& endpoint() const { return endpoint_; }
   State state() const;
 
@@ -61,23 +62,25 @@ class DeviceServer {
   void release();
   void sendReading(const DeviceReading& reading);
   void count(std::uint64_t State::*number);
-  /// Returns the time when that reading was sent; nothing if it never was, or is older than the
-  /// longest validity of a force.
+  /// Returns the time when the reading with this number was sent. Returns nothing if no such
+  /// reading was sent, or if it is older than the longest time for which a force can be valid.
   std::optional<Clock::time_point> sentAt(std::uint64_t reading) const;
 
   HapticDevice& device_;
   const DeviceProfile profile_;
   zmq::context_t context_;
-  std::optional<ZapHandler> zap_handler_;  ///< before the socket, which is destroyed first
+  std::optional<ZapHandler> zap_handler_;  ///< declared before the socket, so that it is destroyed
+                                           ///< after it
   zmq::socket_t socket_;
   std::string endpoint_;
 
-  std::string holder_;  ///< routing id; empty: free
+  std::string holder_;  ///< routing id of the client that holds the device; empty if the device is
+                        ///< free
   Clock::time_point last_heard_, valid_until_, last_trouble_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool pushing_ = false;  ///< force_ is valid
   std::uint64_t last_force_ = 0, sequence_ = 0;
-  /// Times of the last readings, the last of which has the number sequence_.
+  /// Times when the last readings were sent. The newest time belongs to reading number sequence_.
   std::deque<Clock::time_point> sent_;
   std::string trouble_;
 

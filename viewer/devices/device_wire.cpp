@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Queue length in messages: a few milliseconds. A full queue drops the newest.
+/// Length of a queue in messages, enough for a few milliseconds. A full queue drops new messages.
 constexpr int queue_length = 8;
 constexpr std::int64_t longest_message = 4096;
 

@@ -21,26 +21,29 @@ inline constexpr std::uint32_t device_protocol = 2;
 inline constexpr const char* default_device_endpoint = "tcp://127.0.0.1:7412";
 
 struct IncomingDeviceMessage {
-  std::string peer;              ///< routing id on a ROUTER, empty on a DEALER
-  wire::DeviceMessage message;   ///< BODY_NOT_SET if invalid: count and drop it
-  std::optional<PublicKey> key;  ///< the sender's; nothing if no keys are required
+  std::string peer;              ///< routing id of the sender if a ROUTER received the message;
+                                 ///< empty on a DEALER
+  wire::DeviceMessage message;   ///< BODY_NOT_SET if the message is invalid: count it and drop it
+  std::optional<PublicKey> key;  ///< key of the sender; nothing if no keys are required
 };
 
-/// Create the ROUTER of a device and the DEALER of its client. Their queues are short, since only
-/// the newest message matters, and heartbeats detect a dead connection within two seconds.
+/// Create the ROUTER socket of a device and the DEALER socket of its client. Their queues are
+/// short, since only the newest message matters. Heartbeats detect a dead connection within two
+/// seconds.
 zmq::socket_t makeDeviceRouter(zmq::context_t& context);
 zmq::socket_t makeDeviceDealer(zmq::context_t& context);
 
-/// Sends a message without waiting. Returns false, and drops it, if the peer is gone or does not
-/// read. Throws Error on any other ZeroMQ failure.
+/// Sends a message without waiting. If the peer is gone or does not read its messages, drops the
+/// message and returns false. Throws Error on any other ZeroMQ failure.
 bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
                        const wire::DeviceMessage& message);
-/// Receives a message without waiting; nothing if there is none.
+/// Receives a message without waiting. Returns nothing if no message has arrived.
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router);
 
-/// Returns the profile in a hello, named "network"; nothing if a limit is not positive and finite.
+/// Returns the limits in a hello message, as a profile named "network". Returns nothing if a limit
+/// is not positive and finite.
 std::optional<DeviceProfile> profileOf(const wire::DeviceHello& hello);
-/// Returns the three components of a reading or a force, unchecked.
+/// Returns the three components of a reading or a force, without checking them.
 template <class Message>
 Eigen::Vector3d vectorOf(const Message& message) {
   return {message.x(), message.y(), message.z()};

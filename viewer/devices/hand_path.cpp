@@ -11,7 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the slope at a point of a monotone cubic: zero where the coordinate turns.
+/// Returns the slope of a monotone cubic at the point between two steps. The slope is zero if the
+/// coordinate changes direction there.
 double slopeBetween(double before, double after, double step_before, double step_after) {
   if (before * after <= 0) return 0;
   const double a = 2 * step_after + step_before, b = step_after + 2 * step_before;
@@ -56,7 +57,7 @@ void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
         waypoints.front().position.z());
 }
 
-/// Replaces comments by blanks, which keeps the line numbers.
+/// Replaces comments by blanks, so that the line numbers stay the same.
 std::string withoutComments(std::string text) {
   for (bool comment = false; char& c : text) {
     comment = c == '#' || (comment && c != '\n');
@@ -89,7 +90,7 @@ HandTarget HandPath::at(double time) const noexcept {
   const auto resting = [](const HandWaypoint& waypoint) {
     return HandTarget{waypoint.position, Eigen::Vector3d::Zero(), waypoint.buttons};
   };
-  // The path ends where it starts, so whole rounds can be dropped.
+  // A repeating path ends where it starts, so whole rounds can be left out.
   if (repeats() && time > beginning())
     time = beginning() + std::fmod(time - beginning(), duration());
   if (!(time > beginning())) return resting(waypoints_.front());
@@ -121,7 +122,7 @@ HandPath readHandPath(const std::filesystem::path& file) {
       continue;
     }
     const HandWaypoint waypoint = takeWaypoint(lines);
-    // HandPath checks this too, but cannot name the line.
+    // HandPath checks the order too, but its error could not name the line.
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
       throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time,
                         waypoints.back().time);

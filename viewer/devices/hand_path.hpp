@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The target position of a hand at a time.
+/// The position that a hand aims at, at one time.
 struct HandWaypoint {
   double time = 0;                                     ///< s, ascending
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, scene frame
@@ -22,12 +22,13 @@ struct HandTarget {
   std::uint32_t buttons = 0;
 };
 
-/// A path through waypoints with continuous position and velocity (C1). Between two waypoints no
-/// coordinate leaves the interval that they span, so a path never presses deeper than its
-/// waypoints. It starts and ends at rest.
+/// A path through waypoints, with continuous position and velocity (C1), which starts and ends at
+/// rest. Between two waypoints each coordinate stays between its values at these waypoints, so a
+/// path never presses deeper than its waypoints.
 ///
-/// Uses cubic Hermite segments. A slope is zero where a coordinate turns, else the harmonic mean of
-/// the neighbouring slopes, weighted for unequal steps (Fritsch and Butland 1984).
+/// The segments are cubic Hermite polynomials. At a waypoint where a coordinate changes direction,
+/// its slope is zero. Elsewhere it is the harmonic mean of the slopes of the two neighbouring
+/// segments, weighted for unequal time steps (Fritsch and Butland 1984).
 class HandPath {
  public:
   enum class AtEnd : std::uint8_t { stays, repeats };
@@ -37,8 +38,9 @@ class HandPath {
   explicit HandPath(std::vector<HandWaypoint> waypoints, AtEnd at_end = AtEnd::stays,
                     const std::string& source = "path");
 
-  /// Returns the target at a time, s. Before the first waypoint, that is its position; after the
-  /// last, its position or the next round. Real time.
+  /// Returns the target at a time, s. Before the first waypoint this is the first waypoint's
+  /// position. After the last one it is the last waypoint's position or, if the path repeats, a
+  /// position in a later round. Real time.
   HandTarget at(double time) const noexcept;
   double beginning() const { return waypoints_.front().time; }              ///< s
   double duration() const { return waypoints_.back().time - beginning(); }  ///< s, one round

@@ -19,10 +19,10 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto period = 1ms;
 constexpr auto connect_limit = 2s;
-/// After this time without an answer, the connection is closed and opened again; the device then
+/// If no answer arrives within this time, the connection is closed and opened again, and the device
 /// counts as lost.
 constexpr auto answer_limit = DeviceExchange::silence;
-/// Time for the last message before a connection is closed.
+/// Time to send the last message before a connection is closed.
 constexpr auto farewell_limit = 20ms;
 constexpr auto retry_interval = 500ms;
 constexpr auto stop_check = 20ms;
@@ -31,8 +31,8 @@ constexpr std::size_t longest_frame = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket. Calls return after a time limit or when a stop is requested. In both cases the
-/// connection is closed; read() first sends `farewell`.
+/// The web socket. Each call returns after a time limit, or when a stop is requested; the
+/// connection is closed in both cases. read() sends `farewell` before it closes the connection.
 class Connection {
  public:
   explicit Connection(const std::stop_token& stop) : stop_(stop), socket_(io_) {}
@@ -67,8 +67,8 @@ class Connection {
  private:
   beast::tcp_stream& lowest() { return beast::get_lowest_layer(socket_); }
 
-  /// Runs an operation up to `limit`. If it has not finished by then, sends `farewell` and closes
-  /// the connection.
+  /// Runs an operation for at most `limit`. If the operation is not finished by then, sends
+  /// `farewell` and closes the connection.
   template <class Start>
   beast::error_code await(Start start, Clock::duration limit, const std::string& farewell = {}) {
     beast::error_code result = asio::error::timed_out;
@@ -159,7 +159,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
   };
   std::string id = options_.id, text, told = "not told yet";
   std::uint64_t malformed = 0;
-  Clock::duration limit = connect_limit;  // first for the inventory, then for answers
+  Clock::duration limit = connect_limit;  // limit of the inventory at first, then of each answer
   for (auto next = Clock::now(); !stop.stop_requested();) {
     const std::string zero = id.empty() ? "" : haplyForceMessage(id, Eigen::Vector3d::Zero());
     if (const auto error = connection.read(text, zero, limit)) return sayGone(error);
@@ -185,7 +185,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
       trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
                              trouble.empty() ? "" : "; ", malformed, place_);
     if (trouble != told) exchange_->setTrouble(told = trouble);
-    // The service answers each of our messages, so this paces both sides.
+    // The service sends one answer per message, so this pause also sets the rate of the answers.
     next = std::max(next + period, Clock::now());
     std::this_thread::sleep_until(next);
     if (const auto error = connection.write(haplyForceMessage(id, exchange_->force())))

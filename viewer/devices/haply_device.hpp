@@ -9,17 +9,18 @@
 
 namespace palpate {
 
-/// Limits of the Haply Inverse3 (data sheet): 4 N within 80 % of its workspace, 1 N/mm. The
-/// workspace of 460 x 510 x 230 mm is reduced to the largest ball inside. The peak force of 10 N is
-/// not used, since it holds in few places.
+/// Limits of the Haply Inverse3 from its data sheet: 4 N within 80 % of its workspace, 1 N/mm. The
+/// workspace of 460 x 510 x 230 mm is reduced to the largest ball that fits into it. The peak force
+/// of 10 N is not used, because the device can render it in few places only.
 inline constexpr DeviceProfile inverse3_profile{"inverse3", 4, 1000, 0.115};
 
 struct HaplyDeviceOptions {
   std::string id = {};                ///< "049D", as the service shows it; empty: the first device
   std::string address = "127.0.0.1";  ///< IP address of the Haply Inverse Service
   std::uint16_t port = 10001;
-  /// Middle of the workspace in the device's own frame, along our axes, m. The origin of that frame
-  /// is on the mounting plate. Default: the resting cursor in the documentation of the service.
+  /// Middle of the workspace relative to the origin of the device's own frame, which lies on the
+  /// mounting plate; along our axes, m. The default is the position of the resting cursor in the
+  /// documentation of the service.
   std::array<double, 3> center = {0, 0.15, 0.12};
 };
 
@@ -33,8 +34,8 @@ struct HaplyDeviceOptions {
 /// and read inverse3[].state.cursor_position {x,y,z} in metres, and the buttons of a VerseGrip. The
 /// service's frame is right-handed, x to the right, y forward, z up: our x, -z, y.
 ///
-/// Lost after 50 ms without an answer, or if the service no longer lists the device; reconnects by
-/// itself.
+/// The device counts as lost after 50 ms without an answer, or if the service no longer lists it. The
+/// connection is restored automatically.
 class HaplyDevice : public ThreadedDevice {
  public:
   /// Does not wait for the service. Throws Error (bad input) if the address is not an IP address.

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Returns a member of an object; null if missing.
+/// Returns a member of a JSON object; null if the member is missing.
 const json& member(const json& value, const char* key) {
   static const json none;
   if (!value.is_object()) return none;

@@ -7,7 +7,8 @@
 namespace palpate {
 namespace {
 
-/// 1/s; about one event of a 60 Hz mouse, so that its steps become smooth.
+/// 1/s. The time constant is about one event of a 60 Hz mouse, so that the steps between events
+/// become smooth.
 constexpr double spring_rate = 1 / 0.015;
 
 }  // namespace
@@ -26,7 +27,8 @@ DeviceReading MouseDevice::read() noexcept {
     velocity_.setZero();
     return {position_, 0, DeviceStatus::away};
   }
-  // The exact solution of e'' + 2 r e' + r^2 e = 0 after one period, e = position - target.
+  // Exact solution of e'' + 2 r e' + r^2 e = 0 after one period, where e = position - target and r
+  // = spring_rate.
   const Eigen::Vector3d away = position_ - target;
   const Eigen::Vector3d drift = velocity_ + spring_rate * away;
   position_ = target + decay_ * (away + period_ * drift);

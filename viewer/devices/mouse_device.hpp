@@ -5,11 +5,12 @@
 
 namespace palpate {
 
-/// The mouse. The picture maps it to a target in the scene, which the tool follows like a
-/// critically damped spring. Events at 60 Hz thus become smooth motion at the tick rate, with
-/// continuous position and velocity and no overshoot. The device is away before the first target,
-/// while there is none, and for one reading when it appears (MouseTarget). It renders no force and
-/// lives in the scene.
+/// The mouse. The picture maps the mouse pointer to a target in the scene, and the tool follows
+/// this target like a critically damped spring. Events at 60 Hz thus become a smooth motion at the
+/// tick rate, with continuous position and velocity and without overshoot.
+///
+/// The status of the device is `away` while there is no target, and for one reading when a target
+/// appears (MouseTarget). The device renders no force, and its positions are in the scene's frame.
 class MouseDevice : public HapticDevice {
  public:
   /// `period` is the time between two calls of read(), s; positive.
@@ -28,7 +29,8 @@ class MouseDevice : public HapticDevice {
  private:
   TripleBuffer<MouseTarget> targets_;
   DeviceProfile profile_;
-  double period_, decay_;         ///< s; decay factor of one period
+  double period_, decay_;         ///< s; factor by which the distance to the target decays in one
+                                  ///< period
   std::uint32_t appearance_ = 0;  ///< MouseTarget::appearance at the last reading
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
 };

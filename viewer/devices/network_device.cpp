@@ -14,13 +14,13 @@ using namespace std::chrono_literals;
 
 constexpr auto poll_interval = 1ms;
 constexpr auto greeting_interval = 100ms;
-/// A force is sent for each reading, and at this interval if none come.
+/// One force is sent for each reading. If no readings arrive, forces are sent at this interval.
 constexpr auto force_interval = 5ms;
 constexpr auto farewell_time = 100ms;
 
-/// Creates a context. With `real_time`, its threads get real-time priority, since messages pass
-/// through them. ZeroMQ aborts the program if the system refuses the priority, so this is checked
-/// first.
+/// Creates a context. With `real_time`, its threads get real-time priority, because all messages
+/// pass through them. ZeroMQ aborts the program if the system refuses the priority, so the function
+/// first checks whether the system grants it.
 zmq::context_t contextFor(bool real_time) {
   zmq::context_t context(1);
   if (!real_time || refusalOfPriority(device_priority) != 0) return context;
@@ -47,7 +47,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   std::unique_lock lock(mutex_);
   answered_.wait_for(lock, options_.wait, [&] { return hello_.has_value(); });
-  // From now on the limits and the frame are fixed: the loop relies on them.
+  // The limits and the frame are fixed from now on, because the loop relies on them.
   settled_ = true;
   if (!hello_) return;
   PALPATE_ASSERT(profileOf(*hello_), "a device without limits is not accepted");
@@ -100,9 +100,9 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
                                         printable(message.refused().reason(), longest_reason));
       return;
     case wire::DeviceMessage::kReading: {
-      if (!greeted_) return;  // its limits are unknown
+      if (!greeted_) return;  // the device has not reported its limits
       const wire::DeviceReading& reading = message.reading();
-      // Drop repeated or reordered readings: the hand has moved on.
+      // Drop readings that are repeated or out of order: they do not show where the hand is now.
       if (reading.sequence() <= last_reading_) return;
       last_reading_ = reading.sequence();
       last_heard_ = Clock::now();
@@ -141,7 +141,7 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
       return;
     }
     hello_ = hello;
-    // Respect both the limit given to the loop and the limit of this device.
+    // Respect the limit that the loop knows as well as the limit of this device.
     max_force_ =
         settled_ ? std::min(traits_.profile.max_force, profile->max_force) : profile->max_force;
   }
@@ -167,7 +167,7 @@ void NetworkDevice::sendForce() {
   setVector(force, shortened(exchange_->force(), max_force_));
   force.set_reading(last_reading_);
   force.set_valid_for_s(std::chrono::duration<double>(options_.valid).count());
-  // If the queue is full the force is dropped; the next one follows in a millisecond.
+  // If the queue is full, this force is dropped. The next one follows in a millisecond.
   sendDeviceMessage(socket_, "", message);
   last_force_ = Clock::now();
 }

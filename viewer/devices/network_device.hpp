@@ -15,27 +15,28 @@ namespace palpate {
 
 struct NetworkDeviceOptions {
   std::string endpoint;                ///< tcp://HOST:PORT or ipc://PATH of a DeviceServer
-  std::optional<KeyFolder> keys = {};  ///< nothing: the server requires none
+  std::optional<KeyFolder> keys = {};  ///< nothing if the server requires no keys
   /// Limits to use if no device answers within `wait`.
   DeviceProfile fallback = device_profiles.front();
   std::chrono::milliseconds wait{2000};
-  /// Validity of a force, from the time its reading was sent. Without a valid force the device
-  /// renders zero.
+  /// Time for which a force is valid, counted from the moment when the server sent the reading that
+  /// the force answers. Without a valid force the device renders zero.
   std::chrono::milliseconds valid{50};
   bool real_time = false;  ///< real-time priority for the connection's threads
 };
 
-/// A device on another machine (docs/devices.md, DeviceServer). Readings come at the device's rate,
-/// and each is answered with the newest force.
+/// A device on another machine (docs/devices.md, DeviceServer). The device sends readings at its
+/// own rate, and each reading is answered with the newest force.
 ///
-/// Lost after 50 ms without a reading; reconnects by itself. The server renders zero force when our
-/// forces stop. Passes on NaN in a reading, which the force guard handles.
+/// The device counts as lost after 50 ms without a reading. The connection is restored
+/// automatically. The server renders zero force if it receives no more forces. NaN in a reading is
+/// passed on; the force guard handles it.
 class NetworkDevice : public ThreadedDevice {
  public:
-  /// Waits up to options.wait for the device's limits; without them it continues and reports this
-  /// in trouble(). profile() and livesInScene() then stay as they are. If a device connects later,
-  /// forces also respect its limit; it is not used if it lives in the other frame. Throws Error
-  /// (bad input) for an invalid endpoint.
+  /// Waits up to options.wait for the limits of the device. If they do not arrive, the constructor
+  /// returns all the same: trouble() reports it, and profile() and livesInScene() keep the fallback
+  /// values. A device that connects later is used only if its frame is the same. Forces then also
+  /// stay below its limit. Throws Error (bad input) for an invalid endpoint.
   explicit NetworkDevice(NetworkDeviceOptions options);
 
   std::string name() const override;
@@ -58,8 +59,8 @@ class NetworkDevice : public ThreadedDevice {
 
   mutable std::mutex mutex_;  ///< guards the members up to hello_
   std::condition_variable answered_;
-  bool settled_ = false;                    ///< the limits are published and fixed
-  std::optional<wire::DeviceHello> hello_;  ///< nothing: no device has reported its limits
+  bool settled_ = false;                    ///< profile() and livesInScene() no longer change
+  std::optional<wire::DeviceHello> hello_;  ///< nothing if no device has reported its limits
 
   // Owned by the device's thread.
   zmq::context_t context_;
@@ -67,7 +68,7 @@ class NetworkDevice : public ThreadedDevice {
   HandshakeWatch handshakes_;
   bool greeted_ = false;    ///< the device has reported its limits
   bool connected_ = false;  ///< the device also sends readings
-  double max_force_ = 0;    ///< N; smallest of the reported limits
+  double max_force_ = 0;    ///< N; smallest of all limits that apply
   std::uint64_t last_reading_ = 0, forces_ = 0, garbage_ = 0;
   Clock::time_point last_heard_, last_greeting_, last_force_;
   std::string connection_trouble_, device_trouble_, told_;

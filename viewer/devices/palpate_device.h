@@ -1,25 +1,32 @@
-/* A haptic device as a plug-in of Palpate: a shared library that exports one function,
+/* Interface of a Palpate plug-in for haptic devices. A plug-in is a shared library that exports one
+ * function,
  *
  *     const palpate_device_plugin* palpate_device_plugin_v1(void);
  *
- * C99 and C++. See docs/devices.md, and deploy/examples/device-plugin for a complete plug-in.
+ * This header is valid C99 and C++. docs/devices.md explains it, and
+ * deploy/examples/device-plugin is a complete plug-in.
  *
  * Units: metres, newtons, seconds. Frame: right-handed, x to the right, y up, z toward the
  * operator, origin in the middle of the workspace. A device with limits.lives_in_scene uses the
  * frame of the scene instead.
  *
- * Threads: Palpate creates one thread per open device. Only this thread calls read() and write(),
- * one after the other, once per period. Both may wait briefly for the device. After 50 ms without a
- * reading the device counts as lost and is halted; halt(0) follows after the next write(). open(),
- * limits(), close() and last_error() are called by that thread, or while it does not run. halt()
- * may be called by any thread at any time, even while read() or write() waits.
+ * Threads: Palpate creates one thread per open device. Only this thread calls read() and write():
+ * once per period, first read(), then write(). Both may wait briefly for the device. open(),
+ * limits(), close() and last_error() are called by the same thread, or while it does not run.
+ * halt() may be called by any thread at any time, even while read() or write() waits.
  *
- * Lifetimes: the table and its strings are valid while the library is loaded, an open device from
- * open() to close(), and the text of last_error() until the next call for that device. No exception
- * may cross this boundary.
+ * Lost devices: after 50 ms without a reading the device counts as lost, and Palpate calls halt()
+ * with 1. When readings arrive again, it calls halt() with 0 after a successful write().
  *
- * Sizes: every struct starts with its size in bytes. Its writer stays within the given size, so
- * that later versions can append members. Nothing else about version 1 will change.
+ * Lifetimes: the palpate_device_plugin and its strings must be valid while the library is loaded,
+ * an open device from open() to close(), and the text that last_error() returns until the next call
+ * for that device.
+ *
+ * Exceptions: none of these functions may throw.
+ *
+ * Sizes: every struct starts with a member that holds its size in bytes. Code that fills in a
+ * struct must not write beyond this size, so that later versions can append members. Version 1 will
+ * not change in any other way.
  */
 #ifndef PALPATE_DEVICE_H
 #define PALPATE_DEVICE_H
@@ -54,10 +61,10 @@ enum palpate_device_result {
 typedef struct palpate_device_limits {
   uint32_t size;
   uint32_t has_buttons;    /* 0 or 1 */
-  uint32_t lives_in_scene; /* 0 or 1: positions are in the frame of the scene */
+  uint32_t lives_in_scene; /* 1: positions are in the frame of the scene; 0: the device's own */
   uint32_t reserved;
   double max_force;        /* N, > 0; no larger force is written */
-  double max_stiffness;    /* N/m, > 0; largest that the closed loop renders stably */
+  double max_stiffness;    /* N/m, > 0; largest stiffness that the closed loop renders stably */
   double workspace_radius; /* m, > 0 */
 } palpate_device_limits;
 
@@ -72,29 +79,31 @@ typedef struct palpate_device_plugin {
   uint32_t abi;     /* PALPATE_DEVICE_ABI */
   const char* name; /* shown to the user, UTF-8: "Phantom Touch by OpenHaptics" */
 
-  /* Writes the id of device number `index` (from 0) and a 0 into `id`. Returns FAILED after the
-   * last device. */
+  /* Writes the id of device number `index`, counted from 0, and a terminating 0 to `id`, which has
+   * room for `capacity` bytes. Returns PALPATE_DEVICE_FAILED if there is no such device. */
   int32_t (*enumerate)(uint32_t index, char* id, size_t capacity);
 
-  /* Opens the device with this id; an empty id takes the first. `options` is text for the plug-in,
-   * may be empty. On failure returns NULL and writes the reason to `error` (a sentence, at most
-   * `capacity` bytes including its 0). The force is zero until the first write(). */
+  /* Opens the device with this id; an empty id selects the first device. `options` is text that
+   * only the plug-in interprets; it may be empty. On failure returns NULL and writes the reason to
+   * `error`, as a sentence of at most `capacity` bytes with its terminating 0. The device renders
+   * zero force until the first write(). */
   palpate_device* (*open)(const char* id, const char* options, char* error, size_t capacity);
 
   /* Fills the members of `limits`; the caller sets limits->size. */
   int32_t (*limits)(palpate_device* device, palpate_device_limits* limits);
 
-  /* Fills in the newest state; the caller sets state->size. */
+  /* Fills the members of `state` with the newest reading; the caller sets state->size. */
   int32_t (*read)(palpate_device* device, palpate_device_state* state);
 
-  /* Sets the force on the hand, N, until the next call. Always finite and within max_force. */
+  /* Sets the force on the hand, N; the device holds it until the next call. The force is always
+   * finite and no larger than max_force. */
   int32_t (*write)(palpate_device* device, const double force[3]);
 
-  /* With halted 1, sets the force to zero and ignores further writes until a call with 0. Any
+  /* If `halted` is 1, sets the force to zero and ignores further writes until a call with 0. Any
    * thread. */
   void (*halt)(palpate_device* device, int32_t halted);
 
-  /* Returns the reason why the last call for this device failed, as a sentence. */
+  /* Returns a sentence that says why the last call for this device failed. */
   const char* (*last_error)(palpate_device* device);
 
   /* Sets zero force and frees the device. */

@@ -20,14 +20,15 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto end_limit = 2s;
 constexpr const char* entry_point = "palpate_device_plugin_v1";
-/// Limit on the enumeration, for a plug-in that never ends it.
+/// Largest number of devices that are listed, in case a plug-in never ends the enumeration.
 constexpr std::uint32_t most_devices = 64;
 
-/// A loaded and checked plug-in.
+/// A plug-in that has been loaded and checked.
 class Plugin {
  public:
   explicit Plugin(const std::filesystem::path& file) {
-    // dlopen() would search the system's directories for a name without a slash.
+    // An absolute path, because dlopen() would search the system's directories for a name without a
+    // slash.
     const std::string path = std::filesystem::absolute(file).string();
     library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
     if (!library_)
@@ -78,7 +79,7 @@ std::string sentenceOf(const char* text) {
   return text == nullptr || *text == '\0' ? "it gives no reason" : text;
 }
 
-/// Lists the ids of the devices that a plug-in finds, as text.
+/// Returns the ids of the devices that a plug-in finds, as text.
 std::string idsOf(const Plugin& plugin) {
   std::string ids;
   std::array<char, 256> id{};
@@ -92,7 +93,7 @@ std::string idsOf(const Plugin& plugin) {
 
 }  // namespace
 
-/// An open device with its thread.
+/// An open device and its thread.
 class PluginDevice::Session {
  public:
   Session(const PluginDeviceOptions& options, std::shared_ptr<DeviceExchange> exchange)
@@ -108,7 +109,7 @@ class PluginDevice::Session {
     name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
   }
 
-  /// Body of the device's thread, until stop().
+  /// Runs the device until stop(); body of the device's thread.
   void run(Clock::duration period) {
     for (auto next = Clock::now(); !stopping_;) {
       turn();
@@ -125,7 +126,7 @@ class PluginDevice::Session {
     return ended_.get_future().wait_for(end_limit) == std::future_status::ready;
   }
   void halt() noexcept {
-    // Halt the exchange first: then the thread writes only zero, if it still runs.
+    // Halt the exchange first. If the thread still runs, it then writes only zero.
     exchange_->halt();
     plugin_halted_ = true;
     plugin_->halt(device_.get(), 1);
@@ -165,12 +166,12 @@ class PluginDevice::Session {
     tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
   }
 
-  /// Call only after a write: until then the plug-in holds the force from before the halt.
+  /// Call only after a write: before it, the plug-in still has the force from before the halt.
   void resume() noexcept {
     if (!plugin_halted_ || exchange_->halted()) return;
     plugin_halted_ = false;
     plugin_->halt(device_.get(), 0);
-    if (exchange_->halted()) halt();  // halted again meanwhile
+    if (exchange_->halted()) halt();  // halted again in the meantime
   }
 
   void tell(bool failed) {
@@ -205,7 +206,8 @@ PluginDevice::~PluginDevice() {
     thread_.join();
     return;
   }
-  // The thread hangs in the plug-in. It shares the session, which keeps the library loaded.
+  // The thread hangs in the plug-in. It shares ownership of the session, so the library stays
+  // loaded.
   session_->halt();
   thread_.detach();
 }

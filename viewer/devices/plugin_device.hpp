@@ -15,17 +15,18 @@ struct PluginDeviceOptions {
   double period = 1e-3;      ///< s, between reads
 };
 
-/// A device of a plug-in (palpate_device.h), a shared library loaded at run time.
+/// A device of a plug-in (palpate_device.h), a shared library that is loaded at run time.
 ///
-/// The plug-in may wait for its device, so it runs on a thread of its own, and the haptic thread
-/// gets the newest reading. If the plug-in hangs, the device counts as lost after 50 ms and
-/// HapticDevice::halt() halts it. If it still hangs two seconds after the destructor starts, thread
-/// and library are left behind.
+/// A plug-in may wait for its device, so it runs in its own thread, and the haptic thread gets the
+/// newest reading. If the plug-in hangs, the device counts as lost after 50 ms, and
+/// HapticDevice::halt() halts it. If the plug-in still hangs two seconds after the destructor
+/// started, the destructor leaves the thread running and the library loaded.
 class PluginDevice : public ThreadedDevice {
  public:
-  /// Loads the library and opens the device. Throws Error (bad input), naming the file, if it is
-  /// not a library, does not export palpate_device_plugin_v1, has another interface version, or
-  /// lacks a function. Throws Error with the plug-in's message if the device cannot be opened.
+  /// Loads the library and opens the device. Throws Error (bad input) with the name of the file if
+  /// the file is not a library, does not export palpate_device_plugin_v1, has another interface
+  /// version, or lacks a function. Throws Error with the plug-in's message if the device cannot be
+  /// opened.
   explicit PluginDevice(const PluginDeviceOptions& options);
   ~PluginDevice() override;
 
@@ -35,7 +36,8 @@ class PluginDevice : public ThreadedDevice {
 
  private:
   class Session;
-  std::shared_ptr<Session> session_;  ///< shared with its thread, which may outlive this object
+  std::shared_ptr<Session> session_;  ///< shared with the plug-in's thread, which may outlive this
+                                      ///< object
   std::thread thread_;
 };
 

@@ -8,13 +8,14 @@
 
 namespace palpate {
 
-/// Replays the readings of a recorded run: the n-th read() returns the n-th tick, with its status.
-/// It renders no force. After the last tick it is lost. Lives in the frame of the recorded device.
+/// Replays the readings of a recorded run. Call n of read() returns the reading of tick n with its
+/// status; after the last tick the device is lost. The device renders no force. Its positions are
+/// in the frame of the recorded device.
 class ReplayDevice : public HapticDevice {
  public:
-  /// `source` names the recording in messages. `period` is the period of the replaying loop, s.
-  /// Throws Error (bad input) if there is no tick, or if the recorded rate is not 1 / `period`,
-  /// which would change the speed of the hand.
+  /// `source` names the recording in messages. `period` is the period of the loop that replays it,
+  /// s. Throws Error (bad input) if the recording has no tick, or if its rate is not 1 / `period`:
+  /// the hand would then move at another speed.
   ReplayDevice(Recording recording, double period, std::string source);
 
   DeviceReading read() noexcept override;

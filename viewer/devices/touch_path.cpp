@@ -22,11 +22,11 @@ constexpr double largest_force = 1.5;                        ///< N; limits the 
 constexpr double travel_speed = 0.15;                        ///< m/s, between active nodes
 constexpr double slide_speed = 0.1;   ///< m/s, between a finger's sites, pressed in
 constexpr double slide_step = 0.005;  ///< m, between waypoints of a slide
-/// Most sites of one slide. Then the hand lifts off, since a tool that lost contact at a rim finds
-/// it again from outside.
+/// Largest number of sites in one slide. The hand then lifts off: if the tool has lost contact at a
+/// rim, it can touch the body again only from outside.
 constexpr std::size_t most_slid = 12;
-/// Limits of a slide between two sites: distance in finger radii, and cosine of the angle between
-/// their normals.
+/// Two sites are joined by a slide only within these limits: their distance in finger radii, and
+/// the cosine of the angle between their normals.
 constexpr double longest_slide = 2, least_slide_cosine = 0.6;
 constexpr int circle_pieces = 16;
 constexpr int depth_steps = 64;
@@ -51,17 +51,18 @@ class PathWriter {
   std::vector<HandWaypoint> waypoints_;
 };
 
-/// The place where a hand touches one active node, or a site of a finger.
+/// A place that the hand touches: one active node, or one site of a finger.
 struct Site {
   Eigen::Vector3d point, normal;  ///< point on the surface at rest, m; outward normal
   double depth;                   ///< m
-  double radius;                  ///< m, of the circle; 0: slides on to the next site instead
+  double radius;                  ///< m, of the circle; 0: no circle, slide on to the next site
 };
-/// The sites touched without lifting off: one active node, or several sites in order.
+/// Sites that are touched without lifting off: one active node, or several sites of a finger, in
+/// order.
 using Stroke = std::vector<Site>;
 
-/// Returns the largest depth up to `wanted` at which the force is known and at most largest_force,
-/// and also at all smaller depths.
+/// Returns the largest depth, up to `wanted`, that the hand can press. At this depth and at all
+/// smaller depths the force is known and at most largest_force.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
   for (int step = 1; step <= depth_steps; ++step) {
     const double depth = wanted * step / depth_steps;
@@ -79,7 +80,8 @@ Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& 
           radius};
 }
 
-/// Removes and returns the next site: the nearest, with preference for similar normals.
+/// Removes and returns the site to visit next: the nearest one, where a site with a similar normal
+/// counts as nearer.
 Site takeNext(std::vector<Site>& left, const Site& from) {
   const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
     return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));
@@ -89,7 +91,7 @@ Site takeNext(std::vector<Site>& left, const Site& from) {
   return taken;
 }
 
-/// Returns strokes that touch each site of an area once.
+/// Returns strokes that together touch each site of an area once.
 std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area) {
   const TouchSurface& surface = model.surface();
   std::vector<Site> left;
@@ -145,8 +147,8 @@ class Surroundings {
 
   Eigen::Vector3d before(const Site& site) const { return site.point + clearance * site.normal; }
 
-  /// Moves from before one site to before another: straight if that stays clear of the body, else
-  /// around it.
+  /// Moves the hand from the point in front of one site to the point in front of another. It moves
+  /// on a straight line if that stays clear of the body, and otherwise around the body.
   void walk(const Site& from, const Site& to, PathWriter& path) const {
     if (!keepsOff(before(from), before(to))) {
       // Go along a great circle of the sphere that encloses the body.
@@ -174,7 +176,7 @@ class Surroundings {
     return true;
   }
 
-  /// Returns the point where the normal of a site leaves the sphere around the body.
+  /// Returns the point where the line along the normal of a site leaves the sphere around the body.
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
     PALPATE_ASSERT(offset.norm() <= radius_, "the sphere holds all of the body");
@@ -201,7 +203,7 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
     const double angle = 2 * std::numbers::pi * i / circle_pieces;
     const Eigen::Vector3d beside =
         site.point + site.radius * (std::cos(angle) * across + std::sin(angle) * along);
-    // Keep the depth below the surface constant, even where it is curved.
+    // Follow the surface, so that the depth stays constant where the surface is curved.
     path.goTo(surface.tree().nearest(beside).position + inward,
               i == 0 ? press_seconds : circle_seconds / circle_pieces);
   }

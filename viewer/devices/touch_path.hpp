@@ -6,10 +6,11 @@ namespace palpate {
 
 class HapticModel;
 
-/// Returns a path that explores a body for ever, and depends on the model alone. At each active
-/// node it approaches along the outward normal, presses, slides in a circle, retreats, and moves on
-/// outside the body. On a finger's area it slides from site to site, pressed in, until it has
-/// touched all of them.
+/// Returns a path on which a hand explores a body for ever. The path depends on the model only.
+///
+/// At each active node the hand approaches along the outward normal, presses, slides in a circle,
+/// retreats, and moves on outside the body. On the area of a finger the hand stays pressed in and
+/// slides from site to site until it has touched all of them.
 HandPath touchPath(const HapticModel& model);
 
 }  // namespace palpate

@@ -6,13 +6,14 @@
 namespace palpate {
 namespace {
 
-constexpr int substeps = 4;  // per period
+constexpr int substeps = 4;  // substeps per period
 
 }  // namespace
 
 VirtualHand::VirtualHand(HandPath path, double period, const DeviceProfile& profile)
     : path_(std::move(path)), period_(period), profile_(profile) {
-  // Semi-implicit Euler of a damped oscillator: stable for h^2 k / m + 2 h b / m < 4.
+  // Condition for the stability of semi-implicit Euler for a damped oscillator: h^2 k / m + 2 h b /
+  // m < 4.
   const double h = period / substeps;
   if (!(h > 0 && h * h * stiffness / mass + 2 * h * damping / mass < 4))
     throw badInput("virtual hand: a period of {} s is no time that it can move in; raise the rate",
@@ -34,7 +35,7 @@ void VirtualHand::advance() noexcept {
   const Eigen::Vector3d force = halted_ ? Eigen::Vector3d::Zero().eval() : force_;
   const double h = period_ / substeps;
   for (int step = 1; step <= substeps; ++step) {
-    // Compute the time from whole periods: a sum of steps would drift.
+    // Compute the time from the number of periods: a sum of steps would drift.
     const double time = path_.beginning() + static_cast<double>(reads_ - 1) * period_ + step * h;
     const HandTarget target = path_.at(time);
     const Eigen::Vector3d pull =

@@ -8,20 +8,21 @@
 
 namespace palpate {
 
-/// The default device: an operator who follows a path and yields to the force,
+/// The default device: a simulated operator, whose hand is pulled toward a point that moves along a
+/// path and yields to the force F,
 ///   m x'' = k (target - x) + b (target' - x') + F.
-/// Integrated by semi-implicit Euler with fixed substeps. Each read() advances the time by one
-/// period, without a clock, so the same forces give bitwise identical positions. Lives in the
-/// scene.
+/// The motion is integrated by semi-implicit Euler with fixed substeps. Each read() advances the
+/// time by one period. No clock is involved, so the same forces give bitwise identical positions.
+/// Positions are in the scene's frame.
 ///
-/// Models a loose grasp of a stylus. Published mass, stiffness and damping of hands and fingers on
-/// a tool lie around these values and vary several-fold with the grasp:
+/// The constants describe a loose grasp of a stylus: damping ratio 0.52, natural frequency 8 Hz.
+/// Published values of the mass, stiffness and damping of hands and fingers on a tool lie around
+/// them, and vary several-fold with the grasp:
 /// - Hajian and Howe 1997, Identification of the mechanical impedance at the human finger tip;
 /// - Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
 ///   interaction;
 /// - Speich, Shao and Goldfarb 2005, Modeling the human hand as it interacts with a
 ///   telemanipulation system.
-/// Damping ratio 0.52, natural frequency 8 Hz.
 class VirtualHand : public HapticDevice {
  public:
   static constexpr double mass = 0.15;  ///< kg, hand and tool
@@ -29,8 +30,8 @@ class VirtualHand : public HapticDevice {
   static constexpr double stiffness = 400;
   static constexpr double damping = 8;  ///< N s/m
 
-  /// `period` is the time between two calls of read(), s. Throws Error (bad input) if it is not
-  /// positive, or too long for a stable integration.
+  /// `period` is the time between two calls of read(), s. Throws Error (bad input) if `period` is
+  /// not positive, or too long for a stable integration.
   VirtualHand(HandPath path, double period, const DeviceProfile& profile);
 
   /// The first reading is the start of the path, at rest.

@@ -9,23 +9,26 @@ namespace palpate {
 namespace {
 
 constexpr int most_pieces = 3;
-/// Relative to the force. After a Newton step an excess below this is some hundred times smaller,
-/// and the next tick slides the rest. Most ticks therefore need two evaluations of the spaces
-/// instead of four.
+/// Excess of |T| over the friction limit, relative to the force, below which one Newton step is
+/// enough. The step leaves a few hundredths of the excess at most, and the next tick slides the
+/// rest. Most ticks therefore need two evaluations of the spaces instead of four.
 constexpr double small_excess = 0.02;
-/// Barycentric distance up to which a point is on an edge; some 1e-14 m.
+/// A barycentric coordinate below this counts as zero, so the point is on an edge; about 1e-14 m.
 constexpr double on_edge = 1e-12;
 
-/// Path of steepest descent of W from a point of a triangle.
+/// Direction of steepest descent of W from a point of a triangle.
 struct Descent {
   SurfacePoint from;
-  double slope = 0;                                     ///< N, >= 0; 0: W does not fall
+  double slope = 0;                                     ///< N, >= 0; 0 if W does not fall in any
+                                                        ///< direction
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();       ///< 1/m, of barycentric coordinates
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();       ///< 1/m, change of the barycentric
+                                                        ///< coordinates per metre
   AnchorSlope energy;
 };
 
-/// Stores the direction from one corner to another in `best` if W falls more steeply along it.
+/// Stores the direction from one corner to another in `best` if W falls more steeply in this
+/// direction than in the one that `best` holds.
 void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
                const Eigen::Vector3d& drive, Descent& best) noexcept {
   const Triangle& t = surface.triangles()[at(best.from.triangle)];
@@ -40,8 +43,8 @@ void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
   best.rate[from] = -1 / length;
 }
 
-/// Returns the steepest descent within the triangle. If its direction leaves the triangle, the path
-/// follows an edge.
+/// Returns the steepest descent within the triangle. If the direction of steepest descent leaves
+/// the triangle, returns the descent along an edge.
 Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
                       BlendedForce& force) noexcept {
   Descent descent;
@@ -62,14 +65,15 @@ Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
   }
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Eigen::Index a = (c + 1) % 3, b = (c + 2) % 3;
-    if (from.barycentric[c] != 0) continue;  // not on the edge opposite to c
+    if (from.barycentric[c] != 0) continue;  // the point is not on the edge opposite to c
     if (from.barycentric[a] > 0) alongEdge(surface, a, b, drive, descent);
     if (from.barycentric[b] > 0) alongEdge(surface, b, a, drive, descent);
   }
   return descent;
 }
 
-/// Returns the same point, on an edge or vertex, in the coordinates of another triangle there.
+/// Returns a point on an edge or vertex in the barycentric coordinates of another triangle that
+/// shares it.
 SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
                       const SurfacePoint& point) noexcept {
   SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
@@ -102,7 +106,8 @@ Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
   return best;
 }
 
-/// Moves the point at most to the edge of the triangle; sets `length` to the distance moved.
+/// Moves the point, but no further than to the edge of the triangle. Sets `length` to the distance
+/// moved.
 SurfacePoint moved(const Descent& descent, double& length) noexcept {
   const Eigen::Vector3d &from = descent.from.barycentric, &rate = descent.rate;
   Eigen::Index last = -1;
@@ -119,8 +124,8 @@ SurfacePoint moved(const Descent& descent, double& length) noexcept {
   return to;
 }
 
-/// Returns the distance allowed in this tick, m: min(most_slide, 2 motion + most_relaxation |F| /
-/// |dF/dX|).
+/// Returns the distance that the anchor may slide in this tick, m: min(most_slide, 2 motion +
+/// most_relaxation |F| / |dF/dX|).
 double wayAllowed(const ContactOptions& options, double motion, const Eigen::Vector3d& force,
                   const Eigen::Matrix3d& change) {
   const double stiffness = change.norm();
@@ -146,8 +151,8 @@ void slideAnchor(const HapticModel& model, std::size_t method, const ContactOpti
         descent.slope - options.friction * std::max(0.0, force.force().dot(normal));
     if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
 
-    // Decrease of the excess per metre. A flat direction gets a share of the largest stiffness,
-    // which bounds its step too.
+    // Decrease of the excess per metre of sliding. If it is small or negative, a tenth of the
+    // stiffness is used instead, which bounds the length of the step.
     const Eigen::Vector3d& direction = descent.direction;
     const double falls = direction.dot(descent.energy.hessian * direction) +
                          options.friction * normal.dot(descent.energy.change * direction);

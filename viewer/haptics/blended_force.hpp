@@ -12,15 +12,14 @@ namespace palpate {
 /// an anchor X that moves within one triangle.
 struct AnchorSlope {
   Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< dW/dX, N, in the plane of the triangle
-  /// d2W/dX2, N/m; only its part in the plane is meaningful
+  /// d2W/dX2, N/m; only the part in the plane of the triangle is meaningful
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< dF/dX, N/m
 };
 
-/// Force at an anchor, from the energy of its area or blended from the spaces around it. Evaluates
-/// each space once per displacement.
-///
-/// One thread; real time: does not allocate, lock, throw or log.
+/// The force at an anchor: computed from the energy of the area that contains the anchor, or,
+/// outside of areas, blended from the spaces around the anchor. Each space is evaluated once per
+/// displacement.
 class BlendedForce {
  public:
   /// anchor: in a touchable triangle. displacement: m. The model must outlive later calls of
@@ -31,22 +30,25 @@ class BlendedForce {
   const SpaceBlend& blend() const { return blend_; }
   const Eigen::Vector3d& force() const { return sum_.force; }
   const Eigen::Matrix3d& stiffness() const { return sum_.stiffness; }
-  /// Weighted sums. energy and error_bound are NaN if one space has none. inside: all samples are
-  /// inside. beyond: the largest.
+  /// Returns the sample of the anchor's area or, outside of areas, the weighted sums of the samples
+  /// of the spaces. In such a sum energy and error_bound are NaN if one space has none, inside is
+  /// true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
 
-  /// Returns the derivatives along a touchable triangle that contains the anchor or has it on its
-  /// edge, in the anchor's area, or in no area like the anchor.
+  /// Returns the derivatives for an anchor that moves within `triangle`. The triangle must be
+  /// touchable, contain the anchor or have it on its edge, and be in the same area as the anchor
+  /// (or in no area, if the anchor is in none).
   ///
-  /// In an area W(X) = E(X, tool - X) and dW/dX = F - T, with the configurational force T. `change`
-  /// and `hessian` leave out the change of T, because they only bound the step length. If a space
-  /// has no energy, the tangent is that of the force alone.
+  /// In an area W(X) = E(X, tool - X) and dW/dX = F - T, where T is the configurational force.
+  /// `change` and `hessian` leave out the change of T, because they only bound the length of a
+  /// step. If a space has no energy, the tangent is that of the force alone.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:
-  /// A vertex has about seven spaces around it if every vertex of the surface is active.
+  /// If every vertex of the surface is active, a vertex has about seven spaces around it.
   static constexpr std::size_t most_samples = 32;
-  /// Returns null if more than most_samples spaces were requested.
+  /// Returns the sample of a space at the current displacement; null if more than most_samples
+  /// spaces were requested.
   const ForceSample* sampleOf(std::int32_t space) noexcept;
 
   const HapticModel* model_ = nullptr;

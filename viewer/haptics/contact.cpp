@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// A tool that is this close behind the surface has not missed its entry, m. Rounding decides on
-/// which side of the surface it is and whether it is pushed.
+/// A tool that is no further behind the surface than this, m, can still enter. Such a distance may
+/// come from rounding, which then decides whether the tool is inside or outside.
 constexpr double graze = 1e-6;
 Eigen::Vector3d nowhere() noexcept {
   return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -41,7 +41,7 @@ const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
       last_tool_ = tool;
       return touch_;
     }
-    // A change that the tool's motion explains is no step.
+    // If the tool's own motion explains the loss of the force, it is no step.
     end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
@@ -61,7 +61,7 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
 /// Called when the tool was outside and is now inside.
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
-  // Rounding can carry a tool on the surface through it without a crossing.
+  // Rounding can carry a tool that lies on the surface through it without a crossing.
   SurfacePoint entry = nearest;
   if (crossing.triangle >= 0) entry = crossing;
   if (model_->surface().touchable(entry.triangle)) {
@@ -91,9 +91,9 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   press(tool);
 }
 
-/// Computes the touch. Returns false if the tissue would pull back a tool that leaves; nothing is
-/// touched then. A tool behind the surface presses in any direction of the force, because the force
-/// on a bending lobe no longer follows its normal at rest.
+/// Computes the touch. If the tissue would pull back a tool that leaves, returns false, and nothing
+/// is touched. A tool behind the surface presses whatever the direction of the force, because on a
+/// lobe that bends away the force no longer follows the normal at rest.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;

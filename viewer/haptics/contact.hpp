@@ -9,33 +9,34 @@
 
 namespace palpate {
 
-/// Contact force of the tissue on the tool, blended from the configuration spaces of the anchor and
-/// not yet limited by the guard.
+/// Contact force of the tissue on the tool, blended from the configuration spaces of the anchor.
+/// The guard has not limited it yet.
 ///
-/// stiffness is d force / d tool with the anchor held. inside is true if the displacement lies in
-/// the computed region of all these spaces; otherwise the force is their continuation.
+/// stiffness is d force / d tool while the anchor stays in place. inside is true if the
+/// displacement lies in the computed region of all these spaces; otherwise the force is a
+/// continuation.
 struct Touch : ForceSample {
-  Touch() {  // nothing is touched: a force of zero, which is exact
+  Touch() {  // nothing is touched: the force is zero, which is exact
     energy = error_bound = 0;
     coverage = 1;
     inside = true;
   }
   bool touching = false;
-  /// The raw force may change by more than the tool's motion explains. Contact began away from the
-  /// surface or ended with a force, or the model or method was switched. The force guard fades such
-  /// steps in.
+  /// The raw force may have changed by more than the tool's motion explains: contact began away
+  /// from the surface, contact ended while there was a force, or the model or method was switched.
+  /// The force guard fades in such a step.
   bool stepped = false;
   SurfacePoint anchor;                                        ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
   /// outward unit normal of the surface at rest, at the anchor
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  /// displacement of the anchor, m; argument of the spaces' force fields
+  /// displacement of the anchor, m, at which the force fields of the spaces are evaluated
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
-  double gap = 0;  ///< distance to the body when not touching, m; negative inside it
+  double gap = 0;  ///< distance to the body while not touching, m; negative inside the body
 
-  /// Returns the part of the displacement beyond the computed region, m. Pictures leave it out, so
-  /// the tool and the deformed shape stop at the edge.
+  /// Returns the part of the displacement that lies beyond the computed region, m. Pictures leave
+  /// it out, so the tool and the deformed shape stop at the edge of the region.
   Eigen::Vector3d excess() const noexcept { return excessOf(displacement); }
 };
 
@@ -45,44 +46,47 @@ struct Touch : ForceSample {
 /// *anchor*, is the material point that moves with the tool. The displacement is tool - anchor, and
 /// the force over the spaces of the anchor's blend is
 ///   F = sum w_i(anchor) h_i(tool - anchor).
-/// Both start at zero, so contact begins without a jump. During contact the deformed surface passes
-/// through the tool at the anchor, so the anchor *is* the closest point of the deformed surface.
-/// Only a free tool needs a search.
+/// Displacement and force start at zero, so contact begins without a jump. During contact the
+/// deformed surface passes through the tool at the anchor, so the anchor *is* the closest point of
+/// the deformed surface. Only a tool that is not in contact needs a search.
 ///
 /// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), where X is the
 /// anchor. Moving the anchor along the surface changes W by (F + sum E_i grad w_i) . dX; T is the
 /// tangential part of this gradient. Friction holds the anchor while |T| <= friction * F.n.
 /// Otherwise the anchor slides against T until this holds again, across the edges of triangles.
-/// Sliding therefore never creates energy, and dissipates none without friction. A method without
-/// an energy slides by the tangential force alone. The anchor cannot leave the touchable surface
-/// and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool motion + the distance
-/// that changes the force by most_relaxation) (anchor_slide.cpp); later ticks slide the rest. The
-/// anchor moves continuously and the weights are continuous, so the force is continuous too.
+/// Sliding therefore never creates energy, and dissipates none without friction. If a method has no
+/// energy, the anchor slides by the tangential force alone. The anchor cannot leave the touchable
+/// surface and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool motion + the
+/// distance that changes the force by most_relaxation) (anchor_slide.cpp); later ticks slide the
+/// rest. The anchor moves continuously and the weights are continuous, so the force is continuous
+/// too.
 ///
-/// Beyond the computed region each space returns a continuation that only stiffens
-/// (fields/answered_region.hpp). It derives from the same energy, so contact needs no special case.
+/// Beyond the computed region each space returns a continuation of its force, which only becomes
+/// stiffer (fields/answered_region.hpp). The continuation derives from the same energy, so contact
+/// needs no special case.
 ///
-/// Release: nothing pulls back a tool that leaves. Contact ends when F.n <= 0 (n: outward normal at
-/// rest) and the tool is outside the body at rest and in front of the anchor's tangent plane. F.n
-/// <= 0 also occurs elsewhere, on bending lobes; contact goes on there, without friction. A tool
-/// that entered where the surface is not touchable feels nothing until it has been outside.
+/// Release: the tissue never pulls back a tool that leaves. Contact ends when F.n <= 0 (n: outward
+/// normal at rest) and the tool is outside the body at rest and in front of the anchor's tangent
+/// plane. F.n <= 0 can also occur while the tool presses on a lobe that bends away; contact then
+/// continues, without friction. A tool that enters the body where the surface is not touchable
+/// feels nothing until it has left the body.
 ///
-/// Glued (the paper's mode): the tool grips the nearest touchable point within grab_distance and
-/// keeps it while `hold` is true, also when it pulls. The displacement is measured from the tool
-/// position at the grip. After release() it grips again once `hold` was false or the tool was
-/// farther than grab_distance.
+/// Glued (the paper's mode): the tool grips the nearest touchable point within grab_distance. It
+/// keeps this point while `hold` is true, also when it pulls. The displacement is measured from the
+/// tool position at the grip. After release() the tool can grip again once `hold` was false or the
+/// tool was farther away than grab_distance.
 ///
 /// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
 class Contact {
  public:
-  /// The model must outlive this object or be replaced by use().
+  /// The model must stay valid until use() replaces it or this object is destroyed.
   explicit Contact(const HapticModel& model, const ContactOptions& options = {});
 
   /// Updates the contact for one tick. tool: m, scene frame; a position that is not finite ends the
-  /// contact. hold: glued mode only.
+  /// contact. hold: whether the tool may grip and keeps its grip; glued mode only.
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
-  /// Ends the contact; the tool must come from outside again.
+  /// Ends the contact. The tool must then come from outside to touch again.
   void release() noexcept;
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
@@ -113,13 +117,15 @@ class Contact {
   Touch touch_;
   BlendedForce force_;
   SurfacePoint anchor_;
-  /// tool - anchor at zero force, m; glued mode only
+  /// tool position at which the displacement is zero, minus the anchor, m; zero unless glued
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
-  /// start of the segment for the next entry search, m; not finite: use the next tool position
+  /// start of the segment in which the next entry is searched, m; if not finite, the next tool
+  /// position is used
   Eigen::Vector3d last_tool_;
   State state_;
-  bool step_follows_ = false;        ///< value of Touch::stepped for the next update
-  std::int32_t near_triangle_ = -1;  ///< triangle of the last nearest point, a search hint
+  bool step_follows_ = false;        ///< value that Touch::stepped gets in the next update
+  std::int32_t near_triangle_ = -1;  ///< triangle of the last nearest point, where the next search
+                                     ///< begins
 };
 
 }  // namespace palpate

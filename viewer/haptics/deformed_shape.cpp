@@ -7,11 +7,12 @@
 namespace palpate {
 namespace {
 
-/// Adds bumps that move the anchor by the displacement.
+/// Adds bumps to the displacements so that the anchor moves by exactly the displacement of the
+/// touch.
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
                      std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
-  // Large enough that a corner always lies within it.
+  // The radius is so large that it always contains a corner of the anchor's triangle.
   double radius = 0;
   for (std::size_t c = 0; c < 3; ++c)
     radius +=

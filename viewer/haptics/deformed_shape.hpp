@@ -10,22 +10,23 @@ namespace palpate {
 
 /// Shape of a touched body: displacements of all vertices of its surface.
 ///
-/// Displacements are blended like forces, u = sum w_i u_i(p). In each u_i a vertex other than the
-/// anchor moves by p, and displacements are interpolated between lattice points, so the surface
-/// would miss the tool. A smooth correction makes the anchor move by exactly p (to float32). It
-/// adds the missing displacement times a bump (1 - (r/R)^2)^2, with r the distance from the anchor
-/// at rest and R twice the longest edges around it. The bump is C1. The correction is for
-/// appearance, not mechanics, and changes nothing outside R.
+/// Displacements are blended like forces, u = sum w_i u_i(p). In u_i it is the active node of space
+/// i that moves by p, not the anchor, and u_i is interpolated between lattice points. The blended
+/// surface would therefore miss the tool. A smooth correction makes the anchor move by exactly p
+/// (to float32). It adds the missing displacement times a bump (1 - (r/R)^2)^2, with r the distance
+/// from the anchor at rest and R twice the length of the longest edges at the corners around the
+/// anchor. The bump is C1. The correction is for appearance, not mechanics, and changes nothing
+/// outside R.
 ///
 /// One thread at a time. Allocates only at construction.
 class DeformedShape {
  public:
-  /// most_vertices: number of vertices of the largest surface.
+  /// most_vertices: number of vertices of the largest surface that evaluate() is called for.
   explicit DeformedShape(std::size_t most_vertices);
 
   /// Fills `out` with displacements, [vertex][axis], metres, length 3
-  /// model.surface().vertices().size(); zero if nothing is touched. touch: a contact with this
-  /// model. Does not allocate, lock, throw or log.
+  /// model.surface().vertices().size(). They are zero if nothing is touched. touch: a contact with
+  /// this model. Does not allocate, lock, throw or log.
   void evaluate(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept;
 
  private:

@@ -6,16 +6,18 @@
 namespace palpate {
 namespace {
 
-/// Factor on K (D + T/2). The smallest that works for a mass of 20 g is about 2.5.
+/// Factor on K (D + T/2). For a mass of 20 g the smallest factor that works is about 2.5.
 constexpr double damping = 4;
-/// The measured acceleration lags, and the true one grows with the force. Factors for the way out,
-/// and for predicting when the force must begin to fall.
+/// Factors on the measured acceleration. It is late, and the true acceleration grows with the
+/// force. growing_out: for the force on the way out. growing_ahead: for predicting when the force
+/// must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
-constexpr double rest_radius = 2e-4;   // m: above a device's resolution, below a slow press
+constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than the way
+                                       // of a slow press in rest_duration
 constexpr double rest_duration = 0.1;  // s
 constexpr int halvings = 20;           // steps of the bisection for the force
 
-/// Returns `otherwise` also for NaN.
+/// Returns `value`, or `otherwise` if the value is too large or NaN.
 double usableOr(double value, double otherwise) {
   return std::abs(value) <= EnergyLimit::largest_number ? value : otherwise;
 }
@@ -25,10 +27,11 @@ double agreed(double newer, double older) { return newer * older > 0 ? newer : 0
 
 }  // namespace
 
-/// Predicted motion along the force, from the newest reading on.
+/// Predicted motion in the direction of the force, beginning at the newest reading.
 struct EnergyLimit::Outward {
   Eigen::Vector3d direction;  ///< unit
-  double speed;               ///< m/s, the mean of the last motion, which is the speed `lag` s ago
+  double speed;               ///< m/s; mean speed of the last motion, and thus the speed `lag`
+                              ///< seconds before the reading
   double acceleration;        ///< m/s^2, >= 0
   double lag;                 ///< s
   double at(double time) const { return speed * time + acceleration * time * (lag + 0.5 * time); }
@@ -43,10 +46,12 @@ void EnergyLimit::give(const Eigen::Vector3d& force) noexcept {
   given_[tick_++ % remembered] = force;
 }
 
-/// Returns the work of the device on the hand; the largest value if several forces are possible.
+/// Returns the work of the device on the hand. If the device may have held any of several forces,
+/// returns the largest possible work.
 double EnergyLimit::work(const Eigen::Vector3d& motion, const HeldForces& held) const noexcept {
   if (held.newest == 0) return 0;
-  // Unless the device reports the interval, ticks without a reading had forces of their own.
+  // If the device does not report how long each force was held, assume that it held a different
+  // force in each tick since the last reading.
   const std::uint32_t untold = held.interval > 0 ? 0 : held.newest + age_ - 1;
   const std::uint32_t oldest = std::min(std::max<std::uint32_t>(held.oldest, untold), remembered);
   double largest = given(held.newest).dot(motion);
@@ -123,8 +128,9 @@ EnergyLimit::Outward EnergyLimit::outward(const Eigen::Vector3d& direction,
           growing * std::max(acceleration, 0.0), 0.5 * interval_};
 }
 
-/// Returns the energy left when the next force begins to act, J. Until then the device holds the
-/// last forces. If it holds them for longer than a period, it is unknown which.
+/// Returns the energy that is left when the next force begins to act, J. Until then the device
+/// holds the last forces that were written. If it holds a force for longer than a period, it skips
+/// some of them, and nobody knows which; the larger work counts.
 double EnergyLimit::available(const Outward& path) const noexcept {
   constexpr double jitter = 0.25;  // of a period
   const auto more =
@@ -140,22 +146,23 @@ double EnergyLimit::available(const Outward& path) const noexcept {
   return std::max(left, 0.0);
 }
 
-/// Returns the force on the way out for which the energy lasts until the surface, N.
+/// Returns the force for the way out at which the available energy lasts until the hand reaches the
+/// undeformed surface, N.
 double EnergyLimit::returned(double force, double stiffness, const Outward& path) const noexcept {
   const double middle = delay_ + 0.5 * hold_, speed = path.speedAt(middle);
   if (!(speed > 0)) return force;
   const double before = path.at(delay_);
   const double left = stored_ - force * before + 0.5 * rendered_ * stiffness * before * before;
   const double share = left > 0 ? available(path) / left : 1;
-  const double raw = force / rendered_;  // before the clamp
+  const double raw = force / rendered_;  // N, before the clamp
   const double in_middle = std::clamp(raw - stiffness * path.at(middle), 0.0, force);
   const double wanted = std::min(force, share * in_middle);
   const double secant = stored_ > 0 ? 0.5 * force * force / stored_ : 0;
   return std::max(wanted, force - damping * std::max(stiffness, secant) * middle * speed);
 }
 
-/// Returns the largest force that can be held for a period and then fall by max_slew within the
-/// available energy, N.
+/// Returns the largest force, N, for which the available energy suffices to hold it for a period
+/// and then reduce it by max_slew.
 double EnergyLimit::releasable(double force, const Outward& path) const noexcept {
   const double end = delay_ + hold_, speed = path.speedAt(end);
   const double motion = path.at(end) - path.at(delay_), most = available(path);

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// False for NaN.
+/// Returns false also for NaN.
 bool isUsable(const Eigen::Vector3d& values) {
   return (values.array().abs() <= EnergyLimit::largest_number).all();
 }
@@ -21,8 +21,8 @@ std::uint32_t bitIf(Guarded guarded, bool is) {
   return is ? static_cast<std::uint32_t>(guarded) : 0;
 }
 
-/// Shortens to `longest`, keeping the direction and leaving room for the rounding of later sums.
-/// Returns whether it did.
+/// Shortens a vector to `longest` and keeps its direction. It stays slightly shorter, so that the
+/// rounding of later sums cannot exceed the limit. Returns whether it was shortened.
 bool shorten(Eigen::Vector3d& v, double longest) {
   const double length = v.norm();
   if (length <= longest) return false;
@@ -53,7 +53,7 @@ const char* guardWord(int bit) {
 
 Eigen::Vector3d ForceRamp::next() noexcept {
   if (time_ >= duration_) return Eigen::Vector3d::Zero();
-  // Advance first: with a step in every tick the force would otherwise never change.
+  // Advance the time first. If every tick began a new step, the force would otherwise never change.
   time_ += period_;
   const double t = std::min(1.0, time_ / duration_);
   return (1 - t * t * (3 - 2 * t)) * step_;
@@ -97,16 +97,17 @@ HeldForces ForceGuard::delayed(HeldForces held) const noexcept {
   return held;
 }
 
-/// Returns the share of a raw force that passes the clamp.
+/// Returns the fraction of a raw force that remains after the clamp to max_force.
 double ForceGuard::renderedShare(const Eigen::Vector3d& raw) const noexcept {
   const double length = raw.norm();
   return length > options_.max_force ? options_.max_force / length : 1;
 }
 
-/// Records the tool. Returns whether the raw force steps away from the last tick's.
+/// Records the position of the tool. Returns whether the raw force makes a step since the last
+/// tick.
 bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   const double since_fresh = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
-  // Faster than any hand.
+  // A motion faster than any hand.
   const bool jump =
       usable && usable_ && (input.tool - tool_).norm() > options_.max_speed * since_fresh;
   ticks_since_fresh_ = input.fresh ? 0 : ticks_since_fresh_ + 1;
@@ -122,10 +123,12 @@ bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   return input.touch.stepped || jump || usable != was_usable || (was_stalled && !stalled_);
 }
 
-/// Returns the rendered force for a raw force, N, in the order of the class comment.
+/// Returns the rendered force for a raw force, N. Ramp, clamp, energy and slew follow in the order
+/// of the class comment.
 Eigen::Vector3d ForceGuard::shaped(const Eigen::Vector3d& raw, const Touch& touch, bool stepped,
                                    std::uint32_t& guards) noexcept {
-  // From the force that the hand feels now, also if it was clamped, slewed or faded.
+  // The step begins at the force that the hand feels now, even if that force was clamped, slewed or
+  // faded.
   if (stepped) ramp_.begin(raw - given_);
   const Eigen::Vector3d faded = ramp_.next();
   const bool ramped = !faded.isZero(0);

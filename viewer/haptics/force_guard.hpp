@@ -14,31 +14,34 @@ struct GuardOptions {
   double period = 1e-3;         ///< length of a tick, s
   double max_force = 3.3;       ///< N; default: limit of the smallest device
   double max_slew = 0;          ///< N/s; 0: reaches max_force in 10 ms
-  double ramp = 0.05;           ///< duration of fading in a step of the raw force, s
-  double stall = 0.02;          ///< time without a fresh reading until the force goes to zero, s
+  double ramp = 0.05;           ///< time in which a step of the raw force is faded in, s
+  double stall = 0.02;          ///< the force goes to zero after this time without a fresh reading,
+                                ///< s
   double max_stiffness = 400;   ///< limit of the device, N/m; only recorded, not enforced
-  double energy_credit = 1e-4;  ///< largest surplus or deficit of energy that is carried along, J
-  /// Additional delay from a reading to its force, beyond the delay in the readings (HeldForces),
-  /// s; at most 30 periods.
+  double energy_credit = 1e-4;  ///< a surplus or deficit of energy is carried along up to this
+                                ///< amount, J
+  /// Delay from a reading to its force that the device does not report in its readings
+  /// (HeldForces), s. It is added to the reported delay; at most 30 periods.
   double delay = 0;
-  double max_speed = 5;  ///< m/s, of a hand; a faster motion is a false reading: a step
+  double max_speed = 5;  ///< m/s; faster than any hand: such a motion is a false reading and counts
+                         ///< as a step
 };
-/// Returns the default limits with max_force and max_stiffness of a device.
+/// Returns the default limits, with max_force and max_stiffness taken from a device.
 GuardOptions guardFor(const DeviceProfile& profile, double period);
-/// Returns max_slew, or the value that 0 stands for, N/s.
+/// Returns max_slew, N/s. If it is 0, returns the slew that reaches max_force in 10 ms.
 double slewOf(const GuardOptions& options);
 
-/// Reasons for a rendered force that differs from the raw one, as bits.
+/// Reasons why the rendered force differs from the raw force, as bits.
 enum class Guarded : std::uint32_t {
   ramped = 1,       ///< a step of the raw force is being faded in
   damped = 2,       ///< the hand would get back more energy than it put in
-  clamped = 4,      ///< longer than max_force
-  slewed = 8,       ///< changing faster than max_slew
+  clamped = 4,      ///< the force was longer than max_force
+  slewed = 8,       ///< the force would have changed faster than max_slew
   stalled = 16,     ///< no fresh reading for `stall` seconds
   lost = 32,        ///< the device is gone
   not_finite = 64,  ///< the position or the raw force was not finite
   late = 128,       ///< the loop hung; the force starts from zero again
-  beyond = 256      ///< outside the computed region; the raw force is that of the continuation
+  beyond = 256      ///< outside the computed region; the raw force is a continuation
 };
 inline constexpr int guard_count = 9;
 /// Returns the word for bit n, such as "clamped".
@@ -50,7 +53,8 @@ struct GuardInput {
   HeldForces held;
   bool fresh = true;  ///< the reading is from this tick
   bool lost = false;  ///< the device is gone
-  bool away = false;  ///< no hand is in the scene; a tool position that is not finite is no error
+  bool away = false;  ///< no hand is in the scene, so a tool position that is not finite is no
+                      ///< error
   bool late = false;  ///< the loop hung before this tick
 };
 
@@ -62,19 +66,21 @@ struct GuardedForce {
   double passivity = 0;
 };
 
-/// Fades in a step of a force smoothly, from none of it to all of it. One thread; real time.
+/// Fades in a step of a force smoothly. One thread; real time.
 class ForceRamp {
  public:
   /// period: length of a tick, s; duration: of the fading, s.
   ForceRamp(double period, double duration)
       : period_(period), duration_(duration), time_(duration) {}
   void reset() noexcept { time_ = duration_; }
-  /// Begins a step of the force, N. The step includes the rest of the last one.
+  /// Begins to fade in a step of the force, N. The step must include the rest of a step that is
+  /// still being faded in.
   void begin(const Eigen::Vector3d& step) noexcept {
     step_ = step;
     time_ = 0;
   }
-  /// Returns the part of the step still to be subtracted from the force, N. Call once per tick.
+  /// Returns the part of the step that is not yet faded in, N, which the caller subtracts from the
+  /// force. Call once per tick.
   Eigen::Vector3d next() noexcept;
 
  private:
@@ -83,19 +89,21 @@ class ForceRamp {
 };
 
 /// Computes the force of the device from the force of the contact, tick by tick:
-/// 1. Reading or force not finite, device lost, loop hung: the raw force is zero, and this is a
-///    step.
+/// 1. Invalid input: if the reading or the force is not finite, the device is lost, or the loop
+///    hung, the raw force is set to zero. This is a step.
 /// 2. Ramp: a step d of the raw force (Touch::stepped, case 1, or a motion faster than max_speed)
 ///    is faded in as F - d (1 - s(t)). The factor s goes smoothly from 0 to 1 in `ramp` seconds, so
 ///    the force continues from its last value.
-/// 3. Clamp to max_force, keeping the direction.
+/// 3. Clamp: the force is shortened to max_force and keeps its direction.
 /// 4. Energy: the hand gets back no more energy than it put in (EnergyLimit). A step may change the
-///    stored energy by any amount and is not work, so the energy sums restart until its ramp ends.
+///    stored energy by any amount without work of the hand, so the energy sums restart until its
+///    ramp ends.
 /// 5. Slew: the force changes by at most max_slew.
-/// 6. No fresh reading for `stall` seconds: the force goes to zero at max_slew.
+/// 6. Stall: after `stall` seconds without a fresh reading, the force goes to zero at max_slew.
 ///
-/// A lost device or a loop that hung gets exactly zero at once. Numbers beyond 1e9 (N, m, J) count
-/// as not finite. Deterministic: the output depends on the inputs only. One thread; real time.
+/// If the device is lost or the loop hung, the force is zero at once. Numbers beyond 1e9 (N, m, J)
+/// count as not finite. Deterministic: the output depends on the inputs only. One thread; real
+/// time.
 class ForceGuard {
  public:
   /// Throws Error if a number is not finite, the period, max_force or max_speed is not positive,
@@ -115,10 +123,11 @@ class ForceGuard {
   ForceRamp ramp_;
   EnergyLimit energy_;
   Eigen::Vector3d given_ = Eigen::Vector3d::Zero();  ///< force of the last tick, N
-  bool usable_ = false;                              ///< the last raw force was used
+  bool usable_ = false;                              ///< the last tick had a valid raw force
   bool stalled_ = false;                             ///< the last tick was stalled
   std::uint64_t ticks_since_fresh_ = 0;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading, if usable_
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading; valid if
+                                                    ///< usable_
 };
 
 }  // namespace palpate

@@ -2,13 +2,14 @@
 
 namespace palpate {
 
-// Pace of a hand without a device, shared by the window of `palpate view`
-// (viewer/picture/mouse_hand.hpp) and the pages of `palpate share` (viewer/share).
+// Pace of a simulated hand, which needs no device. The window of `palpate view`
+// (viewer/picture/mouse_hand.hpp) and the pages of `palpate share` (viewer/share) use it.
 
-/// Rates at which the depth approaches its target, 1/s. A hand releases faster than it presses.
+/// Rates at which the depth of the tool approaches its target, 1/s. A hand releases faster than it
+/// presses.
 inline constexpr double press_rate = 9, release_rate = 16;
-/// Initial target depth: usual_depth (m), or usual_share of the reach (the workspace radius) if
-/// that is less.
+/// Target depth at the start: usual_depth (m), but at most the fraction usual_share of the
+/// workspace radius.
 inline constexpr double usual_depth = 0.01;
 inline constexpr double usual_share = 0.4;
 

@@ -11,24 +11,25 @@ namespace palpate {
 
 enum class DeviceStatus : std::uint8_t {
   fresh,     ///< the reading is from this tick
-  repeated,  ///< no new reading since the last tick; the last one is repeated
+  repeated,  ///< no new reading since the last tick; the last reading is returned again
   lost,      ///< unplugged, or silent for too long; the position is meaningless
   away       ///< the device works, but no hand is in the scene; the position is meaningless
 };
 
-/// Forces that a device held before a reading, and the delay of its next force. The force guard
-/// computes the energy of the loop from them. The defaults describe a device that is read and
-/// written in the tick.
+/// Tells which forces a device held before a reading, and how late its next force will act. The
+/// force guard computes the energy of the loop from this. The defaults describe a device that is
+/// read and written within the tick.
 struct HeldForces {
-  /// Number of ticks since the forces were written; 1: in the last tick, 0: the force was zero.
+  /// Ticks since the newest and the oldest of these forces were written; 1: in the last tick, 0:
+  /// the force was zero.
   std::uint16_t newest = 1, oldest = 1;
-  double delay = 0;     ///< from the motion that was read to its force, s
-  double interval = 0;  ///< since the last reading, s; 0: one period per tick
+  double delay = 0;     ///< from the reading until its force acts, s
+  double interval = 0;  ///< time since the reading before, s; 0: one period per tick
   double hold = 0;      ///< time for which a force is held, s; 0: one period
   bool operator==(const HeldForces&) const = default;
 };
 
-/// One reading of a device. Nothing in it can be trusted; a device may send NaN.
+/// One reading of a device. None of its values can be trusted; a device may send NaN.
 struct DeviceReading {
   DeviceReading() = default;
   DeviceReading(const Eigen::Vector3d& at, std::uint32_t pressed, DeviceStatus is,
@@ -42,20 +43,20 @@ struct DeviceReading {
   HeldForces held;
 };
 
-/// Position of the tool by the mouse in the picture.
+/// Position of the tool, as the mouse sets it in the picture.
 struct MouseTarget {
   /// m, scene frame; not finite: no tool
   Eigen::Vector3d position = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  /// Number of times that the tool appeared. If it changed, the tool was absent in between and
-  /// jumps to the position.
+  /// Number of times that the tool appeared. If the number changed, the tool was absent in between,
+  /// and it jumps to the position.
   std::uint32_t appearance = 0;
 };
 
-/// A haptic device: reads the position of the hand and may push it.
+/// A haptic device. It reads the position of the hand, and may push the hand.
 ///
 /// Frame: metres and newtons, right-handed, x to the right, y up, z toward the operator, origin in
 /// the middle of the workspace. Devices that live in the scene (virtual hand, mouse, replay) use
-/// the scene's frame and are not mapped; see livesInScene().
+/// the scene's frame, and their positions are not mapped; see livesInScene().
 ///
 /// Threads: the haptic thread calls read() and then write() once per tick; they do not allocate,
 /// lock, wait, throw or log. A device that must wait has a thread of its own and exchanges readings
@@ -64,31 +65,32 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   virtual DeviceReading read() noexcept = 0;
-  /// Sets the force until the next call, N. Always finite and within profile().max_force.
+  /// Sets the force until the next call, N. The force is always finite and at most
+  /// profile().max_force.
   virtual void write(const Eigen::Vector3d& force) noexcept = 0;
 
-  /// Sets the force to zero until resume(), whatever is written. The watchdog calls this from its
-  /// own thread while the haptic thread hangs.
+  /// Sets the force to zero until resume(). Forces that are written meanwhile have no effect. The
+  /// watchdog calls this from its own thread while the haptic thread hangs.
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Moves the mouse's tool. Only the picture's thread calls this; other devices ignore it.
+  /// Moves the tool of the mouse. Only the picture's thread calls this; other devices ignore it.
   virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
-  /// Returns whether this device is the mouse, which moveTo() moves.
+  /// Returns whether this device is the mouse, whose tool moveTo() moves.
   virtual bool isMouse() const { return false; }
 
-  /// Returns the limits of its force, stiffness and workspace.
+  /// Returns the device's limits of force, stiffness and workspace.
   virtual DeviceProfile profile() const = 0;
   /// Returns the number of readings after which the device is lost; 0: no end.
   virtual std::uint64_t readings() const { return 0; }
   virtual bool livesInScene() const { return false; }
   virtual bool hasButtons() const { return false; }
   virtual std::string name() const = 0;
-  /// Requests real-time priority for the device's own threads, one below the loop's. Returns
-  /// sentences about refusals; empty if there are none.
+  /// Requests real-time priority for the device's own threads, one below the priority of the loop.
+  /// If the system refuses, returns the reasons as sentences; otherwise an empty string.
   virtual std::string askForRealTime() { return {}; }
-  /// Returns the current problem as a sentence for a person ("no service at ws://localhost:10001:
-  /// ..."); empty if there is none.
+  /// Returns a sentence for the user about the current problem ("no service at
+  /// ws://localhost:10001: ..."); empty if there is no problem.
   virtual std::string trouble() const { return {}; }
 };
 

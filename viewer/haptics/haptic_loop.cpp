@@ -39,7 +39,7 @@ void sleepUntil(std::int64_t ns) noexcept {
   }
 }
 
-/// Maps the pages of the stack, so that no tick faults on them.
+/// Maps the pages of the stack, so that no tick causes a page fault on them.
 [[gnu::noinline]] void touchStack() noexcept {
   char stack[stack_bytes];
   volatile char* const bytes = stack;
@@ -59,7 +59,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
     recorded_ = std::make_unique<RecordedQueue>();
     while (recorded_->push({})) {
     }
-    recorded_->reset();  // its pages are mapped now
+    recorded_->reset();  // free the states; the pages stay mapped
   }
   statistics_.rate = options.rate;
   published_.write(statistics_);
@@ -115,7 +115,7 @@ LoopStatistics HapticLoop::statistics() const {
 }
 
 void HapticLoop::lockMemory() {
-  // With a limit, locking future pages would make later allocations fail.
+  // If locked memory is limited, locking future pages would make later allocations fail.
   rlimit limit{};
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   memory_locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
@@ -170,13 +170,14 @@ void HapticLoop::runTicks() {
   }
 }
 
-/// Returns false after the last tick.
+/// Runs one tick. Returns false if it was the last one.
 bool HapticLoop::oneTick(std::int64_t begin_ns) {
   const double away = last_begin_ns_ == 0 ? 0 : seconds(begin_ns - last_begin_ns_);
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.load(std::memory_order_acquire);
-  // Ticks of an earlier loop left a force behind; the device has held zero since.
+  // This loop continues a tick that an earlier loop ran. The tick still holds the last force of
+  // that loop, but the device has rendered zero since then.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 
@@ -230,7 +231,7 @@ void HapticLoop::watch() {
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    // Read this first; the values below are then newer than a resume
+    // Read this flag first. The values that are read below are then newer than a resume.
     const bool halted = halted_.load(std::memory_order_acquire);
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);

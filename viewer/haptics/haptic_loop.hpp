@@ -23,58 +23,61 @@ struct LoopOptions {
                               ///< palpate view --fast)
   double watchdog = 0.1;      ///< time without a tick until the device is halted, s
   std::uint64_t ticks = 0;    ///< number of ticks until the loop stops; 0: never
-  /// Fill the queue for takeRecorded(), which holds 8192 states. A full queue drops states and
-  /// counts them; a free-running loop waits instead.
+  /// Put every state into a queue for takeRecorded(). The queue holds 8192 states. If it is full,
+  /// further states are dropped and counted; a free-running loop waits instead.
   bool record = false;
 };
 
 /// Runs a HapticTick at its rate in its own thread, supervised by a watchdog thread.
 ///
-/// Sleeps until absolute times (clock_nanosleep, CLOCK_MONOTONIC), so the rate does not drift. A
-/// tick that ends after the start of the next one is a missed deadline; the loop then continues
-/// from now and does not catch up. The program missed the deadline if the thread itself computed
-/// for longer than the period (its processor time); otherwise the operating system did.
+/// The loop sleeps until absolute times (clock_nanosleep, CLOCK_MONOTONIC), so the rate does not
+/// drift. A tick that ends after the start of the next one is a missed deadline; the loop then
+/// continues from the current time and does not catch up. If the thread itself computed for longer
+/// than the period (its processor time), the program missed the deadline; otherwise the operating
+/// system did.
 ///
 /// If no tick ends for `watchdog` seconds, the watchdog thread halts the device and counts the
-/// halt. The loop starts from zero force when it returns (Guarded::late). It also restarts from
-/// zero if it notices such a gap itself, or resumes a tick that another loop ran.
+/// halt. When the ticks continue, the loop starts from zero force (Guarded::late). It also restarts
+/// from zero if it notices such a gap itself, or resumes a tick that another loop ran.
 ///
-/// The watchdog also halts a lost device, because its own thread may hang and hold the last force.
-/// The device is resumed after the first tick that is not lost; that tick is late and writes zero.
-/// A free-running loop has no watchdog. With real_time the watchdog's priority is one above the
-/// loop's, and the priority of the device's threads one below (real_time.hpp).
+/// The watchdog also halts a lost device, because the device's own thread may hang and hold the
+/// last force. The device is resumed after the first tick in which it is not lost. That tick counts
+/// as late and writes zero. A free-running loop has no watchdog. With real_time the watchdog's
+/// priority is one above the loop's, and the priority of the device's threads one below
+/// (real_time.hpp).
 ///
-/// Threads: latest(), command() and takeRecorded() each from one thread, the rest from the owner.
-/// The picture calls latest().
+/// Threads: latest(), command() and takeRecorded() may each be called from one thread, all other
+/// functions only by the owner. The picture calls latest().
 class HapticLoop {
  public:
-  /// tick and device must outlive this object; the tick must use this device. Throws Error if the
-  /// rate is not 1 / period of the tick or the watchdog is not positive.
+  /// tick and device must outlive this object, and the tick must use this device. Throws Error if
+  /// the rate is not 1 / period of the tick, or if the watchdog is not positive.
   HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options);
-  ~HapticLoop();  ///< stops
+  ~HapticLoop();  ///< stops the loop
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;
-  void start();  ///< Error if no thread can be created; once only
+  void start();  ///< once only; throws Error if a thread cannot be created
   void stop();   ///< writes zero force last and completes the statistics
   /// Returns true from start() until the last tick, by stop() or LoopOptions::ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   const HapticState& latest() noexcept { return states_.read(); }
-  /// Returns false if the queue is full (the loop hangs).
+  /// Sends a command to the loop. Returns false if the queue is full, because the loop hangs.
   bool command(const HapticCommand& command) noexcept { return commands_.push(command); }
-  /// Returns the next recorded state; empty if there is none yet.
+  /// Returns the next recorded state; nothing if no state is waiting.
   std::optional<HapticState> takeRecorded();
-  /// Returns the statistics so far, at most a tenth of a second old; exact after stop().
+  /// Returns the statistics so far. They may be a tenth of a second old; after stop() they are
+  /// final.
   LoopStatistics statistics() const;
-  /// Returns the refused real-time requests as sentences; empty if there are none. Complete after
-  /// start().
+  /// Returns a sentence for each real-time request that the system refused; empty if there is none.
+  /// Complete after start().
   std::string trouble() const { return trouble_; }
 
  private:
   static constexpr std::size_t recorded_states = 8192;
   using RecordedQueue =
       boost::lockfree::spsc_queue<HapticState, boost::lockfree::capacity<recorded_states>>;
-  /// Counts of the loop's thread when the loop begins.
+  /// Page faults and preemptions of the loop's thread.
   struct Usage {
     std::uint64_t page_faults = 0, preemptions = 0;
   };

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Radius of the finger, or of the patch around the active node, m.
+/// Returns the radius of the finger, or of the patch around the active node, m.
 double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
   if (patch.finger) return patch.finger->radius;
   double radius = 0;
@@ -59,7 +59,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
 void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
                              const std::stop_token& stop) {
   shapes_.resize(spaces_.size());
-  std::mutex reading;  // one thread at a time: a dataset is one file
+  std::mutex reading;  // one thread at a time, because a dataset is a single file
   inParallel(spaces_.size(), [&](std::size_t s) {
     if (stop.stop_requested()) throw Error(ExitCode::interrupted, file_ + ": not read to its end");
     std::unique_lock lock(reading);
@@ -76,7 +76,7 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
 
 bool HapticModel::makeAreas(const std::stop_token& stop) {
   struct Stopped {};
-  // Not std::call_once: after an exception it never returns under the thread sanitizer.
+  // std::call_once would never return after an exception under the thread sanitizer.
   const std::scoped_lock lock(making_areas_);
   if (areas_made_) return true;
   areas_share_ = 0;
@@ -84,7 +84,7 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
   const auto progress = [&](double share) {
     if (stop.stop_requested()) throw Stopped();
     share = (static_cast<double>(areas.size()) + share) / static_cast<double>(places_.size());
-    // Threads may report out of order.
+    // Keep the largest share, because threads may report out of order.
     for (double known = areas_share_; share > known;)
       if (areas_share_.compare_exchange_weak(known, share)) break;
   };
@@ -104,7 +104,7 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
   PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
-  // Before the spaces, because it uses all cores itself.
+  // Make the areas before the spaces, because they use all cores themselves.
   if (!makeAreas(stop)) return;
   inParallel(spaces_.size(), [&](std::size_t space) {
     if (!stop.stop_requested()) make(method, space);
@@ -138,7 +138,7 @@ double HapticModel::preparedShare(std::size_t method) const noexcept {
   if (method >= fields_.size()) return 0;
   if (isPrepared(method)) return 1;
   const auto made = static_cast<double>(fields_[method].made.load(std::memory_order_relaxed));
-  // The share is 1 only if field() may be called.
+  // Stay below 1, which means that field() may be called.
   return std::min(0.99, std::max(made / static_cast<double>(spaces_.size()),
                                  areas_share_.load(std::memory_order_relaxed)));
 }

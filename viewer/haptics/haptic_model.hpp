@@ -17,20 +17,20 @@
 namespace palpate {
 
 struct HapticModelOptions {
-  /// Methods between which a touch can switch; the first is the initial one.
+  /// Methods of interpolation between which a touch can switch; the first is used initially.
   std::vector<std::string> methods = {"potential", "trilinear"};
   double reach = 0;  ///< passed to TouchSurface, m
   /// Also keep the pressures of the surface if the dataset has them: 4 bytes per vertex and solved
   /// point.
   bool pressures = false;
-  /// Prepare everything in the constructor; otherwise call HapticModel::prepare() for each method,
-  /// and preparePressures().
+  /// Prepare everything in the constructor. If false, the caller prepares each method with
+  /// HapticModel::prepare(), and the pressures with preparePressures().
   bool prepare = true;
   /// Stops reading the shapes; the constructor then throws an Error of an interrupt.
   std::stop_token stop = {};
 };
 
-/// Everything that touching one dataset needs, in memory. The file may be replaced or deleted.
+/// Everything in memory that is needed to touch one dataset. The file may be replaced or deleted.
 ///
 /// Threads: any thread may read, also while methods are prepared. A method becomes visible when it
 /// is complete, and does not change afterwards.
@@ -41,17 +41,18 @@ class HapticModel {
 
   /// Prepares one method for all spaces, in parallel on all cores.
   ///
-  /// Costs about 0.2 s of processor time for a space of 515 points and `potential`. The first
-  /// method also pays for the areas: about 12 s for 315 sites with 37 solved points each. Does
-  /// nothing if the method is prepared. Do not call twice at once for one method. If `stop` is
-  /// requested, the next call resumes the spaces but restarts the areas. Throws Error for an
-  /// unknown method.
+  /// Costs about 0.2 s of processor time for a space of 515 points and `potential`. The first call
+  /// also prepares the areas, which all methods share: about 12 s for 315 sites with 37 solved
+  /// points each. Does nothing if the method is prepared. Do not prepare one method in two threads
+  /// at the same time. If `stop` is requested, the preparation stops; the next call continues with
+  /// the remaining spaces, but starts again with the areas. Throws Error for an unknown method.
   void prepare(std::size_t method, const std::stop_token& stop = {});
-  /// As prepare(), in this thread alone; areas still use all cores.
+  /// As prepare(), but prepares the spaces in this thread alone; areas still use all cores.
   void prepareAlone(std::size_t method, const std::stop_token& stop);
-  /// Returns the progress of a method, 0 to 1: the share of its spaces or of the work on the areas
-  /// that all methods share, whichever is larger. It is 1 only if the method isPrepared(), and 0
-  /// for a number beyond methods(). Any thread; does not wait.
+  /// Returns the progress of a method, 0 to 1: the fraction of its spaces or the fraction of the
+  /// work on the areas, whichever is larger. The areas are shared by all methods. The progress is 1
+  /// only if the method isPrepared(), and 0 for a number beyond methods(). Any thread; does not
+  /// wait.
   double preparedShare(std::size_t method) const noexcept;
   /// Returns whether field() may be called for this method. Any thread, real time.
   bool isPrepared(std::size_t method) const noexcept {
@@ -60,17 +61,17 @@ class HapticModel {
   }
 
   /// Prepares pressures(), if the options ask for them, in this thread alone until `stop` is
-  /// requested; takes some milliseconds per space. Do not call twice at once.
+  /// requested. Takes some milliseconds per space. Do not call it in two threads at the same time.
   void preparePressures(const std::stop_token& stop = {});
 
-  const std::string& name() const { return name_; }                ///< of the scene
+  const std::string& name() const { return name_; }                ///< name of the scene
   const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
-  double maxForce() const { return max_force_; }        ///< N; limit of the scene's solves
-  /// Returns the radius of the tool of a space, m: of the finger, or of the patch around the active
-  /// node; 0 for a single node.
+  double maxForce() const { return max_force_; }        ///< N; forces beyond it are not solved
+  /// Returns the radius of the tool of a space, m: the radius of the finger or of the patch around
+  /// the active node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }
   const TouchSurface& surface() const { return surface_; }
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
@@ -79,17 +80,17 @@ class HapticModel {
   const ForceField& field(std::size_t method, std::size_t space) const noexcept {
     return *fields_[method].of_space[space];
   }
-  /// Returns the energy of an area of surface(). All methods share it. Requires that a method
-  /// isPrepared(). Real time.
+  /// Returns the energy of an area of surface(). All methods share the areas. Requires that some
+  /// method isPrepared(). Real time.
   const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
-  /// Returns the displacements of the surface's vertices.
+  /// Returns the displacements of the surface's vertices in a space.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
-  /// Never prepared unless the options ask for them.
+  /// Returns the pressures of the surface. They are never prepared unless the options ask for them.
   const SurfacePressures& pressures() const { return pressures_; }
 
  private:
-  /// One method in all spaces. Threads write different elements, and count each in `made` after
-  /// writing it.
+  /// The force fields of one method, [space]. Several threads make them: each writes different
+  /// elements, and counts an element in `made` after writing it.
   struct MethodFields {
     std::vector<std::unique_ptr<const ForceField>> of_space;
     std::atomic<std::size_t> made = 0;
@@ -106,12 +107,14 @@ class HapticModel {
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
   std::vector<double> tool_radii_;                    ///< m, [space]
-  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< places around the sites of each area, m,
-                                                      ///< for its collocation points
+  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< places around the sites of each area, m;
+                                                      ///< they decide where the area gets
+                                                      ///< collocation points
   std::mutex making_areas_;
   bool areas_made_ = false;
-  std::atomic<double> areas_share_ = 0;                  ///< share of the work on areas, 0 to 1
-  std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
+  std::atomic<double> areas_share_ = 0;                  ///< progress of the work on all areas, 0
+                                                         ///< to 1
+  std::vector<std::shared_ptr<const AreaField>> areas_;  ///< in the order of surface_.areas()
   std::vector<std::int32_t> area_of_space_;              ///< -1: none
   std::vector<std::string> methods_;
   std::vector<MethodFields> fields_;

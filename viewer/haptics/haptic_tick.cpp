@@ -15,8 +15,8 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Sets the guard's period to the tick's, and limits the force to the device's whatever the options
-/// say.
+/// Returns the options with the guard's period set to the tick's. The force limit is never above
+/// the device's, whatever the options say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   const double most = device.profile().max_force;
@@ -26,7 +26,7 @@ TickOptions limited(TickOptions options, const HapticDevice& device) {
   return options;
 }
 
-/// Positions of the touchable vertices, one per column.
+/// Returns the positions of the touchable vertices, m, one per column.
 Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
   std::vector<Eigen::Vector3d> found;
   for (std::size_t v = 0; v < surface.vertices().size(); ++v)
@@ -74,7 +74,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   state_.reading = device_.read();
   const bool lost = state_.reading.status == DeviceStatus::lost;
   const bool away = state_.reading.status == DeviceStatus::away;
-  // A lost device has no position, whatever the reading says; contact ends.
+  // A lost device has no position, whatever its reading contains, and contact ends.
   const Eigen::Vector3d tool =
       lost || away
           ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
@@ -88,7 +88,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.fresh = away || state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
   input.away = away;
-  // A lost device is halted; the tick in which it returns is late.
+  // A lost device is halted. The tick in which it returns is late.
   input.late = late && !lost;
   const GuardedForce guarded = guard_.limit(input);
 
@@ -106,8 +106,8 @@ void HapticTick::obey(const HapticCommand& command) noexcept {
   const auto method = static_cast<std::size_t>(command.method);
   if (number >= models_.size() || !models_[number]->isPrepared(method)) return;
   contact_.use(*models_[number], method);
-  // The touch belongs to the previous model; a picture drawn before the next run() must not use it
-  // with this one.
+  // The touch belongs to the previous model. If a picture is drawn before the next run(), it must
+  // not combine this touch with the new model.
   state_.touch = {};
   state_.model = command.model;
   state_.method = command.method;

@@ -10,37 +10,37 @@
 
 namespace palpate {
 
-/// Inputs and results of one tick. Passed to other threads (picture, recording) by value.
+/// Inputs and results of one tick. Passed by value to other threads (picture, recording).
 struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
   double time = 0;         ///< tick * period, s; not wall-clock time
   DeviceReading reading;
-  /// m, scene frame; the last finite position
+  /// m, scene frame; the last position that was finite
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();
   Touch touch;
   /// force written to the device, N, scene frame
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   std::uint32_t guards = 0;            ///< Guarded bits
-  double passivity = 0;                ///< J, GuardedForce
-  std::int32_t model = 0, method = 0;  ///< in use
+  double passivity = 0;                ///< J, as GuardedForce::passivity
+  std::int32_t model = 0, method = 0;  ///< indices of the model and the method in use
 
-  /// Returns the tool position for pictures, m, scene frame. It stops at the edge of the computed
-  /// region.
+  /// Returns the tool position that pictures show, m, scene frame. It stops at the edge of the
+  /// computed region.
   Eigen::Vector3d shownTool() const noexcept { return tool - touch.excess(); }
 };
 
 /// A command from another thread to the haptic thread.
 struct HapticCommand {
   enum class Kind : std::uint8_t {
-    use,      ///< model and method, by number
+    use,      ///< use this model and method (indices)
     release,  ///< end the contact
   } kind = Kind::use;
   std::int32_t model = 0, method = 0;
 };
 
 /// Maps a device's frame to the scene: tool = origin + scale * rotation * position. Forces are
-/// rotated back without scaling, so newtons stay newtons: the hand feels `scale` times the
-/// stiffness per metre of its own motion.
+/// rotated back but not scaled, so newtons stay newtons. The hand therefore feels `scale` times the
+/// tissue's stiffness per metre of its own motion.
 struct WorkspaceMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   double scale = 1;
@@ -53,9 +53,9 @@ struct WorkspaceMap {
   }
 };
 /// Returns the map that fits a device's workspace around the touchable surface. It is the identity
-/// for devices that live in the scene. For others the axes are the scene's, and the scale, at least
-/// 1, makes the workspace of `limits` hold the touchable vertices and the displacements around
-/// them.
+/// for devices that live in the scene. For other devices the axes are the scene's, and the scale is
+/// as large as necessary, but at least 1: the workspace of `limits` must contain the touchable
+/// vertices and the displacements around them.
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
                           const DeviceProfile& limits);
 
@@ -66,9 +66,9 @@ struct TickOptions {
   WorkspaceMap map;
 };
 
-/// One tick of the haptic loop: read, find contact, evaluate, guard, write. It has no clock and no
-/// thread, so the same readings give the same forces to the last bit. run() and obey() are real
-/// time: they do not allocate, lock, throw or log.
+/// One tick of the haptic loop: reads the device, finds the contact, evaluates the force, guards it
+/// and writes it. A tick has no clock and no thread, so the same readings give bitwise identical
+/// forces. run() and obey() are real time: they do not allocate, lock, throw or log.
 class HapticTick {
  public:
   /// models: at least one; the first method of the first model must be prepared. The models and the
@@ -76,11 +76,11 @@ class HapticTick {
   HapticTick(std::vector<const HapticModel*> models, HapticDevice& device,
              const TickOptions& options);
 
-  /// Runs one tick. late: the loop hung before this tick or the device was halted; ignored while
-  /// the device is lost.
+  /// Runs one tick. late: whether the loop hung before this tick or the device was halted; has no
+  /// effect while the device is lost.
   const HapticState& run(bool late = false) noexcept;
-  /// Applies a command. Ignores commands for unknown models or methods, and for methods that are
-  /// not prepared.
+  /// Carries out a command. Ignores a command with an unknown model or method, or with a method
+  /// that is not prepared.
   void obey(const HapticCommand& command) noexcept;
   const HapticState& state() const noexcept { return state_; }
   const TickOptions& options() const noexcept { return options_; }

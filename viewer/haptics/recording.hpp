@@ -13,8 +13,8 @@ namespace palpate {
 /// One dataset of a run.
 struct RecordedModel {
   std::string name;   ///< name of the scene
-  std::string file;   ///< path as given
-  ContentId dataset;  ///< content id; the file may have been replaced since
+  std::string file;   ///< path of the dataset, as the user gave it
+  ContentId dataset;  ///< content id of the dataset; the file may have been replaced since
 };
 
 /// Setup of a run, sufficient to repeat it.
@@ -26,12 +26,13 @@ struct RecordedRun {
   bool scene_frame = false;           ///< HapticDevice::livesInScene()
   TickOptions options;
 };
-/// Describes a run of these models with this device.
+/// Returns the setup of a run of these models with this device.
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
-/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. Any
-/// single thread except the haptic one, because it allocates (HapticLoop::takeRecorded).
+/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. It
+/// allocates, so any thread but the haptic one may use it, one thread at a time
+/// (HapticLoop::takeRecorded).
 class Recorder {
  public:
   /// Throws Error if the period is not positive.
@@ -41,7 +42,8 @@ class Recorder {
   /// Adds a state. Throws Error if it is not later than the last one.
   void add(const HapticState& state);
   std::size_t size() const { return size_; }
-  /// Returns whether no tick is missing from the first tick of the run to the last.
+  /// Returns whether the recording contains every tick from the first tick of the run to the last
+  /// one added.
   bool complete() const { return complete_; }
   /// Writes an HDF5 file aside and renames it, so `file` is either the old file or a complete new
   /// one. Throws Error with the file's name if it cannot be written (a full disk); the attempt then
@@ -75,7 +77,7 @@ class Recorder {
   void save(const std::filesystem::path& file) const;
 
  private:
-  struct Lists;  ///< the lists above
+  struct Lists;  ///< the lists that save() writes
 
   RecordedRun run_;
   std::unique_ptr<Lists> lists_;
@@ -85,8 +87,8 @@ class Recorder {
 };
 
 /// Readings of a recorded device, one per tick, for replay. With the datasets, methods and options
-/// of the run they give the same forces to the last bit, if no tick is missing
-/// (Recorder::complete()) and the loop never hung (Guarded::late).
+/// of the run they give bitwise identical forces, if no tick is missing (Recorder::complete()) and
+/// the loop never hung (Guarded::late).
 struct Recording {
   double rate = 0;                      ///< Hz
   bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
@@ -94,9 +96,9 @@ struct Recording {
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
 };
 
-/// Reads a recording. Throws Error (bad input) if `file` is missing or no recording, and Error if
-/// it is damaged. Compares every array with its hash, also arrays that a replay does not need, and
-/// checks the values that it uses.
+/// Reads a recording. Throws Error (bad input) if `file` is missing or is no recording, and Error
+/// if it is damaged. Every array is compared with its hash, even if a replay does not need the
+/// array. The values that are used are also checked.
 Recording readRecording(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -10,17 +10,18 @@
 
 namespace palpate {
 
-/// The nearest point of a closed surface.
+/// The point of a closed surface that is nearest to a given point.
 struct NearestPoint : SurfacePoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< m
   double distance = std::numeric_limits<double>::infinity();  ///< m, >= 0
-  /// outside the body, by the angle-weighted normal of the nearest face, edge or vertex
+  /// Whether the given point is outside the body, by the angle-weighted normal of the nearest face,
+  /// edge or vertex.
   bool outside = true;
 };
 
-/// The first point where a segment enters a surface.
+/// The first point where a segment enters a body through its surface.
 struct Crossing : SurfacePoint {
-  double fraction = 0;  ///< of the segment, 0..1
+  double fraction = 0;  ///< position on the segment, 0..1
 };
 
 /// A bounding-volume hierarchy over the triangles of a closed, outward-oriented surface at rest.
@@ -29,13 +30,13 @@ struct Crossing : SurfacePoint {
 class SurfaceTree {
  public:
   SurfaceTree() = default;
-  /// Copies what it needs. vertices: metres.
+  /// Copies what is needed from the arguments. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
-  /// Returns the nearest point, for any finite point.
+  /// Returns the point of the surface that is nearest to any finite point.
   ///
-  /// hint: a triangle that is likely near, such as the last one for a moving point. It shortens the
-  /// search and otherwise only decides between equally near triangles.
+  /// hint: a triangle that is probably near, such as the previous result for a moving point. It
+  /// makes the search shorter. It changes the result only if several triangles are equally near.
   NearestPoint nearest(const Eigen::Vector3d& point, std::int32_t hint = -1) const noexcept;
   /// Returns the first triangle that the segment from `from` to `to` passes from outside to inside.
   /// A segment through an edge or a vertex hits one of the triangles there, so there are no cracks.
@@ -44,12 +45,13 @@ class SurfaceTree {
  private:
   struct Node {
     Eigen::Vector3d center, half;  ///< of the bounding box, m
-    /// leaf: index into order_; otherwise the right child (the left child is the next node)
+    /// index into order_ if this is a leaf; otherwise the right child (the left child is the next
+    /// node)
     std::int32_t first = 0;
     std::int32_t count = 0;  ///< number of triangles of a leaf; 0: not a leaf
   };
-  /// Corners of a triangle, and the normals that tell inside from outside near its face, edges and
-  /// vertices.
+  /// Corners of a triangle, and the normals that decide whether a point near its face, edges or
+  /// vertices is inside or outside.
   struct Face {
     std::array<Eigen::Vector3d, 3> corners;
     Eigen::Vector3d normal;
@@ -61,8 +63,8 @@ class SurfaceTree {
   std::int32_t build(std::int32_t first, std::int32_t count);
 
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> order_;  ///< triangles, leaf by leaf
-  std::vector<Face> faces_;          ///< by triangle
+  std::vector<std::int32_t> order_;  ///< indices of the triangles, leaf by leaf
+  std::vector<Face> faces_;          ///< per triangle
 };
 
 }  // namespace palpate

@@ -20,18 +20,19 @@ struct SpaceWeight {
   double weight = 0;
 };
 
-/// Most spaces in the blend of a vertex, and of a triangle (its three corners).
+/// Largest number of spaces in the blend of a vertex, and of a triangle with its three corners.
 inline constexpr std::size_t most_spaces_of_vertex = 3;
 inline constexpr std::size_t most_blended_spaces = 3 * most_spaces_of_vertex;
 
-/// Weights of one space at the three corners of a triangle, interpolated linearly in between.
+/// Weights of one space at the three corners of a triangle. They are interpolated linearly in
+/// between.
 struct CornerShares {
   std::int32_t space = -1;
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();
 };
 
-/// Weights of the spaces at a point of the surface. Entries 0..size-1 are distinct spaces; their
-/// weights sum to 1.
+/// Weights of the spaces at a point of the surface. Only the first `size` entries are valid. They
+/// are distinct spaces, and their weights sum to 1.
 struct SpaceBlend {
   std::array<SpaceWeight, most_blended_spaces> shares;
   std::int32_t size = 0;
@@ -46,31 +47,35 @@ struct TouchArea {
 
 /// The surface of a body at rest, and the weights of the configuration spaces on it.
 ///
-/// Every vertex near active nodes has weights of up to three spaces. An active node, or a node of
-/// its patch, has weight 1 for its own space (equal parts if patches overlap). Another vertex
-/// within `reach` of patches (d: shortest way along surface edges to a patch) has weights of the
-/// nearest three. They are (1 / d) (1 - d / reach)^2, scaled to sum 1.
+/// A vertex near active nodes has weights of up to three spaces:
+/// - An active node, or a node of its patch, has weight 1 for its own space. If patches overlap, a
+///   node in the overlap has equal weights for all of their spaces.
+/// - Another vertex within `reach` of patches has weights for the nearest three. They are (1 / d)
+///   (1 - d / reach)^2, scaled to sum 1, where d is the length of the shortest way along surface
+///   edges to the patch.
 ///
 /// A triangle is touchable if its three corners have weights. The weights are interpolated linearly
-/// in it, so they are continuous over the touchable surface and sum to 1. The force is therefore
-/// continuous between active nodes. It would jump if only the nearest vertex counted, as in the
-/// paper.
+/// in the triangle, so they are continuous over the touchable surface and sum to 1. The force is
+/// therefore continuous between active nodes. It would jump if only the nearest vertex counted, as
+/// in the paper.
 ///
-/// A finger's area is touchable where the three corners of a triangle are near its sites. The
-/// area's energy gives the forces there, and the weights of up to three sites at each vertex only
-/// blend the displayed shapes.
+/// The area of a finger is touchable in the triangles whose three corners are near its sites.
+/// Forces come from the energy of the area. The weights of up to three sites at each vertex only
+/// blend the shapes that are displayed.
 ///
-/// Vertices are numbered as Dataset::surfaceNodes(). Immutable: any thread may read.
+/// Vertices are numbered as in Dataset::surfaceNodes(). Immutable: any thread may read.
 class TouchSurface {
  public:
-  /// reach: metres. 0: for each active node its longest surface edge (so its ring of triangles is
-  /// touchable), but at least the extent of its patch. Throws Error if no triangle is touchable.
+  /// reach: metres. If it is 0, each active node gets a reach of its own: the length of the longest
+  /// surface edge at the node, which makes the triangles around it touchable, or the extent of its
+  /// patch if that is larger. Throws Error if no triangle is touchable.
   explicit TouchSurface(const Dataset& dataset, double reach = 0);
 
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< rest positions, m
-  /// Indices into vertices(), outward orientation.
+  /// Returns the triangles as indices into vertices(), oriented outward.
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  /// Unit, angle-weighted.
+  /// Returns the unit normals of the vertices, averaged over the faces with their angles as
+  /// weights.
   const std::vector<Eigen::Vector3d>& vertexNormals() const { return normals_; }
   const std::vector<TouchArea>& areas() const { return areas_; }
   bool touchable(std::int32_t triangle) const { return !cornerSharesOf(triangle).empty(); }
@@ -78,41 +83,42 @@ class TouchSurface {
   std::int32_t neighbor(std::int32_t triangle, int corner) const {
     return neighbors_[at(triangle)][at(corner)];
   }
-  /// Returns the weights of one vertex; empty if it has none.
+  /// Returns the weights of one vertex; empty if the vertex has no weights.
   std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const { return shares_[at(vertex)]; }
-  /// Returns the surface vertex of a space's active node; -1: it is not a vertex of the surface.
+  /// Returns the vertex at the active node of a space; -1 if that node is not a vertex of the
+  /// surface.
   std::int32_t activeVertex(std::size_t space) const { return active_vertices_[space]; }
-  /// Length of the longest edge at a vertex, m.
+  /// Returns the length of the longest edge at a vertex, m.
   double longestEdgeAt(std::int32_t vertex) const { return longest_edges_[at(vertex)]; }
 
   // Real time: the following functions do not allocate, lock, throw or log.
-  /// In ascending order.
+  /// Returns the triangles around a vertex, in ascending order.
   std::span<const std::int32_t> trianglesAt(std::int32_t vertex) const noexcept {
     return around_[at(vertex)];
   }
   const Eigen::Vector3d& faceNormal(std::int32_t triangle) const noexcept {
     return faces_[at(triangle)].normal;
   }
-  /// 1/m; column c: gradient of the barycentric coordinate of corner c in the plane of the
-  /// triangle.
+  /// Returns the gradients of the barycentric coordinates in the plane of the triangle, 1/m. Column
+  /// c belongs to corner c.
   const Eigen::Matrix3d& barycentricGradients(std::int32_t triangle) const noexcept {
     return faces_[at(triangle)].gradients;
   }
-  /// Returns the spaces with a weight at any corner, each once; empty if the triangle is not
+  /// Returns the spaces that have a weight at any corner, each once; empty if the triangle is not
   /// touchable.
   std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept {
     return corner_shares_[at(triangle)];
   }
-  /// Returns the index into areas() of the triangle's area; -1: none.
+  /// Returns the area of a triangle, as an index into areas(); -1 if it is in no area.
   std::int32_t areaOf(std::int32_t triangle) const noexcept { return area_of_[at(triangle)]; }
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
-  /// unit; interpolates the vertex normals
+  /// Returns the unit normal, interpolated between the vertex normals.
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
   /// Returns the weights at a point of a touchable triangle.
   SpaceBlend blendAt(const SurfacePoint& point) const noexcept;
   const SurfaceTree& tree() const noexcept { return tree_; }
-  /// Returns the nearest point of the touchable triangles. They are not a closed surface, so
-  /// `outside` is meaningless.
+  /// Returns the nearest point of the touchable triangles. These triangles are not a closed
+  /// surface, so `outside` is meaningless.
   NearestPoint nearestTouchable(const Eigen::Vector3d& point) const noexcept;
 
  private:
@@ -135,18 +141,19 @@ class TouchSurface {
   std::vector<std::vector<std::int32_t>> around_;       ///< triangles, per vertex
   std::vector<TouchArea> areas_;
   std::vector<std::int32_t> area_of_;  ///< per triangle
-  /// Per vertex, as area_of_. A vertex in an area has the weights of the area's sites.
+  /// Per vertex, like area_of_. A vertex in an area has weights for the sites of the area only.
   std::vector<std::int32_t> area_of_vertex_;
   std::vector<std::int32_t> active_vertices_;             ///< per space
   std::vector<double> longest_edges_;                     ///< per vertex
   std::vector<std::vector<SpaceWeight>> shares_;          ///< per vertex
-  std::vector<std::vector<CornerShares>> corner_shares_;  ///< per triangle; none: not touchable
+  std::vector<std::vector<CornerShares>> corner_shares_;  ///< per triangle; empty if not touchable
   SurfaceTree tree_;
-  SurfaceTree touch_tree_;                     ///< of the touchable triangles
-  std::vector<std::int32_t> touch_triangles_;  ///< touch_tree_'s, in triangles()
+  SurfaceTree touch_tree_;                     ///< contains only the touchable triangles
+  std::vector<std::int32_t> touch_triangles_;  ///< indices into triangles() of the triangles of
+                                               ///< touch_tree_
 };
 
-/// Returns whether both have the same triangles and vertices. Real time.
+/// Returns whether the two surfaces have the same triangles and vertices. Real time.
 bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept;
 
 }  // namespace palpate

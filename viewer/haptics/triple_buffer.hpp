@@ -7,27 +7,30 @@
 
 namespace palpate {
 
-/// Passes the latest value from one writing thread to one reading thread. Both sides are wait-free:
-/// no lock, no allocation, no retry. A value that is not read in time is lost, by design; use a
-/// queue (boost::lockfree::spsc_queue) for values that must not be lost.
+/// Passes the latest value from one writing thread to one reading thread. Both threads are
+/// wait-free: no lock, no allocation, no retry. A value that is not read before the next one is
+/// written is lost, by design. Use a queue (boost::lockfree::spsc_queue) for values that must not
+/// be lost.
 ///
-/// There are three slots: the writer and the reader own one each, and the third is exchanged
-/// through `shared_`. Bit 2 of `shared_` means that the writer put a new value there.
+/// There are three slots. The writer and the reader own one slot each, and the index of the third
+/// is exchanged through `shared_`. Bit 2 of `shared_` means that this slot contains a new value
+/// from the writer.
 template <class T>
 class TripleBuffer {
-  // Copies must not allocate or throw; Eigen's small matrices are not trivially copyable.
+  // Copies must not allocate or throw. The type cannot be required to be trivially copyable,
+  // because Eigen's small matrices are not.
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
   explicit TripleBuffer(const T& first = {}) : slots_{first, first, first} {}
 
-  /// Writing thread only.
+  /// Stores a value. Writing thread only.
   void write(const T& value) noexcept {
     slots_[writing_] = value;
     writing_ = shared_.exchange(writing_ | fresh, std::memory_order_acq_rel) & index;
   }
-  /// Reading thread only. Returns the last written value, or the first one; the reference is valid
-  /// until the next call.
+  /// Returns the last value that was written, or the initial value. The reference is valid until
+  /// the next call. Reading thread only.
   const T& read() noexcept {
     if ((shared_.load(std::memory_order_relaxed) & fresh) != 0)
       reading_ = shared_.exchange(reading_, std::memory_order_acq_rel) & index;
