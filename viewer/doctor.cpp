@@ -62,7 +62,7 @@ Finding lockedMemory() {
              : Finding{Verdict::note, "locked memory", found, realTimeAdvice()};
 }
 
-/// Measures the wake-up latency of sleeps 1 ms apart; returns it sorted, s.
+/// Returns the wake-up latencies of sleeps that begin 1 ms apart, sorted, s.
 std::vector<double> wakingLatencies() {
   constexpr std::int64_t step = 1'000'000, second = 1'000'000'000;
   constexpr int sleeps = 1000;
@@ -134,7 +134,7 @@ Finding haplyService() {
                             port)};
 }
 
-/// Asks the worker, since the viewer does not link OpenBLAS.
+/// Runs the worker to find out, because the viewer does not link OpenBLAS.
 Finding solverKernels() {
   constexpr const char* topic = "solver kernels";
   std::string worker;
@@ -147,7 +147,8 @@ Finding solverKernels() {
   try {
     ran = runToItsEnd({.words = {worker, "kernels"}, .package = "palpate-worker"});
   } catch (const Error&) {
-    // For example ended by a signal: exit_code keeps a value that no program returns.
+    // The worker may have been ended by a signal, for example: exit_code then has a value that no
+    // program returns.
   }
   if (ran.exit_code != 0)
     return {Verdict::bad, topic, fmt::format("{} kernels failed", worker), "run it to see why"};

@@ -17,17 +17,17 @@ struct Finding {
 };
 
 /// Checks whether this machine can run the haptic client: real-time limits, timer, memory locking,
-/// processor clock, display and the Haply service. Also asks palpate-worker for its solver kernels.
-/// Changes nothing and opens no device. Takes a second, to measure the wake-up latency of the
-/// timer.
+/// processor clock, display and the Haply service. Also runs palpate-worker to find out which
+/// solver kernels it uses. Changes nothing and opens no device. Takes a second, to measure the
+/// wake-up latency of the timer.
 std::vector<Finding> examineMachine();
 
-/// Formats the findings as text, one or two lines each, or as JSON, one object per line.
+/// Format the findings: as text of one or two lines each, or as JSON of one object per line.
 std::string describe(const std::vector<Finding>& findings);
 std::string describeJson(const std::vector<Finding>& findings);
 
-/// Returns the verb `doctor` of palpate-viewer, which prints the findings. Exit code 0, or 1 if
-/// something does not work.
+/// Returns the verb `doctor` of palpate-viewer, which prints the findings. Its exit code is 1 if
+/// something does not work, otherwise 0.
 Verb doctorVerb();
 
 }  // namespace palpate

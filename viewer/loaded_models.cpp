@@ -18,9 +18,9 @@ using namespace std::chrono_literals;
 
 constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
-constexpr int least_priority = 19;  // a nice value
+constexpr int least_priority = 19;  // a nice value, the lowest priority
 
-/// On Linux this affects the calling thread and the threads it starts later.
+/// Lowers the priority of the calling thread and of all threads that it starts later (on Linux).
 void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority); }
 
 bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
@@ -29,7 +29,8 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
     if (meanwhile && !meanwhile(model, model.preparedShare(0))) stop.request_stop();
   };
   look();
-  // Prepare on another thread, so that this one can show the progress of a large dataset.
+  // Prepare on another thread. This one can then show the progress, which matters for a large
+  // dataset.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0, stop.get_token()); });
   auto tell = std::chrono::steady_clock::now() + tell_every;
   while (prepared.wait_for(call_every) != std::future_status::ready) {
@@ -52,7 +53,7 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {
-    // Take the identity before reading, so that a replacement during the read is noticed.
+    // Take the identity before reading the file, so that a replacement during the read is noticed.
     identities_.push_back(identityOf(file));
     const Dataset dataset(file);
     warnIfPartial(dataset);
@@ -69,7 +70,7 @@ bool LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
 void LoadedModels::prepareTheRest() {
   preparation_ = std::jthread([this](const std::stop_token& stop) {
     giveWay();
-    // Catch errors, such as lack of memory, so that the other models are still prepared.
+    // If preparing one model fails, for example for lack of memory, still prepare the others.
     for (const auto& model : models_) try {
         model->preparePressures(stop);
       } catch (const std::exception& error) {

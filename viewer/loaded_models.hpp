@@ -14,29 +14,31 @@
 
 namespace palpate {
 
-/// The datasets of a run, prepared for the haptic loop. Belongs to one thread; any thread may use
-/// the models (HapticModel).
+/// The datasets of a run, prepared for the haptic loop. This object belongs to one thread, but any
+/// thread may use its models (HapticModel).
 class LoadedModels {
  public:
-  /// Called on the waiting thread, at first and then several times a second, with the prepared
-  /// share, 0 to 1. Returns false to stop the preparation.
+  /// Called on the waiting thread, first at the start of the preparation and then several times a
+  /// second. share: progress of the preparation, 0 to 1. Returns false to stop the preparation.
   using Meanwhile = std::function<bool(const HapticModel& model, double share)>;
 
-  /// Reads the files, without preparing a method. Throws the errors of Dataset and HapticModel.
+  /// Reads the files without preparing any method. Throws the errors of Dataset and HapticModel.
   LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
 
-  /// Prepares the first method of each dataset on all cores, with a log line per second. Returns
-  /// false if `meanwhile` stopped it.
+  /// Prepares the first method of each dataset on all cores, and logs the progress once a second.
+  /// Returns false if `meanwhile` stopped the preparation.
   bool prepareFirst(const Meanwhile& meanwhile = {});
-  /// Prepares the pressures, if requested, and the other methods, on a thread of lowest priority.
+  /// Prepares the pressures (if requested) and then the other methods, on a thread of lowest
+  /// priority.
   void prepareTheRest();
 
   const HapticModel& first() const { return *models_.front(); }
   /// Returns the models for HapticTick and Picture; valid during the lifetime of this object.
   std::vector<const HapticModel*> pointers() const;
-  /// The device of the first scene that names one.
+  /// Returns the limits of the device that a scene names; the first scene that names one counts.
   const std::optional<DeviceProfile>& device() const { return device_; }
-  /// Returns the first file that has been replaced, rewritten or removed since it was read.
+  /// Returns the first file that has been replaced, rewritten or removed since it was read; nothing
+  /// if there is none.
   std::optional<std::filesystem::path> replaced() const;
 
  private:
@@ -52,20 +54,20 @@ class LoadedModels {
   std::jthread preparation_;  ///< last member: ends before the models are destroyed
 };
 
-/// Reads datasets and prepares their first methods on a thread of lowest priority, since the haptic
-/// loop keeps running meanwhile. Belongs to one thread.
+/// Reads datasets and prepares their first methods in the background, on a thread of lowest
+/// priority, while the haptic loop continues to run. Belongs to one thread.
 class ModelsReload {
  public:
   ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
-  /// Stops the thread and waits for its end: some tens of milliseconds, or longer while a file is
-  /// being opened.
+  /// Stops the thread and waits until it has ended: some tens of milliseconds, or longer while a
+  /// file is being opened.
   ~ModelsReload();
   bool ended() const {
     return whole_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
-  /// The prepared share of all forces, 0 to 1.
+  /// Returns the progress of the preparation of all forces, 0 to 1.
   double share() const { return share_; }
-  /// Returns the models. Call once, after the end. Throws the errors of LoadedModels.
+  /// Returns the models. Call once, and only when ended(). Throws the errors of LoadedModels.
   std::unique_ptr<LoadedModels> take() {
     PALPATE_ASSERT(whole_.valid(), "what was read again is taken once");
     return whole_.get();
@@ -74,7 +76,8 @@ class ModelsReload {
  private:
   std::stop_source stop_;
   std::atomic<double> share_ = 0;
-  std::future<std::unique_ptr<LoadedModels>> whole_;  ///< last member: its thread uses the others
+  std::future<std::unique_ptr<LoadedModels>> whole_;  ///< last member: its thread uses the other
+                                                      ///< members
 };
 
 }  // namespace palpate

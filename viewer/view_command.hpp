@@ -11,16 +11,18 @@ namespace palpate {
 
 /// Options of `palpate view`.
 struct ViewOptions {
-  std::vector<std::filesystem::path> datasets;  ///< at least one; starts with the first
+  std::vector<std::filesystem::path> datasets;  ///< at least one; the first one is shown at the
+                                                ///< start
   std::string device;                           ///< a word of device_choice.hpp
-  KeyOptions keys = {};                         ///< for a device on the network
-  std::string profile;  ///< name in device_profiles; empty: the device's own
+  KeyOptions keys = {};                         ///< for a network device
+  std::string profile;  ///< a name in device_profiles; empty: the device's own limits
   std::string method = "potential";
-  std::optional<ContactMode> contact;  ///< nothing: the scene's
+  std::optional<ContactMode> contact;  ///< nothing: as the scene requests
   double friction = 0.2;
-  double reach = 0;    ///< m, TouchSurface
+  double reach = 0;    ///< m; passed to TouchSurface
   double rate = 1000;  ///< Hz
-  /// s of haptic time; 0: until the window closes, the device ends or a signal comes
+  /// s of haptic time. If it is 0, the run lasts until the window is closed, the device ends or a
+  /// signal arrives.
   double duration = 0;
   bool headless = false;
   bool fast = false;  ///< ticks as fast as possible, without a clock
@@ -31,14 +33,15 @@ struct ViewOptions {
   bool json = false;
 };
 
-/// Runs `palpate view`: the haptic client, on this thread, which also draws. Ends when the window
-/// is closed, the duration is over, a replay ends, or a signal comes; then prints the loop's
-/// statistics. Throws Error (bad input) if the recording would replace a dataset, and the errors of
-/// datasets, window and device.
+/// Runs `palpate view`, the haptic client. It runs on the calling thread, which also draws. It ends
+/// when the window is closed, the duration is over, a replay ends, or a signal arrives; it then
+/// prints the statistics of the loop. Throws Error (bad input) if the recording would replace a
+/// dataset, and the errors of datasets, window and device.
 ExitCode view(const ViewOptions& options, std::ostream& output);
 
-/// Returns the verb `view` of palpate-viewer, the haptic client. Throws Error (bad input) for wrong
-/// options, before it opens the device, and Error if a picture is wanted but there is no display.
+/// Returns the verb `view` of palpate-viewer, the haptic client. The verb throws Error (bad input)
+/// for wrong options before it opens the device, and Error if a picture is needed but there is no
+/// display.
 Verb viewVerb();
 
 }  // namespace palpate

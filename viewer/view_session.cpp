@@ -24,7 +24,8 @@ namespace {
 
 constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr auto headless_pause = std::chrono::milliseconds(20);
-constexpr auto look_every = std::chrono::milliseconds(500);  // for files, problems, statistics
+constexpr auto look_every = std::chrono::milliseconds(500);  // interval for checking files,
+                                                             // problems and statistics
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
@@ -32,8 +33,8 @@ DeviceProfile profileNamed(std::string_view word) {
   return *known;
 }
 
-/// One run of the haptic client: datasets, a device, the haptic loop, a picture, a recording. The
-/// thread that constructs it also draws.
+/// One run of the haptic client with its datasets, device, haptic loop, picture and recording. The
+/// thread that constructs the session also draws.
 class ViewSession {
  public:
   /// Loads the datasets, then opens the window and the device. Throws their errors.
@@ -42,7 +43,7 @@ class ViewSession {
     refuseInput(options_.record, "--record", options_.datasets);
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
     if (!options_.video.empty()) video_.emplace(options_.video);
-    // Open the device last, so that no earlier failure leaves it with a force.
+    // Open the device last, so that no earlier error can leave it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
     if (!options_.headless) openPicture();
     prepareFirst();
@@ -53,13 +54,13 @@ class ViewSession {
     if (!options_.record.empty())
       recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
     ticks_ = std::llround(options_.duration * options_.rate);
-    // A replay ends when its recording does.
+    // A replay ends together with its recording.
     if (ticks_ == 0) ticks_ = device_->readings();
   }
 
-  /// Runs until the window is closed, the duration is over, a replay has ended, or a signal comes.
-  /// Then sets zero force, saves the recording and the picture, and prints the statistics of the
-  /// loop to `output`.
+  /// Runs until the window is closed, the duration is over, a replay has ended, or a signal
+  /// arrives. Then sets zero force, saves the recording and the picture, and prints the statistics
+  /// of the loop to `output`.
   ExitCode run(std::ostream& output) {
     if (quit_) {
       spdlog::info("ended before the forces were prepared: nothing was felt or recorded");
@@ -67,7 +68,8 @@ class ViewSession {
     }
     PALPATE_ASSERT(device_ && tick_, "a session that goes on has opened its device");
     catchInterrupts();
-    // A broken output pipe must not end the program with a force applied.
+    // Ignore the signal of a broken output pipe, which must not end the program while a force is
+    // applied.
     std::signal(SIGPIPE, SIG_IGN);
     announce();
     try {
@@ -83,7 +85,7 @@ class ViewSession {
   }
 
  private:
-  /// Returns true if ticks and pictures alternate without a clock, which allows no interaction.
+  /// Returns true if ticks and pictures alternate without a clock. The user cannot interact then.
   bool stepped() const { return options_.fast && !options_.headless; }
   bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
 
@@ -91,7 +93,7 @@ class ViewSession {
     HapticModelOptions model_options;
     model_options.reach = options_.reach;
     std::erase(model_options.methods, options_.method);
-    // Skip methods that the user cannot choose: they take seconds and memory.
+    // Skip methods between which the user cannot choose, because they take seconds and memory.
     const bool steered = !options_.headless && !stepped();
     if (!steered) model_options.methods.clear();
     model_options.methods.insert(model_options.methods.begin(), options_.method);
@@ -110,7 +112,7 @@ class ViewSession {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
     const auto seen = [&](const HapticModel& model, double share) {
-      // Draw nothing here without a clock: the pictures must be the same in every run.
+      // Without a clock draw nothing here, because the pictures must be the same in every run.
       if (!picture_ || options_.fast) return true;
       PictureStatus waiting;
       waiting.notice =
@@ -120,13 +122,14 @@ class ViewSession {
     quit_ = !loaded_->prepareFirst(seen);
   }
 
-  /// Returns the limits of a virtual device.
+  /// Returns the limits that the options or the scene ask for; otherwise those of a usual device.
   DeviceProfile wantedProfile() const {
     if (!options_.profile.empty()) return profileNamed(options_.profile);
     return loaded_->device().value_or(profileNamed("touch"));
   }
 
-  /// Returns the device's limits, reduced to the profile of the options or the scene, if any.
+  /// Returns the limits of the device. If the options or the scene name a profile, no limit is
+  /// larger than that of the profile.
   DeviceProfile limits() const {
     const bool asked = !options_.profile.empty() || loaded_->device();
     return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
@@ -140,7 +143,7 @@ class ViewSession {
     tick_options.contact.friction = options_.friction;
     tick_options.guard = guardFor(limits(), tick_options.period);
     tick_options.map = workspaceFor(model, *device_, limits());
-    tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre in the scene
+    tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
     tick_ = std::make_unique<HapticTick>(loaded_->pointers(), *device_, tick_options);
   }
 
@@ -160,7 +163,8 @@ class ViewSession {
       spdlog::warn("{}: {}", device_->name(), doubts);
   }
 
-  /// Alternates ticks and pictures in haptic time, so that every machine draws the same pictures.
+  /// Alternates ticks and pictures in haptic time, so that the pictures are the same on every
+  /// machine.
   void runStepped() {
     const auto ticks_per_frame =
         std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
@@ -206,7 +210,7 @@ class ViewSession {
         continue;
       }
       obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
-      // After a slow picture, do not rush the next ones.
+      // After a slow picture, do not hurry to catch up.
       next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                       std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
@@ -222,7 +226,7 @@ class ViewSession {
     loop_.reset();
   }
 
-  /// Checks slow changes: files on disk, problems, statistics.
+  /// Checks what changes slowly: the files on disk, problems, and the statistics.
   void look() {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < look_every) return;
@@ -241,7 +245,8 @@ class ViewSession {
     spdlog::warn("{}", status_.notice);
   }
 
-  /// Warns if positions seem to be in millimetres: such a device never comes near the body.
+  /// Warns if the positions of the device seem to be in millimetres. The tool would then never come
+  /// near the body.
   void doubtPosition() {
     constexpr double most_radii = 10;
     if (!loop_ || doubted_ || device_->livesInScene()) return;
@@ -270,7 +275,7 @@ class ViewSession {
   }
 
   void obey(const PictureRequests& requests) {
-    // Without a loop, no other thread uses the tick.
+    // If there is no loop, no other thread uses the tick.
     const auto command = [&](const HapticCommand& what) {
       if (loop_)
         loop_->command(what);
@@ -295,8 +300,8 @@ class ViewSession {
       reload_ = std::make_unique<ModelsReload>(options_.datasets, modelOptions());
   }
 
-  /// Switches to the reloaded datasets when they are ready. If the reload failed, keeps the old
-  /// ones.
+  /// Switches to the reloaded datasets as soon as they are ready. If the reload failed, the old
+  /// ones stay in use.
   void followReload() {
     if (!reload_) return;
     status_.notice =
@@ -322,7 +327,7 @@ class ViewSession {
     endLoop();
     tick_.reset();
     picture_.reset();
-    // Destroy the old models last: their preparation may still run.
+    // Destroy the old models last, because their preparation may still run.
     const auto old = std::exchange(loaded_, std::move(fresh));
     openPicture();
     makeTick();
@@ -330,7 +335,8 @@ class ViewSession {
     if (ran) startLoop();
   }
 
-  /// Saves the recording; if its file cannot be written, in the directory for temporary files.
+  /// Saves the recording. If its file cannot be written, saves it in the directory for temporary
+  /// files.
   void saveRecording() const {
     if (!recorder_) return;
     PALPATE_ASSERT(!loop_, "a loop gives all its states before they are written");
@@ -364,14 +370,15 @@ class ViewSession {
   std::unique_ptr<HapticDevice> device_;
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
-  std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped
-  LoopStatistics statistics_;         ///< of ended loops; if stepped, of the ticks
+  std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()
+  LoopStatistics statistics_;         ///< of all loops that have ended; if stepped(), of the ticks
   std::uint64_t ticks_ = 0;           ///< ticks to run; 0: no limit
   PictureStatus status_;
-  std::string said_;  ///< the last logged problem
+  std::string said_;  ///< the problem that was logged last
   std::chrono::steady_clock::time_point looked_;
-  bool doubted_ = false;                  ///< warned about the position of the hand
-  std::unique_ptr<ModelsReload> reload_;  ///< set while datasets are reloaded
+  bool doubted_ = false;                  ///< whether the warning about the position of the hand
+                                          ///< was given
+  std::unique_ptr<ModelsReload> reload_;  ///< not null while datasets are reloaded
   bool quit_ = false;
 };
 

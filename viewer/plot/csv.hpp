@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-// Numbers as CSV (RFC 4180, but lines end with a line feed): a line of titles, then values; empty
-// for values that are not finite.
+// Numbers as CSV (RFC 4180, but lines end with a line feed). The first line holds the titles, the
+// others hold values. The cell of a value that is not finite is empty.
 
 namespace palpate {
 
-/// Returns one line, with its end.
+/// Returns one line, including its line feed.
 std::string csvLine(const std::vector<std::string>& cells);
 
-/// Returns `figures` significant digits; empty if the value is not finite.
+/// Returns the value with `figures` significant digits; an empty string if it is not finite.
 std::string csvNumber(double value, int figures = 8);
 
 }  // namespace palpate

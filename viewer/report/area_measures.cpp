@@ -18,32 +18,34 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< in radii of the ball
+constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< multiples of the radius of
+                                                                     ///< the ball
 constexpr std::size_t shown_sites = 3;
-constexpr int sideways = 4;  ///< directions at 45 degrees to the normal, in addition to the normal
+constexpr int sideways = 4;  ///< number of directions at 45 degrees to the normal
 
-/// Bound and force at one displacement of a triangle.
+/// Bound (relative) and force (N) of one displacement at the centroid of a triangle.
 struct Sample {
   double bound, force;
 };
 
-/// Returns unit vectors into the body.
+/// Returns unit vectors that point into the body: the inward normal, and those at 45 degrees to it.
 std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d across = normal.unitOrthogonal(), along = normal.cross(across);
   return {-normal, (across - normal).normalized(), (-across - normal).normalized(),
           (along - normal).normalized(), (-along - normal).normalized()};
 }
 
-/// Returns the factor that makes an error relative, 1/N: to the force, or to the force at which the
-/// allowed error is the floor.
+/// Returns the factor that makes an error relative, 1/N. The error is relative to the force, or, if
+/// that is larger, to the force at which the allowed error equals the floor.
 double relativeTo(double force, const AccuracyTarget& target) {
   return 1 / std::max(force, target.force_floor / target.force_error);
 }
 
-/// [triangle of the mesh's surface][depth].
+/// Samples of an area, [triangle of the mesh's surface][depth].
 using Samples = std::vector<std::array<std::vector<Sample>, depths.size()>>;
 
-/// Samples the area at the centroid of every triangle.
+/// Samples the area at the centroid of every triangle. Leaves out displacements without a bound,
+/// and those whose force is larger than the scene's largest.
 Samples samplesOf(const AreaField& area, const Dataset& dataset, double radius,
                   const AccuracyTarget& target) {
   const Mesh& mesh = dataset.mesh();
@@ -96,7 +98,7 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
       "every triangle was asked at every depth");
 }
 
-/// Computes the errors at probes by depth.
+/// Assigns the errors at the probes to the depths.
 void measureDepths(AreaMeasures& measures) {
   std::vector<double> all;
   for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);
@@ -113,7 +115,7 @@ void measureDepths(AreaMeasures& measures) {
   }
 }
 
-/// The fields of single sites, made on first use.
+/// Force of the space of the nearest site alone. Makes the field of a site when it is first used.
 class NearestSite {
  public:
   explicit NearestSite(const std::vector<const SpaceTable*>& sites)
@@ -139,7 +141,7 @@ AreaProbes measureProbes(const AreaField& area, NearestSite& nearest,
   AreaProbes measures;
   std::vector<ForceComparison> of_area, of_nearest;
   for (const SpaceTable* place : places) {
-    // A place without a rest position has no probe.
+    // If a place has no rest position, it has no probe.
     const auto& [displacement, record] = place->probes.empty() ? Probe() : place->probes.front();
     measures.counts.add(record);
     if (record.tag != Tag::expandable) continue;
@@ -171,7 +173,7 @@ void sampleWay(const AreaField& area, NearestSite& nearest, const Eigen::Vector3
       [&](const Eigen::Vector3d& p) { return nearest.force(place, p); }, way.direction, 0, length));
 }
 
-/// Returns the lattice axis, with sign, that points most into the body at a place.
+/// Returns the lattice axis that points most into the body at a place, with its sign.
 Eigen::Vector3d axisInto(const Mesh& mesh, const Eigen::Vector3d& place) {
   const Eigen::Vector3d into = -normalOf(mesh, nearestOnSurface(mesh, place).triangle);
   Eigen::Index axis = 0;

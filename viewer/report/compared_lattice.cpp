@@ -10,10 +10,11 @@
 namespace palpate {
 namespace {
 
-/// Radius / spacing below which a thinned lattice has too few points; every 2nd point is kept in
-/// any case.
+/// A thinned lattice with a smaller ratio of radius to spacing has too few points. Every 2nd point
+/// is used whatever the ratio.
 constexpr double smallest_ratio = 1.5;
-constexpr double same_spacing = 1e-3;  ///< relative
+constexpr double same_spacing = 1e-3;  ///< relative difference up to which two spacings are the
+                                       ///< same
 
 std::string labelOf(const Dataset& dataset, std::int32_t factor) {
   static constexpr std::array<const char*, 5> parts = {"", ", not refined", ", every 2nd point",
@@ -45,7 +46,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
   coarse.patch = space.patch;
   coarse.probes = space.probes;
   coarse.lattice = Lattice(dense.radius(), std::min(factor * dense.spacing(), dense.radius()));
-  // Index in the coarse lattice of each dense point; -1: none.
+  // Index of each dense point in the coarse lattice; -1 if it is dropped.
   std::vector<std::int32_t> number(space.points.size(), -1);
   const std::int32_t step = factor * dense.divisions();
   for (std::int32_t n = 0; n < coarse.lattice.size(); ++n) {
@@ -53,7 +54,8 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     for (std::int32_t& coordinate : point) coordinate *= step;
     const auto found = dense.indexOf(point);
     if (!found) {
-      // A PushedPart of the ball lacks this point; nothing was computed there.
+      // If only a part of the ball was built (PushedPart), this point does not exist; nothing was
+      // computed there.
       PointRecord& missing = coarse.points.emplace_back();
       missing.tag = Tag::failed;
       missing.cause = Cause::unreachable;
@@ -62,7 +64,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     number[*found] = n;
     coarse.points.push_back(space.points[*found]);
   }
-  // A dropped parent becomes the origin, where every chain of parents ends.
+  // If the parent was dropped, use the origin, where every chain of parents ends.
   for (PointRecord& point : coarse.points)
     if (point.parent >= 0) point.parent = std::max(number[point.parent], 0);
   for (FailedAttempt attempt : space.attempts) {
@@ -81,7 +83,8 @@ std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets) {
   };
   for (std::size_t d = 0; d < datasets.size(); ++d)
     add(d, 0, datasets[d].spaces().front().lattice.spacing());
-  // Whole datasets come first, so a thinned lattice is left out in favour of a built one.
+  // Whole datasets were added first. If one of them has the spacing of a thinned lattice, the
+  // thinned one is left out.
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Lattice& dense = datasets[d].spaces().front().lattice;
     const std::int32_t first = datasets[d].scene().accuracy.adaptive() ? 1 : 2;
@@ -102,7 +105,7 @@ std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
       "a lattice is one of these datasets, which have the same active nodes");
   const SpaceTable& whole = datasets[lattice.dataset].spaces()[space];
   if (lattice.factor > 0) return std::make_shared<SpaceTable>(thinned(whole, lattice.factor));
-  return {std::shared_ptr<const SpaceTable>(), &whole};  // owns nothing
+  return {std::shared_ptr<const SpaceTable>(), &whole};  // no owner: the dataset keeps the table
 }
 
 }  // namespace palpate

@@ -6,17 +6,19 @@ namespace palpate {
 
 /// Returns the space that a build with `factor` times the spacing would have found.
 ///
-/// Keeps the uniform lattice points whose coordinates are multiples of `factor` spacings, with
-/// their records and the probes. Refinement and splits are dropped, so factor 1 returns the space
-/// before refinement. A dropped parent becomes the origin; attempts at or from dropped points are
-/// dropped. Throws Error if factor < 1 or factor times the spacing exceeds the radius
-/// (isThinnable).
+/// Keeps the points of the uniform lattice whose coordinates are multiples of `factor` spacings,
+/// with their records, and all probes. Points from refinement and splits are dropped, so factor 1
+/// returns the space before refinement. If the parent of a point is dropped, the origin becomes its
+/// parent. Attempts whose target or parent is dropped are dropped too. Throws Error if factor < 1,
+/// or if factor times the spacing is larger than the radius (isThinnable).
 SpaceTable thinned(const SpaceTable& space, std::int32_t factor);
 
-/// Returns whether a lattice with `factor` times the spacing has more points than the origin.
+/// Returns whether a lattice with `factor` times the spacing would have any point besides the
+/// origin.
 bool isThinnable(const Lattice& lattice, std::int32_t factor);
 
-/// A lattice on which methods are compared: a dataset as it is, or a coarser lattice in it.
+/// A lattice on which methods are compared: a dataset as it is, or a coarser lattice made of its
+/// points.
 struct ComparedLattice {
   std::size_t dataset = 0;  ///< index of the dataset
   std::int32_t factor = 0;  ///< 0: the dataset as it is; otherwise thinned by this factor
@@ -24,12 +26,13 @@ struct ComparedLattice {
   double spacing = 0;       ///< m, before refinement
 };
 
-/// Returns the lattices in the datasets: each dataset as it is, refined ones also before
-/// refinement, and every 2nd, 3rd and 4th point of each. Leaves out thinned lattices with hardly
-/// any points, or with the spacing of another uniform lattice.
+/// Returns the lattices that can be made of the datasets: each dataset as it is, each refined
+/// dataset also before its refinement, and every 2nd, 3rd and 4th point of each dataset. Leaves out
+/// a thinned lattice if it has hardly any points, or if another uniform lattice has the same
+/// spacing.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
-/// Returns the table of active node `space` on a lattice of `datasets`, which must outlive it.
+/// Returns the table of active node number `space` on a lattice. `datasets` must outlive the table.
 std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space);
 

@@ -4,12 +4,12 @@
 
 namespace palpate {
 
-/// A property of both datasets, in words.
+/// A property and its values in two datasets, in words.
 struct ComparedProperty {
   std::string name, first, second;
 };
 
-/// Returns body, materials, workspace and size of two datasets side by side.
+/// Returns the bodies, materials, workspaces and sizes of two datasets side by side.
 std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& datasets,
                                                  const std::vector<DatasetFacts>& facts);
 

@@ -14,11 +14,11 @@
 namespace palpate {
 namespace {
 
-constexpr int ball_samples = 13;  ///< samples along an axis of the grid over the ball
+constexpr int ball_samples = 13;  ///< samples along one axis of the grid over the ball
 constexpr std::size_t most_differences = 400;
-constexpr int distance_samples = 24;  ///< from rest to the sphere
+constexpr int distance_samples = 24;  ///< distances from rest to the sphere
 
-/// A space of each dataset.
+/// Spaces of the same active node in the two datasets.
 struct SpacePair {
   const SpaceTable *first, *second;
 };
@@ -28,7 +28,8 @@ Eigen::Vector3d restPlace(const Dataset& dataset, const SpaceTable& space) {
                             : dataset.mesh().nodes[at(space.patch.node)];
 }
 
-/// Sites of areas have numbers as names, which mean other places on another body.
+/// Returns whether two spaces of the same name are also at the same place. The names of an area's
+/// sites are numbers, and on another body the same number can mean another place.
 bool isOnePlace(const SpaceTable& a, const SpaceTable& b) {
   if (a.patch.finger.has_value() != b.patch.finger.has_value()) return false;
   return !a.patch.finger || (a.patch.finger->center - b.patch.finger->center).norm() <=
@@ -43,7 +44,7 @@ std::vector<SpacePair> commonSpaces(const Dataset& first, const Dataset& second)
   return pairs;
 }
 
-/// "tip, edge-2 and 12 more"
+/// Returns some names as text, such as "tip, edge-2 and 12 more".
 std::string namesIn(const Dataset& dataset) {
   constexpr std::size_t most_names = 4;
   const std::vector<SpaceTable>& spaces = dataset.spaces();
@@ -72,13 +73,14 @@ BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
   return fields;
 }
 
-/// Returns the force if the field answers, else NaN.
+/// Returns the force where the field has an answer, otherwise NaN.
 Eigen::Vector3d answerOf(const ForceField& field, const Eigen::Vector3d& p) {
   const ForceSample sample = field.evaluate(p);
   return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
 }
 
-/// Returns whether a sample can be compared: answered, and within the force limit of its scene.
+/// Returns whether a sample can be compared: the field has an answer, and the force is within the
+/// limit of the scene.
 bool isComparable(const ForceSample& sample, const Dataset& dataset) {
   return sample.inside && sample.force.norm() <= dataset.scene().workspace.max_force;
 }
@@ -126,7 +128,7 @@ std::vector<Eigen::Vector3d> allDirections() {
 void compareOverDistance(const BothFields& fields, double radius, ComparedPlace& place) {
   const std::vector<Eigen::Vector3d> directions = allDirections();
   for (int n = 0; n <= distance_samples; ++n) {
-    // Slightly less than the radius: rounding may put a point on the sphere beyond it.
+    // Use slightly less than the radius, because rounding may put a point outside the sphere.
     const double distance = radius * (1 - 1e-9) * n / distance_samples;
     std::vector<double> first, second, difference;
     for (const Eigen::Vector3d& direction : directions) {
@@ -177,7 +179,7 @@ ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) 
   return place;
 }
 
-/// Returns sentences about the limits of the comparison.
+/// Returns sentences about the limits of the comparison, with remedies.
 std::vector<std::string> limitsOf(const Comparison& comparison) {
   const Dataset &first = comparison.open[0], &second = comparison.open[1];
   std::vector<std::string> limits;

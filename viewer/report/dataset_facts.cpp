@@ -16,15 +16,15 @@ bool haveOnePatches(const Dataset& a, const Dataset& b) {
   });
 }
 
-/// Returns "mesh" for "mesh/nodes": the group of an array, or the name of a nodal field.
+/// Returns the kind of an array: its group ("mesh" for "mesh/nodes"), or the name of a nodal field.
 std::string kindOf(const std::string& path) {
   const std::size_t end = path.find('/');
   return path == "points/displacement" || path == "points/pressure" ? path.substr(end + 1)
                                                                     : path.substr(0, end);
 }
 
-/// Callback of HDF5 for every object of a file: adds an array to the sizes of its kind. A negative
-/// result stops the iteration.
+/// Callback that HDF5 calls for every object of a file. Adds the size of an array to the sizes of
+/// its kind. A negative result stops the iteration.
 herr_t addSize(hid_t root, const char* name, const H5O_info_t* info, void* kinds) {
   if (info->type != H5O_TYPE_DATASET) return 0;
   const hdf5::Handle array(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
@@ -38,11 +38,10 @@ herr_t addSize(hid_t root, const char* name, const H5O_info_t* info, void* kinds
   return 0;
 }
 
-/// Returns the sizes, the largest first.
+/// Returns the sizes of all kinds of arrays, the largest first.
 std::vector<ArraySize> arraySizes(const std::string& file) {
   hdf5::silenceErrorStack();
-  // The same properties as in hdf5::Reader: HDF5 requires them to agree for a file that is already
-  // open.
+  // The same properties as in hdf5::Reader. HDF5 requires this if the file is already open.
   const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   hdf5::checked(H5Pset_file_locking(access.get(), false, true), file, "file locking");
   const hdf5::Handle opened(
@@ -75,7 +74,7 @@ void countFailedProbes(const std::vector<SpaceTable>& spaces,
 DatasetFacts factsOf(const Dataset& dataset) {
   DatasetFacts facts;
   facts.file = dataset.file();
-  std::error_code ignored;  // a missing file is an error below, with its name
+  std::error_code ignored;  // a missing file causes the error below, which names the file
   facts.bytes = std::filesystem::file_size(dataset.file(), ignored);
   for (const SpaceTable& space : dataset.spaces()) {
     facts.lattice_points += space.points.size();
@@ -121,7 +120,7 @@ std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b) {
 
 void refuseOtherScenes(const std::vector<Dataset>& datasets) {
   for (const Dataset& dataset : datasets)
-    // Comparing with the first is enough: the others are shown beside it.
+    // Comparing each dataset with the first one is enough, because all are shown beside the first.
     if (const std::vector<std::string> what = sceneDifferences(datasets.front(), dataset);
         !what.empty())
       throw badInput(

@@ -6,40 +6,40 @@
 
 namespace palpate {
 
-/// Size of the arrays of one kind in a dataset.
+/// Total size of the arrays of one kind in a dataset.
 struct ArraySize {
-  std::string kind;            ///< group ("mesh"); name of a nodal field ("displacement")
+  std::string kind;            ///< a group such as "mesh", or a nodal field such as "displacement"
   std::uint64_t stored = 0;    ///< bytes in the file, compressed
-  std::uint64_t unpacked = 0;  ///< bytes of the values
+  std::uint64_t unpacked = 0;  ///< bytes of the uncompressed values
 };
 
-/// Contents of a dataset, over all its active nodes.
+/// Facts about the contents of a dataset, summed over all its active nodes.
 struct DatasetFacts {
   std::filesystem::path file;
   std::uintmax_t bytes = 0;
   std::size_t configurations = 0;  ///< solved lattice points
   std::size_t lattice_points = 0;
   ProbeCounts probes;
-  std::vector<ArraySize> sizes;  ///< all arrays, the largest first
+  std::vector<ArraySize> sizes;  ///< of all arrays, the largest first
 };
 
-/// Counts the contents, and reads only the array sizes from the file. Throws Error if the file can
-/// no longer be read. One thread at a time (HDF5 is not thread-safe).
+/// Returns the facts of an open dataset; only the sizes of arrays are read from the file. Throws
+/// Error if the file can no longer be read. One thread at a time (HDF5 is not thread-safe).
 DatasetFacts factsOf(const Dataset& dataset);
 
-/// Number of failures by one cause.
+/// Number of failures with one cause.
 struct FailureCount {
   std::int64_t points = 0;    ///< lattice points without a solution
-  std::int64_t attempts = 0;  ///< failed transitions; another one may have reached the point
+  std::int64_t attempts = 0;  ///< failed transitions; a later one may have reached the point
   std::int64_t probes = 0;
 };
 
-/// Returns the causes that occur, with their counts.
+/// Returns the causes of failures in a dataset, with their counts.
 std::map<Cause, FailureCount> failuresOf(const Dataset& dataset);
 
-/// Returns the differences between the scenes of two datasets in the words of scene files
-/// ("material", "workspace.radius"); empty if they are of one scene. workspace.spacing and
-/// [accuracy] may differ.
+/// Returns the differences between the scenes of two datasets, as keys of scene files ("material",
+/// "workspace.radius"). Returns an empty list if both are of one scene. Differences in
+/// workspace.spacing and [accuracy] are ignored.
 std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b);
 
 /// Throws Error (bad input) unless all datasets are of one scene (sceneDifferences).

@@ -18,7 +18,7 @@ namespace {
 
 using DrawingJson = nlohmann::ordered_json;
 
-/// Largest number of discs on the organ; more would cover the colours of its triangles.
+/// Largest number of discs on the organ. More discs would hide the colours of its triangles.
 constexpr std::size_t most_discs = 150;
 
 double rounded(double value, int figures) {
@@ -54,7 +54,7 @@ DrawingJson drawnWays(const Ways& ways) {
   return array;
 }
 
-/// The surface of a body, with its nodes renumbered.
+/// The surface of a body. Its nodes are renumbered, so that interior nodes have no numbers.
 class Surface {
  public:
   explicit Surface(const Dataset& dataset)
@@ -79,11 +79,11 @@ class Surface {
             {"fixed", fixed}};
   }
 
-  /// Returns the number of a mesh node on the surface; -1: it is inside.
+  /// Returns the number of a mesh node on the surface; -1 if the node is inside the body.
   std::int32_t number(std::int32_t node) const { return numbers_[at(node)]; }
 
-  /// Returns a place on the surface, and the triangles that contain it, also on an edge or at a
-  /// corner. A mark is drawn in the views that show one of these triangles.
+  /// Returns a mark: a place on the surface, and all triangles that contain the place, also if it
+  /// is on an edge or a corner. A view shows the mark if it shows one of these triangles.
   DrawingJson mark(const Eigen::Vector3d& place) const {
     const Mesh& mesh = dataset_.mesh();
     const SurfacePoint on_surface = nearestOnSurface(mesh, place);
@@ -104,7 +104,7 @@ class Surface {
   std::vector<std::int32_t> numbers_;
 };
 
-/// Returns the provenance of each dataset: terms with their texts, and the whole scene.
+/// Returns the provenance of each dataset: a list of terms with their texts, and the whole scene.
 DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
                          const std::vector<DatasetFacts>& facts) {
   PALPATE_ASSERT(facts.size() == datasets.size(), "there are facts of every dataset");
@@ -153,7 +153,7 @@ DrawingJson drawn(const SliceMap& slice) {
   const auto flat = [](const Eigen::Vector2d& p) {
     return DrawingJson::array({rounded(p.x(), 6), rounded(p.y(), 6)});
   };
-  // "0" or "1" per sample: whether the surrounding corners are solved.
+  // One character per sample: "1" if the corners around it are solved, otherwise "0".
   std::string covered;
   for (const char one : slice.covered) covered += one != 0 ? '1' : '0';
   DrawingJson marks = DrawingJson::array(), jumps = DrawingJson::array(),
@@ -183,7 +183,7 @@ DrawingJson drawn(const NodePictures& pictures) {
           {"ways", drawnWays(pictures.ways)}};
 }
 
-/// Returns the places of the active nodes, with the error bounds of their spaces.
+/// Returns the places of the active nodes, and the error bounds of their spaces.
 DrawingJson drawnNodes(const Report& report, const Surface& surface) {
   const Dataset& dataset = report.open.front();
   DrawingJson nodes = DrawingJson::array();

@@ -5,8 +5,8 @@
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report.hpp"
 
-// Arrays for the drawings of the pages (page/report.js), and the sentences that pages share with
-// the text. SI units, rounded to a few digits; null for missing numbers.
+// Arrays for the drawings of the pages (page/report.js), and the sentences that the pages share
+// with the text. Numbers are in SI units and rounded to a few digits; a missing number is null.
 
 namespace palpate {
 

@@ -17,12 +17,12 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
   std::size_t holds = 0;
   std::vector<double> ratios;
   for (const ForceComparison& at : comparisons) {
-    // Most methods give no bounds, and the others none far from solved points.
+    // Most methods give no bounds. The others give none far from solved points.
     if (!std::isfinite(at.error_bound)) continue;
     const double error = (at.interpolated - at.exact).norm();
     ++measures.bounds;
     holds += error <= at.error_bound;
-    // A zero error does not show how tight a bound is.
+    // If the error is zero, its ratio to the bound is undefined.
     if (error > 0) ratios.push_back(at.error_bound / error);
   }
   if (measures.bounds > 0) measures.bound_holds = static_cast<double>(holds) / measures.bounds;
@@ -89,7 +89,7 @@ ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
 
 ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
                                    const AccuracyTarget& target) {
-  // Copied into contiguous memory for measureErrors; some thousands at most.
+  // measureErrors() needs contiguous memory; some thousands of elements at most.
   std::vector<ForceComparison> covered;
   std::ranges::copy_if(comparisons, std::back_inserter(covered), &ForceComparison::covered);
   return measureErrors(covered, target);

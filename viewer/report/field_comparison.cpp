@@ -21,11 +21,12 @@ constexpr int timed_positions = 4096, batch = 256;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Methods that interpolate in cells, so their samples know the coverage.
+/// Methods that interpolate in cells. Only their samples have a coverage.
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
-  // The engine gives the same numbers everywhere; the library's distributions do not.
+  // Use the engine's numbers directly: they are the same on all systems, those of the library's
+  // distributions are not.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);
@@ -39,7 +40,7 @@ std::vector<Eigen::Vector3d> positionsInBall(double radius) {
 }
 
 double medianQuery(const ForceField& field, double radius, double budget) {
-  // Drawn before the clock starts.
+  // Choose the positions before the clock starts.
   const std::vector<Eigen::Vector3d> positions = positionsInBall(radius);
   std::vector<double> times;
   double sum = 0;
@@ -51,7 +52,7 @@ double medianQuery(const ForceField& field, double radius, double budget) {
     times.push_back(seconds(Clock::now() - start) / batch * 1e9);
     next = (next + batch) % timed_positions;
   } while (seconds(Clock::now() - begin) < budget);
-  // Keeps the compiler from removing the queries.
+  // Use the sum, so that the compiler does not remove the queries.
   [[maybe_unused]] const volatile double used = sum;
   return spreadOf(std::move(times)).median;
 }
@@ -59,7 +60,8 @@ double medianQuery(const ForceField& field, double radius, double budget) {
 constexpr int candidates = 256, most_circles = 64, points_per_circle = 4096;
 
 struct Circle {
-  Eigen::Vector3d center, first, second;  ///< metres; the radii along two orthogonal directions
+  Eigen::Vector3d center, first, second;  ///< metres; two orthogonal vectors from the centre to the
+                                          ///< circle
 
   Eigen::Vector3d at(double angle) const {
     return center + std::cos(angle) * first + std::sin(angle) * second;
@@ -69,7 +71,7 @@ struct Circle {
   }
 };
 
-/// Circles inside a ball, the same for every field.
+/// A sequence of random circles inside a ball, the same sequence for every field.
 class RandomCircles {
  public:
   explicit RandomCircles(double radius) : radius_(radius) {}
@@ -90,7 +92,7 @@ class RandomCircles {
   std::mt19937 random_{20};
 };
 
-/// Returns nothing if the coverage is too low somewhere.
+/// Returns the relative work around a circle; nothing if the coverage is too low anywhere on it.
 std::optional<double> relativeWork(const ForceField& field, const Circle& circle,
                                    double least_coverage) {
   double work = 0, effort = 0;
@@ -114,7 +116,7 @@ double loopWork(const ForceField& field, double radius, double least_coverage) {
     const auto work = relativeWork(field, circles.next(), least_coverage);
     if (!work) continue;
     ++used;
-    // fmax ignores the initial NaN.
+    // fmax ignores the NaN at the start.
     largest = std::fmax(largest, *work);
   }
   return largest;
@@ -125,7 +127,7 @@ bool isCovered(const ForceSample& sample) noexcept {
 }
 
 MadeField tryToMake(const std::string& method, const SpaceTable& space) {
-  // One method that cannot be made of these points must not stop the report on the others.
+  // If one method cannot be made of these points, the report still shows the others.
   try {
     return {makeForceField(method, space), ""};
   } catch (const std::bad_alloc&) {
@@ -153,7 +155,8 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
     if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
       cells = std::move(made.field);
   }
-  // If no method interpolates in cells, make one just for this.
+  // If none of the methods interpolates in cells, make such a field just to find the covered
+  // solutions.
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;
   if (!cells) return results;

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Displacements closer than this share of a spacing are the same.
+/// Two displacements are the same if their distance is at most this fraction of a spacing.
 constexpr double same_place = 1e-6;
 
 bool isLatticePoint(const Lattice& lattice, const Eigen::Vector3d& displacement) {
@@ -26,7 +26,7 @@ bool isPointOfAny(const std::vector<const SpaceTable*>& tables,
   });
 }
 
-/// Collects solutionsOf(space) over all active nodes.
+/// Collects the solutions that solutionsOf(s) returns for each active node s.
 template <class SolutionsOf>
 HeldOut collected(HeldOutKind kind, std::size_t spaces, const SolutionsOf& solutionsOf) {
   HeldOut held_out;
@@ -49,7 +49,7 @@ std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& 
   for (const SpaceTable* table : tables)
     for (const auto& [displacement, record] : table->probes) {
       if (record.tag != Tag::expandable || isPointOfAny(tables, displacement)) continue;
-      // Probes within one dataset differ, and comparing them would take quadratic time.
+      // The probes of the first table all differ, and comparing them would take quadratic time.
       const bool is_known = table != tables.front() &&
                             std::ranges::find(solutions, displacement,
                                               &HeldOutSolution::displacement) != solutions.end();
@@ -87,7 +87,7 @@ HeldOut heldOutOf(const std::vector<Dataset>& datasets,
     for (const Dataset& dataset : datasets) tables.push_back(&dataset.spaces()[s]);
     return usableProbes(tables);
   });
-  // If there is only one lattice, no other leaves out a point of it.
+  // If there is only one lattice, no other lattice can leave out some of its points.
   if (probes.count > 0 || lattices.size() < 2) return probes;
   const auto densest = std::ranges::max_element(
       datasets, {}, [](const Dataset& dataset) { return dataset.spaces().front().points.size(); });

@@ -8,14 +8,15 @@
 namespace palpate {
 namespace {
 
-/// Held-out solutions closer to the plane than this share of the radius are shown in it.
+/// A slice shows held-out solutions whose distance from its plane is below this fraction of the
+/// radius.
 constexpr double shown_distance = 0.05;
 constexpr int bound_samples = 13;  ///< along an axis
 constexpr std::array<std::array<int, 2>, 3> planes = {{{0, 1}, {0, 2}, {1, 2}}};
 
 using Fields = std::vector<std::unique_ptr<ForceField>>;
 
-/// Makes all methods; null if one cannot be made.
+/// Returns the fields of all methods; null for a method that cannot be made.
 Fields fieldsOf(const SpaceTable& space, const std::vector<std::string>& methods) {
   Fields fields;
   for (const std::string& method : methods) fields.push_back(tryToMake(method, space).field);
@@ -31,7 +32,7 @@ void sampleAll(const Fields& fields, double from, double to, ForceWay& way) {
   }
 }
 
-/// Samples all fields from one side of the ball to the other.
+/// Samples all fields along an axis, from one side of the ball to the other.
 ForceWay axisOf(const SpaceTable& space, const Fields& fields, int axis) {
   static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
   ForceWay way = {.name = names[axis], .direction = Eigen::Vector3d::Unit(axis)};
@@ -45,7 +46,7 @@ std::vector<ForceWay> tellingWays(const SpaceTable& space, const Fields& fields,
   if (!fields.front()) return {};
   std::vector<double> errors;
   for (const HeldOutSolution& solution : held_out)
-    // A solution at rest has no direction.
+    // A solution at rest defines no direction.
     errors.push_back(
         solution.displacement.norm() > 0
             ? (fields.front()->evaluate(solution.displacement).force - solution.force).norm()
@@ -73,7 +74,7 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
   const int normal = 3 - across - up;
   const auto in_plane = [&](const Eigen::Vector3d& p) { return Eigen::Vector2d(p[across], p[up]); };
   const auto is_in_plane = [&](std::int32_t n) { return space.lattice.point(n)[normal] == 0; };
-  // Samples at the centres of the picture's squares.
+  // The samples are at the centres of the picture's squares.
   for (int row = 0; row < SliceMap::side; ++row)
     for (int column = 0; column < SliceMap::side; ++column) {
       Eigen::Vector3d p = Eigen::Vector3d::Zero();

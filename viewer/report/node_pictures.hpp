@@ -5,22 +5,25 @@
 
 namespace palpate {
 
-/// Error bound of a force field in a plane through the rest position, with lattice points and
-/// errors. Empty by default. Positions are (across, up), metres.
+/// Picture of a force field in a plane through the rest position: its error bound, with lattice
+/// points and errors at held-out solutions. Empty by default. Positions in the plane are (across,
+/// up), metres.
 struct SliceMap {
   static constexpr int side = 90;  ///< samples along an edge of the square around the ball
-  int across = 0, up = 1;          ///< axes to the right and upward
+  int across = 0, up = 1;          ///< axes that point right and upward in the picture
   double radius = 0;               ///< m
-  /// side x side, rows upward: error bound, N; NaN outside the ball or without a bound.
+  /// Error bound, N, of side x side samples, from the lowest row upward. NaN outside the ball, and
+  /// where the field has no bound.
   std::vector<double> bound;
-  /// side x side: nonzero if the eight surrounding corners are solved.
+  /// Nonzero if the eight corners around a sample are solved; side x side samples.
   std::vector<char> covered;
   struct LatticeMark {
     Eigen::Vector2d at;
     Tag tag;
   };
   std::vector<LatticeMark> marks;                     ///< lattice points in the plane
-  std::vector<std::array<Eigen::Vector2d, 2>> jumps;  ///< lattice edges between branches
+  std::vector<std::array<Eigen::Vector2d, 2>> jumps;  ///< lattice edges whose ends are on different
+                                                      ///< branches
   struct ErrorMark {
     Eigen::Vector2d at;
     double error;  ///< N
@@ -33,33 +36,34 @@ struct SliceMap {
   }
 };
 
-/// Samples the error bound of `field`, made of `space`, in the plane of two axes, and its errors at
-/// `held_out`. Takes about 10 ms.
+/// Samples the error bound of a field in the plane of two axes, and the field's errors at
+/// `held_out`. `space` is the space from which the field was made. Takes about 10 ms.
 SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,
                      const std::vector<HeldOutSolution>& held_out);
 
-/// Returns the statistics of the error bound of `field`, N, over the grid points in the ball of
-/// `radius` (m) that have a bound.
+/// Returns the statistics of the error bound of a field, N, over the points of a grid in the ball
+/// of `radius` (m). Points without a bound are left out.
 Spread sampleBounds(const ForceField& field, double radius);
 
-/// Fields of one active node, sampled.
+/// Samples of the fields of one active node.
 struct NodePictures {
   std::size_t node = 0;  ///< index into Report::nodes
-  /// Planes xy, xz and yz, default method on the shown lattice; empty if it cannot be made.
+  /// Pictures of the planes xy, xz and yz, for the default method on the shown lattice; empty if
+  /// that method cannot be made.
   std::vector<SliceMap> slices;
-  /// Along x, y and z through rest, in the first dataset as it is. The interpolations are the
-  /// methods, in the order of Report::methods.
+  /// Forces along x, y and z through rest, in the first dataset as it is. The interpolations are
+  /// the methods, in the order of Report::methods.
   std::vector<ForceWay> axes;
-  /// From rest through the held-out solutions of tellingOnes(), on the shown lattice; at most
-  /// three.
+  /// Forces on at most three paths from rest through held-out solutions, which tellingOnes()
+  /// chooses by their errors; on the shown lattice.
   std::vector<ForceWay> ways;
 };
 
-/// Samples the pictures of one node; does not set NodePictures::node.
+/// Samples the pictures of one node. The caller sets NodePictures::node.
 ///
-/// Samples the first of `methods` in the planes of `shown`, the space on the shown lattice. Samples
-/// all methods on paths through `shown` and along the axes of `whole`, the space as it is in the
-/// dataset. Any thread; takes some tenths of a second.
+/// shown: the space on the shown lattice; the slices show the first of `methods` on it, and the
+/// paths show all methods. whole: the space as it is in the dataset; the axes show all methods on
+/// it. Any thread; takes some tenths of a second.
 NodePictures sampleNode(const SpaceTable& shown, const SpaceTable& whole,
                         const std::vector<std::string>& methods,
                         const std::vector<HeldOutSolution>& held_out);

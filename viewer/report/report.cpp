@@ -40,8 +40,8 @@ bool isFirstDataset(const ComparedLattice& lattice) {
   return lattice.dataset == 0 && lattice.factor == 0;
 }
 
-/// Returns the target of the first dataset's scene that has one, and true; else a default
-/// yardstick, and false.
+/// Returns the accuracy target of the first dataset whose scene has one, and true. If no scene has
+/// one, returns a default target, and false.
 std::pair<AccuracyTarget, bool> targetOf(const std::vector<Dataset>& open) {
   for (const Dataset& dataset : open)
     if (const Accuracy& accuracy = dataset.scene().accuracy; accuracy.adaptive())
@@ -55,7 +55,7 @@ bool isTouchedByFingersAlone(const Scene& scene) {
   });
 }
 
-/// Inputs of the comparison.
+/// Everything that the comparison of the methods needs.
 struct Study {
   const ReportOptions& options;
   const std::vector<Dataset>& open;
@@ -73,10 +73,10 @@ struct Study {
 using NodeComparison = std::vector<MethodComparison>;        ///< per method
 using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< [compared node][method]
 
-/// Returns the lattice with the number of its solved points and their factorizations.
+/// Returns the measures of a lattice with its number of solved points and of their factorizations.
 LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   LatticeMeasures measures{std::move(lattice), 0, 0, {}, {}, {}};
-  // The sums are of integers, so they are exact in doubles.
+  // The sums are integers, so they are exact in doubles.
   for (const std::size_t s : study.compared) {
     std::int64_t& configurations = measures.node_configurations.emplace_back(0);
     const std::shared_ptr<const SpaceTable> of_node = study.table(measures, s);
@@ -92,7 +92,8 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   return measures;
 }
 
-/// Returns the first dataset as it is if it can be measured, else the densest lattice that can.
+/// Returns the first dataset as it is if its errors can be measured, otherwise the densest lattice
+/// for which they can.
 std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
                                       const HeldOut& held_out) {
   std::optional<std::size_t> measured;
@@ -102,9 +103,9 @@ std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattic
   return measured;
 }
 
-/// Times the methods one after the other, while nothing else runs.
+/// Measures the times of the methods one after the other, while nothing else runs.
 std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lattice) {
-  // One node is enough: preparing takes seconds for some methods, and all nodes are alike.
+  // One node is enough, because all nodes are alike. Preparing takes seconds for some methods.
   const auto first = study.table(lattice, study.compared.front());
   std::vector<MethodMeasures> measures;
   for (const std::string& method : study.methods)
@@ -117,7 +118,7 @@ std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& 
   spdlog::info("{}: comparing {} on {}", lattice.label, counted(study.methods.size(), "method"),
                counted(study.compared.size(), "active node"));
   const bool is_measurable = study.held_out.measures(lattice);
-  // Each thread writes its own element.
+  // Each thread writes an element of its own.
   std::vector<NodeComparison> nodes(study.compared.size());
   inParallel(nodes.size(), [&](std::size_t n) {
     const std::size_t space = study.compared[n];
@@ -129,7 +130,7 @@ std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& 
   return nodes;
 }
 
-/// Pools one method over all compared nodes.
+/// Pools the results of one method over all compared nodes.
 void pool(const Study& study, const std::vector<NodeComparison>& nodes, std::size_t method,
           MethodMeasures& measures) {
   std::vector<ForceComparison> pooled;
@@ -166,8 +167,8 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
   return measureWays(methods, radius, study.target);
 }
 
-/// Returns all active nodes. errors: of the compared nodes on the measured lattice; empty without
-/// one.
+/// Returns the measurements of all active nodes. errors: errors of the compared nodes on the
+/// measured lattice; empty if no lattice is measured.
 std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) {
   PALPATE_ASSERT(errors.empty() || errors.size() == study.compared.size(),
                  "a measured lattice has errors of every compared node");
@@ -192,7 +193,7 @@ std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) 
   return nodes;
 }
 
-/// Measures the default method on the nodes that were not compared.
+/// Measures the default method on the nodes on which the methods are not compared.
 void measureOthers(const Study& study, const LatticeMeasures& measured,
                    std::vector<NodeMeasures>& nodes) {
   if (study.compared.size() == nodes.size()) return;

@@ -37,7 +37,7 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
   return [options] { return report(*options, std::cout); };
 }
 
-/// Returns the method of the curves: the requested one, or the default.
+/// Returns the method that draws the curves of a comparison: the requested one, or the default.
 std::string methodOf(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
   if (asked.empty()) return known.front();
@@ -59,7 +59,7 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
 }  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
-  // Check before minutes of measuring, not after.
+  // Check this before the measurements, which take minutes.
   if (!options.html.empty()) {
     refuseInput(options.html, "--html", options.report.datasets);
     refuseUnwritable(options.html, "--html");
@@ -68,7 +68,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())
     return compare(options, std::move(open), output);
   ReportOptions wanted = options.report;
-  // Text and JSON have no pictures, and sampling for them takes time.
+  // Text and JSON have no pictures, so the time for sampling can be saved.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted, std::move(open));
   if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");

@@ -13,10 +13,12 @@ struct ReportCommandOptions {
   bool json = false;
 };
 
-/// Runs `palpate report`: measures every interpolation method on a dataset and prints a table or
-/// one JSON object. Writes the page if requested. Compares two datasets if they are of different
-/// scenes. Throws Error (bad input) like makeReport and compareDatasets, and if the page would
-/// replace a dataset; throws Error if the page cannot be written, and then leaves no file.
+/// Runs `palpate report`. Measures every interpolation method on a dataset, and prints a table or
+/// one JSON object; with ReportCommandOptions::html also writes the page. If two datasets are of
+/// different scenes, compares the datasets instead.
+///
+/// Throws Error (bad input) like makeReport() and compareDatasets(), and if the page would replace
+/// a dataset. Throws Error if the page cannot be written; no file is left then.
 ExitCode report(const ReportCommandOptions& options, std::ostream& output);
 
 /// Returns the verb `report` of palpate-answers, which writes to standard output.

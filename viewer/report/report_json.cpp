@@ -92,7 +92,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
                  "a node has a place for every method, measured or not");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
-    // On nodes that were not compared only the default method is measured.
+    // If the methods are not compared on a node, only the default method is measured.
     if (node.methods[m].count > 0) methods[report.methods[m]] = toJson(node.methods[m]);
   Json tags = Json::object();
   for (std::size_t tag = 0; tag < node.tags.size(); ++tag)
@@ -198,7 +198,7 @@ Json toJson(const Comparison& comparison) {
 }
 
 std::string jsonText(const Json& json) {
-  // File names need not be UTF-8; JSON must be.
+  // JSON must be UTF-8, but a file name need not be.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

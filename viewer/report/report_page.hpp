@@ -7,9 +7,9 @@ namespace palpate {
 struct Comparison;
 struct Report;
 
-/// Return an HTML page that needs no network: the report's JSON with arrays for the drawings, and a
-/// script that makes the tables, figures and sentences. Report::pictures are the nodes with
-/// pictures.
+/// Return an HTML page that needs no network. It contains the report's JSON, arrays for the
+/// drawings, and a script that builds the tables, figures and sentences from them. The nodes in
+/// Report::pictures are shown with pictures.
 std::string reportPage(const Report& report);
 std::string comparisonPage(const Comparison& comparison);
 

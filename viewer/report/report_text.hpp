@@ -7,8 +7,8 @@ namespace palpate {
 struct Comparison;
 struct Report;
 
-/// Return the report for a terminal: at most 100 columns except for file names, with a final
-/// newline.
+/// Return the report as text for a terminal, with a final newline. Lines have at most 100 columns,
+/// unless a file name is longer.
 std::string reportText(const Report& report);
 std::string comparisonText(const Comparison& comparison);
 

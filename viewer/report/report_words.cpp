@@ -35,7 +35,7 @@ std::vector<std::string> describeGaps(const Report& report) {
   for (const LatticeMeasures& lattice : report.lattices)
     for (std::size_t m = 0; m < report.methods.size(); ++m) {
       const MethodMeasures& method = lattice.methods[m];
-      // A method without measurements gives the reason in its row of the table.
+      // If the method has no measurements at all, its row of the table gives the reason.
       if (!method.problem.empty() && method.all.count > 0)
         gaps.push_back(
             fmt::format("{} with {} configurations is not measured on every active node. {}",
@@ -45,8 +45,8 @@ std::vector<std::string> describeGaps(const Report& report) {
 }
 
 std::string hintForProbes(const Report& report) {
-  // Areas have hundreds of sites: 200 probes at each would take longer than everything else, and
-  // say nothing about places between the sites.
+  // Areas have hundreds of sites. Computing 200 probes at each of them would take longer than
+  // everything else, and they would not measure the errors between sites.
   if (report.held_out.kind == HeldOutKind::probes || !report.areas.empty()) return "";
   return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene "
          "and build again: 200 exact solutions per active node at random positions, "
@@ -101,7 +101,7 @@ std::string formatBytes(double bytes) {
   if (bytes < 1000) return fmt::format("{:.0f} B", bytes);
   for (const char* unit : {"kB", "MB", "GB"}) {
     bytes /= 1000;
-    // Three figures would round larger values to 1e+03.
+    // With three figures a larger value would become 1e+03.
     if (bytes < 999.5) return fmt::format("{:.3g} {}", bytes, unit);
   }
   return fmt::format("{:.3g} TB", bytes / 1000);
@@ -110,7 +110,7 @@ std::string formatBytes(double bytes) {
 std::string formatNumber(double value, int figures) {
   if (!std::isfinite(value)) return "-";
   const double magnitude = std::abs(value);
-  // Fixed notation is short here; the logarithm counts the digits before the point.
+  // Use fixed notation if it is short. The logarithm counts the digits before the point.
   if (value == 0 || (magnitude >= 1e-3 && magnitude < 1e6)) {
     const int digits =
         magnitude == 0 ? 0 : figures - 1 - static_cast<int>(std::floor(std::log10(magnitude)));
@@ -120,14 +120,14 @@ std::string formatNumber(double value, int figures) {
 }
 
 std::string formatCount(double count) {
-  // A mean over active nodes is rarely whole.
+  // A mean over active nodes is rarely a whole number.
   const bool is_whole = std::abs(count - std::round(count)) < 1e-6;
   return fmt::format("{:.{}f}", count, is_whole || count >= 100 ? 0 : 1);
 }
 
 std::string formatShare(double share) {
   if (!std::isfinite(share)) return "-";
-  // "100.0 %" would mean that there is no exception.
+  // "100.0 %" would claim that there is no exception.
   if (share < 1 && share > 0.9995) return ">99.9 %";
   return fmt::format("{:.1f} %", 100 * share);
 }
@@ -135,7 +135,7 @@ std::string formatShare(double share) {
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string result, line;
   std::istringstream words(text);
-  // Does not split a word that is wider than a line, such as a path.
+  // A word that is wider than a line, such as a path, is not split.
   for (std::string word; words >> word;) {
     if (!line.empty() && indent + line.size() + 1 + word.size() > text_width) {
       result += line + '\n' + std::string(indent, ' ');

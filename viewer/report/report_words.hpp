@@ -6,37 +6,37 @@
 
 namespace palpate {
 
-/// Returns one sentence about the exact solutions that errors are measured with.
+/// Returns one sentence about the held-out solutions.
 std::string describeHeldOut(const Report& report);
 
-/// Returns a sentence for each method that could not be made for some, but not all, active nodes.
+/// Returns a sentence for each method that could be made for some, but not all, active nodes.
 std::vector<std::string> describeGaps(const Report& report);
 
-/// Returns advice for better held-out solutions; empty if there are probes.
+/// Returns advice on how to get better held-out solutions; empty if there are probes.
 std::string hintForProbes(const Report& report);
 
-/// Returns the results of the probes of a finger's area, or advice how to get probes.
+/// Returns the results at the probes of a finger's area, or advice on how to get probes.
 std::string describeProbes(const AreaMeasures& area, const Report& report);
 
-/// "max(3 % of |force|, 0.01 N), as the scene asks".
+/// Returns the accuracy target as text: "max(3 % of |force|, 0.01 N), as the scene asks".
 std::string describeTarget(const Report& report);
 
-/// "493 nodes, 1717 tetrahedra".
+/// Returns the size of a mesh as text: "493 nodes, 1717 tetrahedra".
 std::string describeMesh(const Mesh& mesh);
 
-/// "ball of 100 mm, spacing 20 mm".
+/// Returns the workspace ball as text: "ball of 100 mm, spacing 20 mm".
 std::string describeBall(const Dataset& dataset);
 
-/// "4.2 MB"; decimal units, as on the labels of disks.
+/// Returns a size such as "4.2 MB", in decimal units, as on the labels of disks.
 std::string formatBytes(double bytes);
 
-/// At most three figures, "-" for NaN: "0.00012", "1.2e-06", "34", "12300".
+/// Returns a number with few digits, or "-" for NaN: "0.00012", "1.2e-06", "34", "12300".
 std::string formatNumber(double value, int figures = 2);
 
-/// "123", or "123.4" for a mean.
+/// Returns "123" for a whole number, "123.4" for a mean.
 std::string formatCount(double count);
 
-/// "99.5 %", or "-" for NaN; never rounds up to 100 %.
+/// Returns a fraction as "99.5 %", or "-" for NaN. Never rounds up to 100 %.
 std::string formatShare(double share);
 
 /// Wraps a text at spaces into lines of at most 100 columns. The first line begins in column

@@ -14,7 +14,7 @@ std::vector<WayShell> measureWays(const std::vector<std::vector<WayComparison>>&
   for (const std::vector<WayComparison>& method : methods) {
     std::vector<std::vector<ForceComparison>> in_shell(way_shells);
     for (const WayComparison& at : method) {
-      // Points on the sphere, or slightly beyond it by rounding, belong to the last shell.
+      // A point on the sphere, or outside of it by rounding, belongs to the last shell.
       const auto shell = static_cast<std::size_t>(way_shells * at.way / radius);
       in_shell[std::min(shell, way_shells - 1)].push_back(at.forces);
     }

@@ -1,13 +1,13 @@
 "use strict";
-// The page of `palpate report`: builds its sentences, tables and drawings from the JSON in the
-// page. docs/commands.md describes the JSON; `drawings` are arrays for this page only.
+// The page of `palpate report`. This script builds the sentences, tables and drawings from the JSON
+// in the page. docs/commands.md describes the JSON; `drawings` are arrays for this page only.
 
-// Missing numbers are null in JSON. NaN keeps sums from treating them as zero.
+// A missing number is null in JSON. Make it NaN, so that a sum does not treat it as zero.
 const report = JSON.parse(document.getElementById("report").textContent,
     (key, value) => value === null ? NaN : value);
 const drawings = report.drawings;
 
-// ---- Markup. html`...` escapes inserted values, except those that html made.
+// ---- Markup. html`...` escapes inserted values, except markup that html itself made.
 
 class Markup {
   constructor(text) { this.text = text; }
@@ -22,11 +22,11 @@ const html = (parts, ...values) => new Markup(String.raw({ raw: parts }, ...valu
 // ---- Numbers as people read them.
 
 const isNumber = Number.isFinite;
-/// With at most `digits` significant digits.
+/// Returns a number with at most `digits` significant digits.
 const brief = (value, digits) => String(Number(value.toPrecision(digits)));
 const counted = (count, noun, plural = noun + "s") => `${count} ${count === 1 ? noun : plural}`;
 
-/// "0.0012", "1.2e-06", "34", or "-" for a missing number.
+/// Returns "0.0012", "1.2e-06", "34", or "-" for a missing number.
 function number(value, digits = 2) {
   if (!isNumber(value)) return "-";
   const size = Math.abs(value);
@@ -35,13 +35,13 @@ function number(value, digits = 2) {
   return value.toFixed(size === 0 ? 0 : Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
 }
 
-/// "99.5 %"; never rounds up to 100 %, which would mean that there is no exception.
+/// Returns "99.5 %". Never rounds up to 100 %, which would claim that there is no exception.
 function share(value) {
   if (!isNumber(value)) return "-";
   return value < 1 && value > 0.9995 ? ">99.9 %" : (100 * value).toFixed(1) + " %";
 }
 
-/// A mean over active nodes is rarely whole.
+/// A mean over active nodes is rarely a whole number.
 const count = (value) =>
   value.toFixed(Math.abs(value - Math.round(value)) < 1e-6 || value >= 100 ? 0 : 1);
 
@@ -60,7 +60,7 @@ const norm = (v) => Math.hypot(...v);
 
 // ---- Ticks of axes.
 
-/// The smallest of 1, 2 and 5 times a power of ten that is at least `value`.
+/// Returns the smallest number that is at least `value` and is 1, 2 or 5 times a power of ten.
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return ([1, 2, 5].find((factor) => value <= factor * power * (1 + 1e-9)) ?? 10) * power;
@@ -74,7 +74,8 @@ function linearTicks(lowest, highest, wanted = 5) {
   return ticks;
 }
 
-/// Powers of ten, with 2 and 5 between them, or all digits, if there would be fewer than three.
+/// Returns powers of ten. If there would be fewer than three, adds 2 and 5 times these powers, or
+/// all digits.
 function logarithmicTicks(lowest, highest) {
   const first = Math.floor(Math.log10(lowest)), last = Math.ceil(Math.log10(highest));
   const every = Math.max(1, Math.floor((last - first + 7) / 8));  // labels must not touch
@@ -91,7 +92,7 @@ function logarithmicTicks(lowest, highest) {
   return linearTicks(lowest, highest);
 }
 
-/// "0.02", "300", "2·10⁻⁵".
+/// Returns the label of a tick: "0.02", "300", "2·10⁻⁵".
 function tickLabel(value) {
   const size = Math.abs(value);
   if (size === 0 || (size >= 9.99e-4 && size < 99999)) return brief(value, 6);
@@ -102,7 +103,7 @@ function tickLabel(value) {
 
 // ---- Drawings: SVG.
 
-/// Returns an element. Numbers are coordinates, rounded to a tenth of a unit.
+/// Returns an SVG element. Numbers are coordinates; they are rounded to a tenth of a unit.
 function shape(tag, attributes, content = "") {
   const written = Object.entries(attributes).map(([name, value]) =>
     ` ${name}="${escaped(typeof value === "number" ? Math.round(10 * value) / 10 : value)}"`);
@@ -114,12 +115,13 @@ const circle = (cx, cy, r, attributes, content) =>
 const words = (x, y, text, anchor = "start", style = "tick") =>
   shape("text", { class: style, x, y, "text-anchor": anchor }, text);
 const titled = (text) => text ? shape("title", {}, text) : "";
-/// "12.3 4.5"
+/// Returns the coordinates of a path: "12.3 4.5".
 const at = (x, y) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 
-// ---- Plots. A series has a label, points [x, y, note], a look, and a line, marks or both.
+// ---- Plots. A series has a label, points [x, y, note] and a look, and is drawn as a line, as
+// marks, or as both.
 
-/// Colours that colour-blind readers can tell apart (Okabe and Ito); marks and dashes also differ.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito). Marks and dashes differ too.
 function look(n) {
   const colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
     "#7a5195", "#8c6d31", "#7f7f7f"];
@@ -137,11 +139,12 @@ const looks = {
 const series = (label, style, points = []) => ({ label, style, points, line: true, marks: true });
 const marksOnly = (label, style, points) => ({ ...series(label, style, points), line: false });
 const lineOnly = (label, style, points) => ({ ...series(label, style, points), marks: false });
-/// Returns a series for each method: points(name, number).
+/// Returns a series for each method. points(name, number) returns the points of a method.
 const methodSeries = (points) =>
   report.methods.map((name, n) => series(name, look(n), points(name, n)));
 
-/// Draws a disc, square, triangle, diamond, ring, or triangle that points down.
+/// Draws the mark of a series: a disc, square, triangle, diamond, ring, or triangle that points
+/// down.
 function markAt(x, y, { mark, colour }, note) {
   if (mark === 0) return circle(x, y, 4.2, { fill: colour }, titled(note));
   if (mark === 4)
@@ -156,7 +159,7 @@ function markAt(x, y, { mark, colour }, note) {
 const stroke = ({ colour, width, dash = "none" }) =>
   ({ fill: "none", stroke: colour, "stroke-width": width, "stroke-dasharray": dash });
 
-/// Line and mark of a series, for a legend.
+/// Returns the line and mark of a series for a legend.
 const seriesKey = ({ label, style, line, marks }) => ({
   text: label, width: 34, height: 12,
   svg: [line ? path({ d: "M1 6H33", ...stroke(style) }) : "", marks ? markAt(17, 6, style) : ""],
@@ -164,13 +167,13 @@ const seriesKey = ({ label, style, line, marks }) => ({
 
 const frame = { left: 62, right: 14, top: 30, bottom: 46 };
 
-/// Returns the scale that maps values to places between `from` and `to`, with a margin at both
+/// Returns the scale that maps values to coordinates between `from` and `to`, with a margin at both
 /// ends.
 function axisScale({ logarithmic }, values, from, to) {
   const shows = (value) => isNumber(value) && (!logarithmic || value > 0);
   const inner = logarithmic ? Math.log10 : (value) => value;
   const shown = values.filter(shows).map(inner);
-  // An empty plot has axes too.
+  // Give an empty plot axes too.
   let [lowest, highest] = rangeOf(shown.length ? shown : [inner(1), inner(10)]);
   const pad = highest > lowest ? 0.04 * (highest - lowest)
     : logarithmic ? 0.5 : Math.max(0.5 * Math.abs(highest), 0.5);
@@ -210,7 +213,7 @@ function axesOf({ title, x: { label: across }, y: { label: up }, width, height }
 const linear = (label) => ({ label, logarithmic: false });
 const logarithmic = (label) => ({ label, logarithmic: true });
 
-/// Returns a panel with series on common axes, the first on top.
+/// Returns a panel with several series on common axes. The first series is drawn on top.
 function plot(given) {
   const wanted = { width: 480, height: 340, caption: "", ...given };
   const { title, width, height, caption, series: all } = wanted;
@@ -230,7 +233,7 @@ function plot(given) {
   };
 }
 
-// ---- Colours of logarithmic scales: viridis, which grows lighter evenly.
+// ---- Colours of logarithmic scales: viridis, whose lightness increases in even steps.
 
 const levels = 25;
 function colourOfLevel(level) {
@@ -250,8 +253,8 @@ function percentile(sorted, part) {
   return sorted[below] + (place - below) * (above - sorted[below]);
 }
 
-/// Limits are powers of ten around the values between the 2nd and 98th percentile, at most five
-/// decades. disc: the meaning of a coloured disc, for the legend.
+/// Returns a colour scale whose limits are powers of ten. They enclose the values from the 2nd to
+/// the 98th percentile, but at most five decades. disc: meaning of a coloured disc, for the legend.
 function colourScale(values, unit, disc = "") {
   const sorted = values.filter((value) => isNumber(value) && value > 0).sort((a, b) => a - b);
   let base = -3, top = 0;
@@ -269,7 +272,7 @@ function colourScale(values, unit, disc = "") {
   return { base, top, unit, disc, levelOf, text, colourOf };
 }
 
-/// The colours with their numbers, for a legend.
+/// Returns the colours with their numbers, for a legend.
 function colourBar({ base, top, unit }) {
   const width = 350, margin = 24, box = (width - 2 * margin) / levels;
   const svg = [];
@@ -284,7 +287,7 @@ function colourBar({ base, top, unit }) {
   return { text: "", width, height: 40, svg };
 }
 
-// ---- Figures: numbered, each drawing with buttons that save it.
+// ---- Figures. They are numbered, and each drawing has buttons that save it.
 
 const saved = [];  // panels, with their file names
 let figures = 0;
@@ -305,8 +308,8 @@ function panelHtml(panel, letter) {
 ${panel.caption && html`<span>${panel.caption}</span> `}${buttons}</p></div>`;
 }
 
-/// Panels under one number and caption, lettered if there are several. About three in a row, or as
-/// the CSS class `layout` arranges them.
+/// Returns panels under one number and caption; several panels get letters. They are arranged about
+/// three in a row, or by the CSS class `layout`.
 function figure({ caption, panels, layout = "", key = panels[0].key }) {
   ++figures;
   const shown = panels.map((panel, n) =>
@@ -316,11 +319,11 @@ function figure({ caption, panels, layout = "", key = panels[0].key }) {
 <figcaption><b>Figure ${figures}.</b> ${caption}</figcaption></figure>`;
 }
 
-/// Start of the names of saved files, valid on every system.
+/// Returns the beginning of the names of saved files, which is valid on every system.
 const fileStem = () => (report.compared ? drawings.names.join("-and-") : report.scene)
   .replace(/[^A-Za-z0-9_-]+/g, "-").replace(/^-+|-+$/g, "") || "palpate";
 
-/// A drawing as a separate file: with its styles and its legend, on white.
+/// Returns a drawing as a separate file with its styles and its legend, on white.
 function svgFile({ width, height, svg, key }) {
   let x = 8, y = height;
   const entries = key.map((entry) => {
@@ -338,7 +341,7 @@ function svgFile({ width, height, svg, key }) {
     shape("rect", { width, height: whole, fill: "#fff" }), svg, entries]).text;
 }
 
-/// Lines of cells (RFC 4180); empty for missing numbers.
+/// Returns lines of cells (RFC 4180). The cell of a missing number is empty.
 const csvFile = (rows) => rows.map((cells) => cells.map((cell) => {
   if (typeof cell === "number") return isNumber(cell) ? brief(cell, 8) : "";
   return /[,"\n\r]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
@@ -372,7 +375,7 @@ function barCell(value, largest) {
 const cards = (title, all) => html`<p class="how">${title}</p><div class="cards">
 ${all.map(([value, meaning]) =>
   html`<div class="card"><b>${value}</b><span>${meaning}</span></div>`)}</div>`;
-/// Some numbers of a spread.
+/// Return some of the statistics of a spread, as numbers or as percentages.
 const numbersOf = (spread, ...which) => which.map((one) => number(spread?.[one]));
 const sharesOf = (spread, ...which) => which.map((one) => share(spread[one]));
 
@@ -383,7 +386,8 @@ const cross = (a, b) => [0, 1, 2].map((n) =>
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const minus = (a, b) => a.map((c, n) => c - b[n]);
 
-/// Three views of the body, as axes: to the right, up, and towards the eye.
+/// Returns three views of the body. A view is given by its axes: to the right, up, and toward the
+/// eye.
 function bodyViews(eye) {
   const axes = (towards, hint) => {
     const across = cross(hint, towards), right = across.map((c) => c / norm(across));
@@ -395,7 +399,8 @@ function bodyViews(eye) {
     ["from above", axes(front[1], behind)]];
 }
 
-/// Orthographic view of the body: the projected nodes, and the triangles that face the eye.
+/// Returns an orthographic view of the body: the projected nodes, and the triangles that face the
+/// eye.
 function lookAt(axes) {
   const { nodes, triangles } = drawings.body, width = 420, margin = 12;
   const seenFrom = (p) => axes.map((axis) => dot(axis, p)), seen = [];
@@ -413,7 +418,7 @@ function lookAt(axes) {
     width, margin, scaled, seen, seenFrom, cornersOf, facing, span: right - left,
     height: Math.round(scaled * (top - bottom) + 2 * margin + 30),
     x: (p) => margin + scaled * (p[0] - left), y: (p) => margin + scaled * (top - p[1]),
-    /// Visible triangles, the farthest first.
+    /// The visible triangles, beginning with the farthest.
     order: [...facing.keys()].filter((t) => facing[t] > 0).sort((a, b) => depth[a] - depth[b]),
   };
 }
@@ -423,7 +428,7 @@ function bodyTriangles({ order, facing, cornersOf, x, y }, values, scale) {
     const grey = Math.round(176 + 58 * facing[t]), known = isNumber(values[t]);
     const fill = known ? scale.colourOf(values[t]) : `rgb(${grey},${grey + 3},${grey + 3})`;
     const d = `M${cornersOf(t).map((p) => at(x(p), y(p))).join("L")}z`;
-    // Browsers cannot print pages with a title on each of very many triangles.
+    // If very many triangles have titles, browsers cannot print the page.
     return path({ d, fill, stroke: fill },
       titled(known && facing.length <= 4000 ? scale.text(values[t]) : ""));
   });
@@ -436,7 +441,7 @@ function fixedNodes({ order, seen, x, y }) {
     .map((node) => `M${at(x(seen[node]) - 2, y(seen[node]) - 2)}l4 4m0 -4l-4 4`).join("") });
 }
 
-/// A disc is drawn in the views that show one of its triangles.
+/// Draw a disc in each view that shows one of its triangles.
 function bodyMarks({ facing, seenFrom, x, y }, marks, scale) {
   const shown = marks.filter(({ at: { triangles } }) => triangles.some((t) => facing[t] > 0));
   return shown.map(({ at: { place }, value, note: text }) => {
@@ -452,8 +457,9 @@ function lengthBar({ span, scaled, margin, height }) {
     words(margin + wide + 8, height - 9, brief(millimetres(bar), 3) + " mm")];
 }
 
-/// Panels of the body from three sides. values: per triangle; grey without one. marks: [{at:
-/// {place, triangles}, value, note}]. meaning: description of the values, for the saved file.
+/// Returns panels that show the body from three sides. values: one per triangle; a triangle without
+/// a value is grey. marks: [{at: {place, triangles}, value, note}]. meaning: describes the values
+/// in the saved file.
 function bodyPanels({ values = [], marks = [], scale, meaning }) {
   const panels = bodyViews(drawings.body.front).map(([caption, axes]) => {
     const seen = lookAt(axes);
@@ -465,7 +471,7 @@ function bodyPanels({ values = [], marks = [], scale, meaning }) {
       lengthBar(seen)],
     };
   });
-  // All views show the same numbers.
+  // One file is enough, because all views show the same numbers.
   panels[0].files = [["CSV", ".csv", () => bodyRows(values, marks, meaning)]];
   return panels;
 }
@@ -507,12 +513,13 @@ function forcePlot(way, names, title, along) {
     width: 380, height: 290, caption: along === "along the way" ? `direction (${direction})` : "",
     series: [...(unseen.length ? [exactMarks.unseen(unseen)] : []),
       ...(solved.length || !unseen.length ? [exactMarks.solved(solved)] : []),
-      // The default method, with the widest line, below the others.
+      // Draw the default method first, with the widest line, so that the other lines are on top of
+      // it.
       ...curves.reverse()],
   });
 }
 
-/// marks: "unseen", "solved".
+/// Returns the legend of the curves. marks: some of "unseen" and "solved".
 const wayKey = (names, marks) => [...marks.map((mark) => exactMarks[mark]()),
   ...names.map((name, n) => lineOnly(name, look(n)))].map(seriesKey);
 
@@ -545,7 +552,8 @@ function methodCards() {
     [share(all.relative_to_mean_force), "the same, of the mean force"],
     [share(all.within_target), withinTarget()],
     [share(all.covered), "of them lie in cells whose 8 corners are solved"]];
-  // Without probes the errors may cover only part of the dataset, and say little about the whole.
+  // Without probes the errors may cover only a part of the dataset. They say little about the
+  // whole.
   return cards(`The method ${method} on ${asItIs.label}:`, [...(all.count ? errors : []),
     [number(measures.nanoseconds_per_query, 3) + " ns", onThisMachine],
     [count(asItIs.configurations_per_node), "configurations per active node"]]);
@@ -645,7 +653,7 @@ function frontierPanel([name, of], overTime) {
     title: `${name}: error against ${overTime ? "time" : "configurations"}`,
     x: logarithmic(overTime ? "ns per query" : "configurations per active node"),
     y: logarithmic("error of the force, N"),
-    // Errors are not measured on a lattice that contains the held-out points.
+    // A lattice that contains the held-out points has no measured errors.
     series: methodSeries((one) => report.lattices.map((lattice) => pointOf(one, lattice))
       .filter(([, error]) => isNumber(error))),
   });
@@ -678,7 +686,7 @@ function frontierRow(name, lattice) {
 }
 
 function frontierSection() {
-  // The rows of a method form a group under a line.
+  // The rows of each method form a group that a line separates from the next.
   const rows = report.methods.map((name, n) => [n > 0 ? html`</tbody><tbody>` : "",
     report.lattices.map((lattice) => frontierRow(name, lattice))]);
   const lattices = report.lattices.map((lattice) => row([lattice.label,
@@ -689,7 +697,7 @@ function frontierSection() {
     how: `Lower is more accurate, further left is cheaper; a curve below another gives the same
 accuracy from fewer configurations. Each mark is one lattice density.`,
     content: [
-      // Without exact solutions the plots would be empty; the table still has timings.
+      // Without exact solutions the plots would be empty, but the table still shows the timings.
       report.references.kind === "none" ? "" : frontierFigure(), html`<h3>In numbers</h3>`,
       table(["method", "configu\u00adrations", "mean", "median", "95 %", "max", "mean, covered",
         "max, covered", "relative", "in target", "covered", "loop work", "ns per query",
@@ -744,7 +752,7 @@ ${relativeFloor} N counts as ${relativeFloor} N.`, [
   ["Eq. 14, mean", "%", (measures) => measures.mean_relative_component],
   ["Eq. 14, maximum", "%", (measures) => measures.max_relative_component]]);
 
-/// Returns table rows for the methods whose measures on the shown lattice are `wanted`.
+/// Returns table rows for the methods whose measures on the shown lattice fulfil `wanted`.
 const methodRows = (wanted, cellsOf) => report.methods
   .map((name) => [name, shownLattice.methods[name].whole_ball])
   .filter(([, all]) => wanted(all)).map(([name, all]) => row([name, ...cellsOf(all)]));
@@ -768,7 +776,7 @@ the interpolated force against exact solutions, over the way from rest.`,
 });
 
 function loopsSection() {
-  const least = 1e-10;  // smaller values are rounding of the sum
+  const least = 1e-10;  // smaller values come from the rounding of the sum
   const pointOf = (name, { methods, configurations_per_node: configurations }) => {
     const { loop_work: work } = methods[name];
     return [configurations, Math.max(work, least),
@@ -806,7 +814,8 @@ many times the error.`,
   };
 }
 
-/// Returns the indices of the active nodes, the largest mean error of the default method first.
+/// Returns the indices of the active nodes, beginning with the largest mean error of the default
+/// method.
 function worstFirst() {
   const error = (node) => report.nodes[node].methods[method]?.error.mean ?? -1;
   return [...report.nodes.keys()].sort((a, b) => error(b) - error(a));
@@ -855,7 +864,8 @@ smoothly.${others}`,
     content: [table(["active node", "expandable", "terminating", "failed", "jumps",
       "largest force, N", "exact solutions", "mean", "median", "95 %", "max", "in target",
       "within bound"], listed.map(nodeRow)),
-    // A single method is in the table above, and the plot of a single node repeats that of all.
+    // With a single method, the table above has the same numbers. With a single node, its plot
+    // would repeat the plot of all nodes.
     report.methods.length > 1 ? table(["mean error, N", ...report.methods],
       all.filter(isCompared).map(methodRow)) : "",
     isNumber(report.measured_lattice) && all.length > 1 ? nodesFigure(all) : ""],
@@ -865,7 +875,7 @@ smoothly.${others}`,
 function organFigure(which, word, scale) {
   const { triangles } = drawings.body;
   const atNode = new Map(drawings.nodes.map((node) => [node.node, node[which]]));
-  // A triangle with three active corners has their mean.
+  // A triangle whose three corners are active gets their mean.
   const values = Array.from({ length: triangles.length / 3 }, (_, t) =>
     [0, 1, 2].reduce((sum, n) => sum + (atNode.get(triangles[3 * t + n]) ?? NaN) / 3, 0));
   const marks = drawings.nodes.map((node, n) => ({ at: node.at, value: node[which],
@@ -880,7 +890,7 @@ three active nodes a triangle has their mean. Without perspective; logarithmic c
 
 function organSection() {
   const bounds = drawings.nodes.flatMap((node) => [node.mean_bound, node.largest_bound]);
-  // One scale makes the two maps comparable.
+  // Both maps use one scale, so that they can be compared.
   const scale = colourScale(bounds, "newtons", "active node, in the colour of its bound");
   return {
     id: "organ", heading: "Where on the organ the error is",
@@ -891,7 +901,7 @@ function organSection() {
   };
 }
 
-// ---- Slices of the ball; the left margin holds "-123.4".
+// ---- Slices of the ball. The left margin has room for "-123.4".
 
 const slice = { edge: 270, left: 56, right: 24, top: 12, bottom: 28, base: 12 + 270 };
 
@@ -902,7 +912,8 @@ function latticeMark(x, y, tag) {
   return path({ class: "failed", d: `M${at(x - 3.5, y - 3.5)}l7 7m0 -7l-7 7` });
 }
 
-/// One path per colour, of runs of samples along the rows, which avoids seams between neighbours.
+/// Returns one path per colour. It consists of runs of samples along the rows, so that there are no
+/// seams between neighbours.
 function sliceColours({ side, bound }, scale) {
   const { left, base } = slice, step = slice.edge / side, paths = Array(levels).fill("");
   const levelAt = (n) => isNumber(bound[n]) ? scale.levelOf(bound[n]) : -1;
@@ -917,7 +928,7 @@ function sliceColours({ side, bound }, scale) {
     paths.map((d, level) => d && path({ d, fill: colourOfLevel(level) })));
 }
 
-/// Edges between covered and uncovered samples.
+/// Returns the edges between covered and uncovered samples.
 function coverEdge({ side, covered }) {
   const { left, base } = slice, step = slice.edge / side;
   let d = "";
@@ -930,7 +941,8 @@ function coverEdge({ side, covered }) {
   return path({ class: "cover", d });
 }
 
-/// Outline of the ball, and two axes with -radius, the name, and radius.
+/// Returns the outline of the ball, and two axes. Each axis is labelled with -radius, its name, and
+/// radius.
 function sliceFrame({ across, up, radius }) {
   const { edge, left, top, base } = slice, axisX = left - 4, axisY = base + 4;
   const rounded = Math.round(1e4 * radius) / 10;
@@ -974,7 +986,8 @@ function slicePanel(map, scale) {
   };
 }
 
-/// Rows from the lowest to the highest; the first row and the first column are coordinates.
+/// Returns the samples as rows for a file, from the lowest row to the highest. The first row and
+/// the first column hold coordinates.
 function boundRows({ side, radius, across, up, bound }) {
   const place = (n) => Number(brief(millimetres(radius * (2 * (n + 0.5) / side - 1)), 5));
   const samples = [...Array(side).keys()];
@@ -988,7 +1001,7 @@ const markRows = ({ across, up, marks, errors }) => [
   ...marks.map((mark) => [mark.tag, ...mark.at.map(millimetres), NaN]),
   ...errors.map((mark) => ["exact solution", ...mark.at.map(millimetres), mark.error])];
 
-/// Sentence about the active nodes with pictures; empty if all have one.
+/// Returns a sentence that says which active nodes have pictures; empty if all have one.
 const pictured = () => drawings.pictures.length === report.nodes.length ? ""
   : ` Those with the largest errors: ${counted(drawings.pictures.length, "active node")}.`;
 
@@ -1084,7 +1097,7 @@ may have reached the point all the same). palpate explain tells the story of a s
 
 function sizesTable({ arrays, bytes: whole, configurations }) {
   const all = Object.entries(arrays), most = Math.max(...all.map(([, { stored }]) => stored));
-  // Thirty small arrays would hide the three large ones.
+  // Combine small arrays: thirty of them would hide the three large ones.
   const isSmall = ([, { stored }]) => stored < 0.01 * whole, small = all.filter(isSmall);
   const rest = small.reduce((sum, [, { stored }]) => sum + stored, 0);
   const each = (stored) => configurations ? bytes(stored / configurations) : "-";
@@ -1153,7 +1166,7 @@ dataset does not answer.`,
 
 function comparedDistances({ name }, { distances }) {
   const forces = (n) => distances.map((one) => [millimetres(one[0]), one[1 + n]]);
-  // At rest the force is zero, so nothing is relative to it.
+  // At rest the force is zero, so no difference is relative to it.
   const relative = (n) => distances.filter(([way, first]) => way > 0 && first > 0)
     .map((one) => [millimetres(one[0]), 100 * one[1 + n] / one[1]]);
   return figure({
@@ -1225,7 +1238,7 @@ say how sure the interpolations are: a difference below them says nothing.`,
   content: [table(["active node", "apart, mm", "displace\u00adments", "stiffness A, N/m",
     "stiffness B, N/m", "mean |force| A, N", "mean |force| B, N", "|B − A| mean, N",
     "|B − A| max, N", "of force A", "bound A, N", "bound B, N"], report.nodes.map(differenceRow)),
-  // A single place needs no map.
+  // For a single place no map is needed.
   drawings.everywhere.length > 1 ? differenceMap() : "",
   report.nodes.map((node, n) => comparedDistances(node, drawings.places[n]))],
 });
