@@ -17,19 +17,19 @@
 namespace palpate {
 namespace {
 
-/// End of the displacement scale before larger ones were seen, about, in radii of the sphere.
+/// Smallest end of the displacement scale, before rounding, in radii of the sphere.
 constexpr double first_scale_share = 0.035;
 
 constexpr float contour_width = 1.7F, contour_opacity = 0.85F;
 constexpr std::array<std::uint8_t, 3> ghost_line = {36, 61, 117}, ghost_fill = {92, 128, 196};
 constexpr float ghost_line_opacity = 0.75F, ghost_line_width = 1.6F;
 constexpr float ghost_fill_opacity = 0.22F;
-// In radii of the sphere: displacements below the first have no ghost, those above the second the
-// full ghost.
+// The ghost fades in between these two displacements, in radii of the sphere: it is invisible below
+// the first and complete above the second.
 constexpr double ghost_begins = 0.008, ghost_whole = 0.03;
 
-// Pressure scales: smallest end, as a share of the usual one, and the usual end if all pressures
-// are zero, Pa.
+// Pressure scales. least_scale_share: smallest end, as a fraction of the usual pressure.
+// scale_of_nothing: usual pressure to assume if all pressures are zero, Pa.
 constexpr double least_scale_share = 0.1, scale_of_nothing = 1000;
 
 std::vector<bool> touchableTriangles(const TouchSurface& surface) {
@@ -43,11 +43,11 @@ void drawElements(GLenum kind, std::span<const std::uint32_t> vertices) {
   glDrawElements(kind, static_cast<GLsizei>(vertices.size()), GL_UNSIGNED_INT, vertices.data());
 }
 
-// Stencil bits: pixels of the body, which hide the ghost, and pixels of the ghost's fill, which is
-// blended once.
+// Stencil bits. body_mark: pixels of the body, where the ghost is hidden. fill_mark: pixels that
+// the fill of the ghost has covered, so that each is blended only once.
 constexpr GLuint body_mark = 1, fill_mark = 2;
 
-/// Sets up front faces of vertex arrays with colours.
+/// Prepares OpenGL to draw the front faces of vertex arrays with colours.
 void beginSurfaces() {
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
@@ -106,12 +106,13 @@ Eigen::Vector3d BodyView::bestView() const {
     normal += doubled;
     area += doubled.norm();
   }
-  // Touchable all around: from the side where the body looks widest, slightly from above.
+  // The body is touchable all around. Look from the side where it looks widest, slightly from
+  // above.
   constexpr double least_lean = 0.2;
   if (normal.norm() < least_lean * area)
     return widestView(surface.vertices()) + 0.45 * Eigen::Vector3d::UnitZ();
   normal.normalize();
-  // From the side of the normal: an arrow toward the eye would look like a dot.
+  // Look from the side of the normal, because an arrow toward the eye would look like a dot.
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);
   return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() +
          0.25 * Eigen::Vector3d::UnitZ();
@@ -132,7 +133,7 @@ void BodyView::deform(const Touch& touch) {
 
 void BodyView::shade(SurfaceColour colour, std::int32_t method) {
   shape_.setDisplacements(displacements_);
-  // After a release, the deepest press no longer matters for the next one.
+  // After a release the scale begins again, so that it does not depend on earlier presses.
   if (shape_.largest() <= 0) forgetScale();
   if (shape_.largest() > full_colour_) full_colour_ = roundUp(shape_.largest());
   switch (colour) {
@@ -151,7 +152,8 @@ void BodyView::colourPressures() {
   }
   pressures_.resize(model_.surface().vertices().size());
   known.evaluate(blend_, touch_displacement_, pressures_);
-  // A crushed body has many times the usual pressure, which would make all later colours pale.
+  // Limit the scale: a crushed body has many times the usual pressure, and all later colours would
+  // be pale.
   const double usual = known.usual() > 0 ? known.usual() : scale_of_nothing;
   const double wanted = std::clamp(strengthOf(pressures_), least_scale_share * usual, usual);
   if (wanted > full_pressure_) full_pressure_ = roundUp(wanted);
@@ -174,7 +176,7 @@ void BodyView::draw(const SoftLight& light) const {
   glStencilFunc(GL_ALWAYS, body_mark, body_mark);
   glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   light.on(1, shadow_);
-  // Behind the lines on the surface.
+  // Move the surface back slightly, so that lines on it are visible.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 2);
   useSurface();
@@ -194,7 +196,7 @@ void BodyView::drawOver(const SoftLight& light) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glEnable(GL_LINE_SMOOTH);
-  // Translucent parts must not hide later ones.
+  // Translucent parts must not hide parts that are drawn later.
   glDepthMask(GL_FALSE);
   drawContour(light);
   if (ghost_) drawGhost();
@@ -235,7 +237,7 @@ void BodyView::drawGhost() {
   drawElements(GL_LINES, contour_.edges(shape_.rest(), eyeOfView()));
 }
 
-/// Colours the ghost by the share of each vertex.
+/// Sets the colours of the ghost. The share of a vertex scales its opacity.
 void BodyView::colourGhost(const std::array<std::uint8_t, 3>& colour, float opacity) {
   for (std::size_t v = 0; v < shape_.size(); ++v)
     ghost_colours_[v] = std::bit_cast<std::uint32_t>(

@@ -15,52 +15,56 @@
 
 namespace palpate {
 
-/// Draws one model: its surface as tissue or coloured by a quantity, and the shape at rest as a
-/// ghost where the surface is deformed. The ghost is an outline, and a translucent fill that shows
-/// only outside the deformed body. Used by the thread of the Window only. The model must outlive
-/// this object.
+/// Draws one model: its surface, as tissue or coloured by a quantity, and its shape at rest as a
+/// ghost where the surface is deformed. The ghost consists of an outline and a translucent fill,
+/// which shows only outside the deformed body. Used by the thread of the Window only. The model
+/// must outlive this object.
 class BodyView {
  public:
   explicit BodyView(const HapticModel& model);
 
   const HapticModel& model() const { return model_; }
-  /// A ball around all vertices at rest, nearly the smallest.
+  /// Returns a ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
-  /// End of the displacement scale, m: a round number that grows with the largest displacement
-  /// since the body was at rest, or since forgetScale().
+  /// Returns the end of the displacement scale, m. It is a round number and grows with the largest
+  /// displacement since the body was last at rest, or since forgetScale().
   double fullColour() const { return full_colour_; }
-  /// End of the pressure scale, Pa: likewise with strengthOf() the pressures, limited by usual().
-  /// 0: none seen yet.
+  /// Returns the end of the pressure scale, Pa. It is a round number and grows with strengthOf()
+  /// the pressures that are shown, up to about SurfacePressures::usual(). It is 0 until pressures
+  /// are shown.
   double fullPressure() const { return full_pressure_; }
-  /// Extends the scales to those of another view, from the next shade() on.
+  /// Makes the scales at least as large as those of another view. Takes effect with the next
+  /// shade().
   void useScaleOf(const BodyView& other) {
     full_colour_ = std::max(full_colour_, other.full_colour_);
     full_pressure_ = std::max(full_pressure_, other.full_pressure_);
   }
-  /// Restarts the scales with the next shade().
+  /// Resets the scales, which begin again with the next shade().
   void forgetScale();
   /// Returns whether some parts of the surface are not touchable.
   bool hasUntouchable() const { return has_untouchable_; }
-  /// Returns the direction from which the touchable surface is seen best, of any length. It is
-  /// along the mean normal, slightly from above and from the side; for a body that is touchable all
-  /// around, along its thinnest axis.
+  /// Returns the direction from which the touchable surface is seen best, of any length. This is
+  /// the mean normal of the touchable surface, turned to the side and slightly upward. If the body
+  /// is touchable all around, it is the direction in which the body is thinnest, slightly from
+  /// above.
   Eigen::Vector3d bestView() const;
   /// Returns the rest position of the active node of a space, m.
   Eigen::Vector3d originOf(std::size_t space) const;
 
   void setShadow(const SoftLight::Shadow& shadow) { shadow_ = shadow; }
   void showGhost(bool shown) { ghost_ = shown; }
-  /// Computes the displacements of the surface in a touch of this model.
+  /// Computes the displacements of the surface for a touch of this model.
   void deform(const Touch& touch);
-  /// Computes positions, normals and colours after deform().
+  /// Computes positions, normals and colours. Call after deform().
   ///
-  /// method: a prepared method, whose error bounds take some milliseconds on first use. Pressures
-  /// that are missing or not prepared yet show as tissue.
+  /// method: must be prepared; its error bounds take some milliseconds when they are first shown.
+  /// If pressures are missing or not prepared yet, the surface is shown as tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
-  // These change OpenGL's state and require its default (Stage).
+  // These functions change OpenGL's state, and require its default state when they are called
+  // (Stage).
   void draw(const SoftLight& light) const;
-  /// Draws the soft edges and the ghost. Call after the body and its background are drawn.
+  /// Draws the soft edges and the ghost. Call it when the body and its background have been drawn.
   void drawOver(const SoftLight& light);
 
  private:
@@ -77,17 +81,18 @@ class BodyView {
   Contour contour_;
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
-  SpaceBlend blend_;                  ///< of the deforming touch; empty: at rest
+  SpaceBlend blend_;                  ///< of the touch that deforms the body; empty at rest
   Eigen::Vector3d touch_displacement_ = Eigen::Vector3d::Zero();  ///< m
   std::vector<float> pressures_;  ///< per vertex, Pa; empty until first shown
   double full_colour_ = 0, full_pressure_ = 0;
   bool has_untouchable_ = false;
-  std::map<std::int32_t, std::vector<float>> error_places_;  ///< per method and vertex, 0 to 1
+  std::map<std::int32_t, std::vector<float>> error_places_;  ///< per method and vertex: position on
+                                                             ///< the error scale, 0 to 1
   SoftLight::Shadow shadow_;
   bool ghost_ = true;
-  std::vector<float> ghost_shares_;           ///< per vertex, 0 to 1
+  std::vector<float> ghost_shares_;           ///< per vertex, 0 (no ghost) to 1
   std::vector<std::uint32_t> ghost_colours_;  ///< per vertex, bytes
-  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles with a share above 0
+  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles with at least one share above 0
 };
 
 }  // namespace palpate

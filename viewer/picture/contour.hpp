@@ -7,25 +7,25 @@
 
 namespace palpate {
 
-/// Edges along which the picture of a triangle surface ends: those between a triangle that faces
-/// the eye and one that does not.
+/// Edges along which the picture of a triangle surface ends. One of the two triangles at such an
+/// edge faces the eye, the other does not.
 ///
-/// Drawn over the surface as soft lines they hide its jagged pixel edges. Multisampling would do
-/// the same at four times the cost when drawing in software. For the shape at rest they are the
-/// outline. One thread.
+/// These edges are drawn over the surface as soft lines, which hide its jagged pixels.
+/// Multisampling would do the same at four times the cost when drawing in software. For the shape
+/// at rest the edges are the outline. One thread.
 class Contour {
  public:
   /// corners: three vertices per triangle of a closed surface.
   explicit Contour(std::span<const std::uint32_t> corners);
-  /// Returns the edges, two vertices each, valid until the next call. positions: one column per
-  /// vertex. Does not allocate.
+  /// Returns the edges as two vertices each; the result is valid until the next call. positions:
+  /// one column per vertex. Does not allocate.
   std::span<const std::uint32_t> edges(const Eigen::Matrix3Xf& positions,
                                        const Eigen::Vector3f& eye);
 
  private:
   struct Side {
     std::uint32_t from, to;             ///< vertices
-    std::uint32_t triangle, neighbour;  ///< on its two sides
+    std::uint32_t triangle, neighbour;  ///< the triangles on both sides of the edge
   };
   std::vector<std::uint32_t> corners_, found_;
   std::vector<Side> sides_;

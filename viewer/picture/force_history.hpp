@@ -13,10 +13,11 @@ class ForceHistory {
   struct Sample {
     double time = 0;  ///< s, HapticState::time
     Eigen::Vector3f force = Eigen::Vector3f::Zero();
-    float bound = 0;  ///< of the error, N; NaN: unknown
+    float bound = 0;  ///< error bound of the force, N; NaN if unknown
   };
 
-  /// Adds a sample. Ignores a repeated time; an earlier time is another run and clears the history.
+  /// Adds a sample. Ignores a sample with the same time as the last one. A sample with an earlier
+  /// time begins another run and clears the history.
   void add(double time, const Eigen::Vector3d& force, double error_bound) {
     if (!samples_.empty() && time == samples_.back().time) return;
     if (!samples_.empty() && time < samples_.back().time) samples_.clear();
@@ -26,8 +27,9 @@ class ForceHistory {
   }
   /// Returns the samples, the oldest first.
   const std::deque<Sample>& samples() const { return samples_; }
-  /// Returns the largest |force| + bound, N; 0 if empty. A bound counts at most as the force
-  /// itself, so an uncertain force does not make the others small.
+  /// Returns the largest value of |force| + bound, N; 0 if the history is empty. A bound counts at
+  /// most as much as the force itself. Otherwise one uncertain force would make all other forces
+  /// look small.
   double largest() const {
     float largest = 0;
     for (const auto& [time, force, bound] : samples_) {
@@ -38,7 +40,7 @@ class ForceHistory {
   }
 
  private:
-  static constexpr std::size_t most_samples = 1024;  ///< 200 pictures per second
+  static constexpr std::size_t most_samples = 1024;  ///< enough for 200 pictures per second
   std::deque<Sample> samples_;
 };
 

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-// px: layout of the curves and texts in the panel.
+// Layout of the curves and texts in the panel; px.
 constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bottom = 24;
 constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
 constexpr float key_length = 16, key_gap = 5, band_height = 8;
@@ -23,9 +23,9 @@ constexpr float label_gap = 8, time_gap = 3;
 constexpr float closest_points = 4;  // between points of a curve
 constexpr float least_step = 26;     // between lines of the grid
 
-constexpr double headroom = 1.08;       // relative to the largest force
-constexpr double smallest_limit = 0.5;  // N: smallest limit of the axis
-constexpr int most_steps = 2;           // of the grid, on each side of zero
+constexpr double headroom = 1.08;       // upper end of the axis, relative to the largest force
+constexpr double smallest_limit = 0.5;  // N: smallest end of the axis
+constexpr int most_steps = 2;           // of the grid, on either side of zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
@@ -47,7 +47,7 @@ struct PlotArea {
 };
 
 void plotGrid(ImDrawList& draw, const PlotArea& area) {
-  // A low panel has room only for zero and the ends.
+  // In a low panel there is room only for zero and the two ends.
   const int most = area.to.y - area.from.y > px(least_step) * 2 * most_steps ? most_steps : 1;
   const double step = roundUp(area.limit / most * 0.8);
   const int steps = static_cast<int>(area.limit / step * 1.001);
@@ -67,10 +67,10 @@ void plotGrid(ImDrawList& draw, const PlotArea& area) {
   }
 }
 
-/// Draws the error bound as a band around the magnitude; none if the bound is unknown.
+/// Draws the error bound as a band around the magnitude. Draws nothing where the bound is unknown.
 void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
   const auto& samples = history.samples();
-  // Not antialiased: soft edges would cost as much as the curves.
+  // Draw without antialiasing: soft edges would cost as much time as the curves.
   const ImDrawListFlags flags = draw.Flags;
   draw.Flags &= ~ImDrawListFlags_AntiAliasedFill;
   for (std::size_t n = 1; n < samples.size(); ++n) {
@@ -85,7 +85,7 @@ void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& histor
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
-  // More points would be costly and invisible.
+  // More points than this would cost time and could not be seen.
   const double slot_length = ForceHistory::span * closest_points / (area.to.x - area.from.x);  // s
   std::vector<ImVec2> points;
   points.reserve(history.samples().size());
@@ -93,20 +93,21 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
     points.clear();
     double last = -1;
     for (const auto& [time, force, bound] : history.samples()) {
-      // By time, not by screen position: consecutive pictures use the same samples.
+      // Choose the samples by time, not by screen position, so that consecutive pictures show the
+      // same samples.
       const double slot = std::floor(time / slot_length);
       if (slot == last && time != area.end) continue;
       last = slot;
       points.push_back(
           area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));
     }
-    // Integer widths: ImGui draws them with few triangles.
+    // Round the width: ImGui draws lines of integer width with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
                      ImDrawFlags_None, std::round(px(curve == 3 ? 2.0F : 1.0F)));
   }
 }
 
-/// Width of the title and all entries with their keys.
+/// Returns the width of the title and of all entries with their keys.
 float plotLegendWidth() {
   float width = ImGui::CalcTextSize(plot_title).x;
   const auto add = [&](const char* name) {
@@ -117,7 +118,7 @@ float plotLegendWidth() {
   return width;
 }
 
-/// Draws as many entries as fit above the curves.
+/// Draws above the curves as many entries of the legend as fit.
 void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
   const float middle = at.y + ImGui::GetTextLineHeight() / 2;
   const auto entry = [&](const char* text, float key) {

@@ -5,10 +5,10 @@
 
 namespace palpate {
 
-/// Lays out the panel below the view: components and magnitude of the force in the last
-/// ForceHistory::span seconds, with the error bound as a band.
+/// Lays out the panel below the view. It shows the components and the magnitude of the force in the
+/// last ForceHistory::span seconds, with the error bound as a band.
 ///
-/// view: the area without panels, in ImGui's units.
+/// view: the part of the window without panels, in ImGui's units.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
 
 }  // namespace palpate

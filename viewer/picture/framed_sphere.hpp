@@ -6,13 +6,14 @@
 
 namespace palpate {
 
-/// The sphere that key F brings into view.
+/// The sphere that the F key brings into view.
 struct FramedSphere {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m
   double radius = 0.1;                               ///< m
 };
 
-/// Returns a sphere around all vertices (m), nearly the smallest, centred in their bounding box.
+/// Returns a sphere around all vertices (m). It is centred in their bounding box, and nearly the
+/// smallest such sphere.
 inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);
@@ -22,8 +23,8 @@ inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   return sphere;
 }
 
-/// Returns whether a camera that frames one sphere also shows the other well: they have nearly the
-/// same place and size.
+/// Returns whether a camera that frames one sphere shows the other equally well, because both have
+/// nearly the same place and size.
 inline bool isFramedWith(const FramedSphere& one, const FramedSphere& other) {
   const double larger = std::max(one.radius, other.radius);
   return 2 * std::min(one.radius, other.radius) > larger &&

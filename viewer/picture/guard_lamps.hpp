@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Returns two or three words for a person about bit n of Guarded: why the force in the hand is not
-/// the tissue's.
+/// Returns two or three words for the user about bit n of Guarded. They say why the force in the
+/// hand differs from the tissue's force.
 inline const char* lampWords(int bit) {
   static constexpr std::array<const char*, guard_count> words = {
       "fading in",         "calming vibration", "device at its limit",
@@ -16,7 +16,7 @@ inline const char* lampWords(int bit) {
       "impossible number", "computer too slow", "deeper than computed"};
   return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
 }
-/// Returns the same as a sentence.
+/// Returns a sentence for the user about bit n of Guarded.
 inline const char* lampSentence(int bit) {
   static constexpr std::array<const char*, guard_count> sentences = {
       "The force has changed by a step, which is being faded in.",
@@ -31,16 +31,17 @@ inline const char* lampSentence(int bit) {
   return bit >= 0 && bit < guard_count ? sentences[static_cast<std::size_t>(bit)] : "";
 }
 
-/// One lamp per Guarded bit. A guard often acts for a single tick, too short to see, so its lamp
-/// stays lit for another half second. One thread.
+/// One lamp per Guarded bit. A guard often acts for a single tick, which is too short to be seen,
+/// so its lamp stays lit for another half second. One thread.
 class GuardLamps {
  public:
   static constexpr double hold = 0.5;  ///< s
 
   /// Updates the lamps.
   ///
-  /// now: s, of any clock that does not go back. active: Guarded bits. ticks: number of ticks with
-  /// each bit (LoopStatistics::guards), which also shows a guard that acted between two pictures.
+  /// now: s, of any clock that does not go back. active: Guarded bits of the last tick. ticks:
+  /// number of ticks with each bit (LoopStatistics::guards); a lamp is also lit if its number has
+  /// grown, because a guard may act between two pictures.
   void update(double now, std::uint32_t active,
               const std::array<std::uint64_t, guard_count>& ticks) {
     for (int bit = 0; bit < guard_count; ++bit) {

@@ -9,9 +9,9 @@
 namespace palpate {
 namespace {
 
-constexpr double point_ring = 0.004;  // m, if the tool is a point
+constexpr double point_ring = 0.004;  // m, radius of the ring if the tool is a point
 
-/// Returns the radius of the tool at a place, m.
+/// Returns the radius of the ring for the tool at a place, m.
 double ringRadius(const HapticModel& model, const SurfacePoint& place) {
   double radius = point_ring;
   for (const CornerShares& share : model.surface().cornerSharesOf(place.triangle))
@@ -45,7 +45,7 @@ void HandControl::moveHand(const PersonsInput& input, const HapticModel& model, 
                            const OrbitCamera& camera) {
   const MouseMotion& motion = input.motion;
   HandInput wanted = input.hand;
-  // A drag continues over panels; a press by keys has no drag.
+  // A drag that began in the view continues over panels. A press by keys has no drag.
   const bool heard = motion.over_view || (hand_.holds() && !hand_.holdsByKey());
   if (heard) wanted.pointer = motion.at;
   wanted.button = motion.left && heard;

@@ -12,20 +12,20 @@ namespace palpate {
 /// Input by mouse and keys for one picture.
 struct PersonsInput {
   MouseMotion motion = {};
-  HandInput hand = {};  ///< from the keys; the mouse is in `motion`
+  HandInput hand = {};  ///< only the input by keys; that of the mouse is in `motion`
 };
 
-/// Routes mouse and keys to the hand or to the camera, and returns the marks to show. Independent
-/// of the graphics. One thread.
+/// Passes the input by mouse and keys to the hand or to the camera, and provides the marks to show.
+/// Independent of the graphics. One thread.
 class HandControl {
  public:
   /// Handles the input of one picture of the model in `state`, and updates marks(). Returns the
-  /// target of the tool; empty if another device moves it.
+  /// target of the tool; nothing if another device moves the tool.
   std::optional<MouseTarget> apply(const PersonsInput& input, const HapticModel& model,
                                    const HapticState& state, const PictureStatus& status,
                                    OrbitCamera& camera);
   const HandMarks& marks() const { return marks_; }
-  /// Returns whether there is a tool in the scene to draw.
+  /// Returns whether the scene contains a tool to draw.
   bool toolIsThere(const HapticState& state, const PictureStatus& status) const;
 
  private:

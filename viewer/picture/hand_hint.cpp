@@ -3,13 +3,15 @@
 namespace palpate {
 namespace {
 
-/// The tool entered an untouchable part, or was released inside.
+/// Returns whether the tool is inside the body without contact. It entered a part that is not
+/// touchable, or was released inside.
 bool feelsNothingInside(const HapticState& state) {
   return !state.touch.touching && state.touch.gap < 0 &&
          state.reading.status != DeviceStatus::away && state.reading.status != DeviceStatus::lost;
 }
 
-/// For the keys' ring or press; a hint about the button would be wrong.
+/// Returns the hint while keys move the ring or press; a hint about the mouse button would be wrong
+/// then.
 const char* keysHint(bool glued, bool holds) {
   if (!holds)
     return glued ? "Enter takes hold here, arrows move the ring."

@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// Returns a sentence about what the user can do with mouse and keys now. state, contact: of the
-/// loop. hand: in this picture.
+/// Returns a sentence that tells the user what mouse and keys can do now. state, contact: of the
+/// loop. hand: as it is in this picture.
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand);
 
-/// Returns the hint for a tool that another device moves; empty: none.
+/// Returns the hint for a tool that another device moves; empty if there is nothing to say.
 std::string deviceHint(const HapticState& state);
 
 }  // namespace palpate

@@ -7,10 +7,11 @@
 namespace palpate {
 namespace {
 
-constexpr double turned_per_picture = 0.2;  // share of the turn; avoids jumps to the other side
-constexpr double high = 0.5;                // of the extent: a tool this high casts no shadow
+constexpr double turned_per_picture = 0.2;  // fraction of a turn that one picture makes; avoids
+                                            // jumps to the other side
+constexpr double high = 0.5;                // in extents: a tool at this height casts no shadow
 constexpr double darkest = 0.45;
-constexpr double contact_reach = 1.7;  // of the tool's radius
+constexpr double contact_reach = 1.7;  // in radii of the tool
 
 }  // namespace
 

@@ -7,18 +7,20 @@
 
 namespace palpate {
 
-/// Pose of a tool as a hand would hold it, updated per picture: away from the skin and toward the
-/// eye, so that it hides little of the touched place. Independent of the graphics. One thread.
+/// Pose of a tool as a hand would hold it: away from the skin and toward the eye, so that it hides
+/// little of the touched place. It is updated with every picture. Independent of the graphics. One
+/// thread.
 class HeldTool {
  public:
-  /// state: of a touch of the model. there: the tool is in the scene; otherwise its pose is not
-  /// finite. extent: radius of the body, m.
+  /// state: state of the loop, which touches `model`. there: whether the tool is in the scene; if
+  /// not, its pose is not finite. extent: radius of the body, m.
   void update(const HapticModel& model, const HapticState& state, bool there,
               const OrbitCamera& camera, double extent);
 
   const ToolPose& pose() const { return pose_; }
-  const SkinBelow& skin() const { return skin_; }  ///< while nothing is touched
-  /// Returns the shadow of a tool of this radius on the skin below it, or at the contact.
+  const SkinBelow& skin() const { return skin_; }  ///< valid while nothing is touched
+  /// Returns the shadow of a tool of this radius. It lies on the skin below the tool, or at the
+  /// contact.
   SoftLight::Shadow shadow(double radius) const;
 
  private:

@@ -7,10 +7,10 @@
 namespace palpate {
 namespace {
 
-constexpr double gap = 8;           // px, between tip and label
+constexpr double gap = 8;           // px, between the tip and the label
 constexpr double least_length = 4;  // px: a shorter arrow has no visible direction
 constexpr int samples_of_a_line = 24;
-/// Distances to try in order: factors on the gap and on the height of the label.
+/// Distances from the tip, tried in this order: factors on the gap and on the height of the label.
 constexpr std::array reaches = {1.0, 1.8, 3.0, 5.0, 8.0, 12.0};
 
 bool overlap(const ScreenBox& a, const ScreenBox& b) {

@@ -19,11 +19,11 @@ struct ThickLine {
 /// Returns whether a box covers part of a line.
 bool covers(const ScreenBox& box, const ThickLine& line);
 
-/// Returns the place for the label of an arrow: beyond its tip, or beside it if the label would
-/// cover something or not fit.
+/// Returns the place for the label of an arrow. It is beyond the tip of the arrow, or beside the
+/// tip if the label would cover something there or would not fit.
 ///
-/// arrow: from tail to tip. size: of the label. view: contains the label. keep_clear, taken: not
-/// covered if possible, like the arrow.
+/// arrow: from its tail to its tip. size: size of the label. view: the label stays inside.
+/// keep_clear, taken: the label covers neither these nor the arrow, if that is possible.
 ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const ScreenBox& view,
                      std::span<const ThickLine> keep_clear, std::span<const ScreenBox> taken = {});
 

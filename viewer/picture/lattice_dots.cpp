@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Keeps points half a spacing away on both sides of the plane, despite rounding.
+/// Allows for rounding, so that points exactly half a spacing away are shown on both sides of the
+/// plane.
 constexpr double slack = 1 + 1e-9;
 
 bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displacement,

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// px, for a picture 800 pixels high
+// px of a picture that is 800 pixels high
 constexpr double dot_size = 4, dot_size_in_a_cut = 7;
 constexpr float dot_rim = 1;
 
@@ -43,7 +43,7 @@ void LatticeView::show(const BodyView& body, const HapticState& state, const Vie
   const bool errors = choices.errors && body.model().isPrepared(at(state.method));
   const Key wanted{model_, errors ? state.method : -1, space_,
                    choices.cut ? std::optional(choices.plane) : std::nullopt};
-  // There are thousands of dots, and most pictures do not change them.
+  // Do nothing if the dots stay the same, because there are thousands of them.
   if (wanted == filled_) return;
   filled_ = wanted;
   setDots(dotsOf(body.model()), body.originOf(at(space_)),
@@ -62,15 +62,16 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
 
 void LatticeView::draw() const {
   if (!shown_) return;
-  // In front of the body at any depth: most points of a space are inside it.
+  // Draw in front of the body at any depth, because most points of a space are inside it.
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
-  // A dot has the depth of its rim and must be drawn over it.
+  // A dot has the same depth as its rim, and must be drawn over it.
   glDepthFunc(GL_LEQUAL);
   const auto count = static_cast<GLsizei>(places_.size() / 3);
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, places_.data());
-  // White rims: errors have the same colours as the surface, where plain dots would be invisible.
+  // Draw white rims first. Errors have the same colours as the surface, where dots without a rim
+  // would be invisible.
   glDisableClientState(GL_COLOR_ARRAY);
   glColor3f(1, 1, 1);
   setPointSize(size_ + 2 * dot_rim);

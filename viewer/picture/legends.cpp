@@ -19,21 +19,22 @@ namespace {
 // px
 constexpr float legend_margin = 18, lattice_legend_gap = 40;
 constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9;
-constexpr float note_width = 156;  // leaves room for the hint
+constexpr float note_width = 156;  // a hint fits beside it
 constexpr float swatch_size = 11, swatch_gap = 7;
-constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // of the view's height
+constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // bar_share: of the
+                                                                          // height of the view
 
 ImU32 imColour(const Rgb& rgb) {
   return IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]),
                   255);
 }
 
-/// A legend that grows upward from its lower left corner.
+/// A legend that grows upward from its lower left corner. Its last entry must be added first.
 class Legend {
  public:
   Legend(ImDrawList& draw, ImVec2 lower_left) : draw_(draw), at_(lower_left) {}
 
-  /// Adds a coloured square with its meaning. Add the last entry first.
+  /// Adds a coloured square with its meaning.
   void swatch(const Rgb& colour, const std::string& meaning, bool hatched = false) {
     at_.y -= line();
     const float top = at_.y + (line() - px(swatch_size)) / 2, size = px(swatch_size);
@@ -47,7 +48,7 @@ class Legend {
     word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
   }
   void gap() { at_.y -= px(note_gap); }
-  /// Adds a sentence on separate lines.
+  /// Adds a sentence, wrapped into lines of its own.
   void note(const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, px(note_width));
     at_.y -= size.y;
@@ -60,7 +61,7 @@ class Legend {
     std::string text;
     bool limit = false;  ///< drawn as a line across the bar
   };
-  /// colour: for a place, 0 to 1.
+  /// Adds a colour bar. colour: returns the colour at a place, 0 to 1.
   void bar(const char* title, float height, const std::function<Rgb(double)>& colour,
            const std::vector<Mark>& marks) {
     const float bottom = at_.y - line() / 2;
@@ -118,7 +119,7 @@ void pressureBar(Legend& legend, float height, double full) {
               mark(1, "  compression")});
 }
 
-/// Legend for the colours of errors (errorPlace).
+/// Adds the colours of errors (errorPlace).
 void errorBar(Legend& legend, float height, const char* title) {
   const auto mark = [](double error, const char* meaning) {
     return Legend::Mark{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),
@@ -129,7 +130,7 @@ void errorBar(Legend& legend, float height, const char* title) {
               mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
 }
 
-/// Explains the parts shown as tissue.
+/// Adds the meaning of the parts that are shown as tissue.
 void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour) {
   const bool pressures = colour == SurfaceColour::pressure && contents.pressure.sentence.empty();
   if (pressures && !contents.pressure.everywhere) {
@@ -147,7 +148,7 @@ void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour c
   legend.gap();
 }
 
-/// Legend for the colours of the surface.
+/// Adds the colours of the surface.
 void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
                    float bar_height) {
   tissueLegend(legend, contents, colour);
@@ -158,7 +159,7 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
     pressureBar(legend, bar_height, contents.pressure.full);
 }
 
-/// Legend for the dots of the lattice.
+/// Adds the colours of the lattice's dots.
 void latticeLegend(Legend& legend, bool errors, float bar_height) {
   if (errors) {
     errorBar(legend, bar_height, "error bound, % of the force");

@@ -7,10 +7,11 @@
 
 namespace palpate {
 
-/// Draws the legends for the colours of surface and lattice that are shown, at the lower left.
-/// Returns the part of the view that they take.
+/// Draws the legends of the colours that surface and lattice show, at the lower left. Returns the
+/// part of the view that they cover.
 ///
-/// size: of the view, whose upper left corner is 0, or of its part above a hint.
+/// size: of the view or, if there is a hint, of the part above the hint. The upper left corner is
+/// 0.
 ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                       ImVec2 size);
 

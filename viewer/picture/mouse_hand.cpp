@@ -11,15 +11,18 @@
 namespace palpate {
 namespace {
 
-constexpr double largest_share = 0.95;    // of the reach, where the workspace ends
-constexpr double notches = 50;            // of the wheel, over the reach
-constexpr double waiting_share = 0.03;    // of the body's radius, outside the skin
-constexpr double lifted = 0.75;           // of that distance, from which the tool may go elsewhere
+constexpr double largest_share = 0.95;    // of the reach, which ends at the edge of the workspace
+constexpr double notches = 50;            // notches of the wheel for the whole reach
+constexpr double waiting_share = 0.03;    // of the body's radius; distance of the waiting tool from
+                                          // the skin
+constexpr double lifted = 0.75;           // of that distance; from there on the tool may go to
+                                          // another place
 constexpr double fastest = 6;             // radii of the body per second, along the skin
 constexpr double stroke = 0.015;          // heights of the view per stroke of an arrow key
-constexpr double longest_picture = 0.05;  // s: after a longer one a hand continues where it was
+constexpr double longest_picture = 0.05;  // s; after a longer picture the hand continues where it
+                                          // was
 
-/// Also true if both are not finite.
+/// Returns whether two places are equal. Two places that are not finite are equal too.
 bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a == b || (!a.allFinite() && !b.allFinite());
 }
@@ -33,10 +36,10 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
   double seconds = std::clamp(input.seconds, 0.0, longest_picture);
   const bool pressed = input.button && !last_.button;
   if (pressed && seen_ && seen_->touchable) {
-    // Takes over from the keys: the tool disappears there and appears here.
+    // Take over from the keys: the tool disappears at their place and appears at this one.
     if (held_) ++target_.appearance;
     takeHold(*seen_, false);
-    seconds = 0;  // first the tool is outside, in front of the place
+    seconds = 0;  // at first the tool is outside, in front of the place
   } else if (held_) {
     if (input.out || (by_key_ ? input.take || pressed : !input.button))
       letGo();
@@ -62,7 +65,7 @@ void MouseHand::use(const HapticModel& model, bool glued) {
   radius_ = sphereAround(model.surface().vertices()).radius;
 }
 
-/// Returns the place where a key begins if the pointer is at none.
+/// Returns the place at which a key begins if the pointer is over no place.
 PointedPlace MouseHand::placeInFront(const OrbitCamera& camera) const {
   const auto middle = placeUnder(model_->surface(), camera, Eigen::Vector2d::Zero());
   if (middle && middle->touchable) return *middle;
@@ -84,7 +87,7 @@ void MouseHand::letGo() {
   if (glued_) place_.reset();
 }
 
-/// Waits in front of the place under the pointer, or of the place that keys move.
+/// Lets the tool wait in front of the place under the pointer, or of the place that keys move.
 void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
   if (!input.strokes.isZero()) {
     const PointedPlace from = place_.value_or(placeInFront(camera));
@@ -92,13 +95,13 @@ void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
     place_ = touchablePlace(model_->surface(),
                             from.position + camera.moveInPlane(from.position, way.x(), way.y()));
     by_key_ = true;
-  } else if (!same(input.pointer, pointed_)) {  // otherwise the place of the keys stays
+  } else if (!same(input.pointer, pointed_)) {  // if the pointer does not move, keep the place
     pointed_ = input.pointer;
     place_ = seen_ && seen_->touchable ? seen_ : std::nullopt;
     by_key_ = false;
   }
   if (place_) depth_ = -gap();
-  // Contact may persist at an edge of the body although the tool is outside; reappearing ends it.
+  // At an edge of the body contact may last although the tool is outside. Reappearing ends it.
   if (std::exchange(came_in_, false)) ++target_.appearance;
 }
 
@@ -112,7 +115,7 @@ void MouseHand::follow(const OrbitCamera& camera, const HandInput& input, double
     pullBy(camera.moveInPlane(place_->position + pulled_, way.x(), way.y()));
   else if (by_key_ && !way.isZero())
     slideTo(place_->position + camera.moveInPlane(place_->position, way.x(), way.y()), seconds);
-  else if (!by_key_ && seen_ && seen_->touchable)  // off the body the tool stays where it was
+  else if (!by_key_ && seen_ && seen_->touchable)  // if the pointer is off the body, stay
     slideTo(seen_->position, seconds);
 }
 
@@ -129,7 +132,8 @@ void MouseHand::slideTo(const Eigen::Vector3d& goal, double seconds) {
   place_ = touchablePlace(model_->surface(), place_->position + way);
 }
 
-/// Moves the tool; makes it reappear if the straight way would lead through the skin.
+/// Moves the tool. If the straight line to the new position would pass through the skin, the tool
+/// disappears and reappears.
 void MouseHand::goTo(const Eigen::Vector3d& position) {
   const bool from_nowhere = !target_.position.allFinite();
   const bool outside = depth_ < 0 && !glued_;
@@ -150,7 +154,7 @@ void MouseHand::moveTool(double seconds) {
   goTo(place_->position - depth_ * place_->normal + pulled_);
 }
 
-/// Returns the largest displacement that the spaces at the place answer, m.
+/// Returns the largest displacement for which the spaces at the place have an answer, m.
 double MouseHand::reach() const {
   double reach = 0;
   for (const CornerShares& share : model_->surface().cornerSharesOf(place_->triangle))
@@ -158,8 +162,8 @@ double MouseHand::reach() const {
   return reach;
 }
 
-/// Returns the distance between the skin and the waiting tool, m; less if the body is close on the
-/// other side.
+/// Returns the distance between the skin and the waiting tool, m. It is smaller where another part
+/// of the body is close in front of the skin.
 double MouseHand::gap() const {
   double gap = waiting_share * radius_;
   const SurfaceTree& tree = model_->surface().tree();

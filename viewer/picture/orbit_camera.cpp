@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double steepest = 0.49 * std::numbers::pi;
-constexpr double air = 1.08;  ///< factor on the radius of the framed sphere
+constexpr double air = 1.08;  ///< factor on the radius of the framed sphere, for a margin around it
 
 }  // namespace
 
@@ -28,7 +28,7 @@ void OrbitCamera::frame(const Eigen::Vector3d& centre, double radius, double asp
   PALPATE_ASSERT(radius > 0 && aspect > 0, "a body and a view have an extent");
   centre_ = framed_ = centre;
   radius_ = radius;
-  // In a narrow picture the width limits the distance.
+  // In a narrow picture the width decides the distance.
   const double half = std::min(height_angle / 2, std::atan(std::tan(height_angle / 2) * aspect));
   distance_ = air * radius / std::sin(half);
 }
