@@ -21,54 +21,56 @@ namespace palpate {
 struct ViewChoices {
   bool ghost = true, lattice = false, help = false;
   SurfaceColour colour = SurfaceColour::displacement;
-  bool errors = false;  ///< lattice by error bound; otherwise by tag
+  bool errors = false;  ///< colour the lattice by error bounds, otherwise by tags
   bool beside = false;  ///< show another dataset beside the touched one
-  bool cut = false;     ///< show only a plane of the lattice
+  bool cut = false;     ///< show only one plane of the lattice
   LatticeCut plane;
 };
 
-/// The number at a force arrow. Metres, scene frame.
+/// The number next to a force arrow. Metres, scene frame.
 struct ViewLabel {
-  Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< the arrow
-  /// Must also stay uncovered: the tip of the tool, and its handle.
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< tail and tip
+                                                                                 ///< of the arrow
+  /// Tip and handle of the tool, which the label must not cover either.
   std::array<Eigen::Vector3d, 2> tool = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double tip_radius = 0, handle_radius = 0;
   std::string text;        ///< empty: no label
-  bool uncertain = false;  ///< the arrow is amber; the text gives the reason
+  bool uncertain = false;  ///< the arrow is amber; the text says why
 };
 
-/// Marks over the view for a hand without a device.
+/// Marks that are drawn over the view for a hand without a device.
 struct HandMarks {
-  /// A circle of `ring_radius` metres around the place under the pointer; empty: none.
+  /// A circle with a radius of `ring_radius` metres around the place under the pointer; empty if
+  /// there is no circle.
   std::optional<PointedPlace> ring = {};
   double ring_radius = 0;
-  std::string hint = {};  ///< a sentence; empty: none
+  std::string hint = {};  ///< a sentence; empty if there is no hint
 };
 
-/// Another dataset in the same touch, shown beside the touched body.
+/// Contents for another dataset that is shown beside the touched body, in the same touch.
 struct BesideContents {
-  std::string dataset, tissue;  ///< its name and material
-  ViewLabel label = {};         ///< of its arrow
-  double force = 0;             ///< of its tissue, N
-  std::string sentence = {};    ///< why there is no such touch; empty if there is
-  /// Why it lacks the colours that are shown; empty if it has them.
+  std::string dataset, tissue;  ///< name and material of the other dataset
+  ViewLabel label = {};         ///< at the arrow of the other dataset
+  double force = 0;             ///< force of its tissue, N
+  std::string sentence = {};    ///< reason why this touch does not exist there; empty if it does
+  /// Reason why the other body does not show the chosen colours; empty if it does.
   std::string colourless = {};
 };
 
-/// Contents of the pressure legend.
+/// Contents of the legend for pressures.
 struct PressureContents {
-  double full = 0;            ///< end of the scale, Pa; 0: no pressures in either body
+  double full = 0;            ///< end of the scale, Pa; 0 if neither body shows pressures
   bool everywhere = true;     ///< every part of the body has a pressure
-  std::string sentence = {};  ///< why there are none; empty if there are
+  std::string sentence = {};  ///< reason why there are no pressures; empty if there are
 };
 
-/// A dataset or method to switch to.
+/// A dataset or method that the user can choose.
 struct Choice {
   std::string name;
-  double prepared = 1;  ///< share of its preparation; selectable at 1
+  double prepared = 1;  ///< progress of its preparation; it can be chosen at 1
 };
 
-/// Contents of the panels in one picture. References are borrowed for the call.
+/// Contents of the panels in one picture. The references need to be valid during the call only.
 struct PanelContents {
   const HapticState& state;
   const PictureStatus& status;
@@ -77,16 +79,17 @@ struct PanelContents {
   const OrbitCamera& camera;
   const std::vector<int>& keys;          ///< Window::keys()
   std::vector<Choice> models = {};       ///< the datasets
-  std::vector<Choice> methods = {};      ///< of the model in use
-  std::vector<std::string> spaces = {};  ///< active nodes of the model in use
+  std::vector<Choice> methods = {};      ///< methods of the model in use
+  std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
   std::string dataset, tissue;           ///< name and material of the model in use
-  Eigen::Vector3d middle = {0, 0, 0};    ///< of the body, m: depth of the scale bar
+  Eigen::Vector3d middle = {0, 0, 0};    ///< middle of the body, m; the scale bar is valid at this
+                                         ///< depth
   double full_colour = 0.01;             ///< end of the displacement scale, m
   PressureContents pressure = {};
   bool untouchable = false;     ///< some parts are not touchable
   double lattice_radius = 0.1;  ///< m
-  std::string lattice_name;     ///< of the space that is shown
-  ViewLabel label = {};         ///< of the arrow
+  std::string lattice_name;     ///< name of the space that the lattice shows
+  ViewLabel label = {};         ///< at the force arrow
   HandMarks hand = {};
   std::optional<BesideContents> beside = {};
 };

@@ -6,12 +6,12 @@
 namespace palpate {
 namespace {
 
-/// Paths in Debian's fonts-roboto-unhinted and fonts-dejavu-core. Both have digits of equal width,
-/// so changing numbers do not jitter.
+/// Files of Debian's packages fonts-roboto-unhinted and fonts-dejavu-core. The digits of both fonts
+/// have equal widths, so numbers do not jitter when they change.
 constexpr const char* font_files[] = {
     "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
-constexpr float own_font_size = 13;  // of ImGui's own font, at its native size
+constexpr float own_font_size = 13;  // native size of ImGui's own font
 constexpr float rim = 1.4F;          // px
 
 void addFont(ImFontAtlas& atlas, float scale) {

@@ -16,11 +16,11 @@
 namespace palpate {
 namespace {
 
-// Shares of the window, and px.
+// Shares are fractions of the window; the other numbers are px.
 constexpr float side_share = 0.30F, narrowest_side = 216, widest_side = 292;
 constexpr float plot_share = 0.24F, lowest_plot = 84, highest_plot = 178;
 
-/// Returns the part of the window without panels, in ImGui's units.
+/// Returns the part of the window that no panel covers, in ImGui's units.
 Viewport layout() {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   Viewport view;
@@ -38,7 +38,8 @@ Viewport layout() {
 Panels::Panels(GLFWwindow* window) : window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  // layout() places the panels, so no file of positions is written to the user's folder.
+  // layout() places the panels, so ImGui need not write a file of their positions to the user's
+  // folder.
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
   ImGui_ImplGlfw_InitForOpenGL(window, true);

@@ -25,7 +25,8 @@
 namespace palpate {
 namespace {
 
-constexpr double longest_arrow = 0.9;  ///< in radii of the scene, at full_force
+constexpr double longest_arrow = 0.9;  ///< length of the longest arrow, for full_force, in radii of
+                                       ///< the scene
 
 }  // namespace
 
@@ -50,7 +51,8 @@ struct Picture::Impl {
     model = number;
     BodyView& now = inUse();
     shot.body = &now;
-    // Keeps the user's view when the material of the same body changes.
+    // If the bodies have the same place and size, keep the user's view: only the material may
+    // differ.
     if (before && isFramedWith(*before, now.sphere())) return;
     if (before) return frameAll();
     const Viewport all = panels.view();
@@ -60,21 +62,21 @@ struct Picture::Impl {
 
   void frameAll() { frame(shot.camera, inUse(), touchedPart()); }
 
-  /// Frames everything, and resets the scales of all bodies, because a body takes over the scale of
-  /// another beside it.
+  /// Frames everything, and resets the scales of all bodies. A body may have taken over the scale
+  /// of the body beside it, so all of them are reset.
   void showEverything() {
     frameAll();
     for (const auto& each : shown) each->forgetScale();
   }
 
-  /// Frames the body from the current side of the camera.
+  /// Frames the body from the direction in which the camera is now.
   static void frame(OrbitCamera& camera, const BodyView& body, const Viewport& part) {
     const FramedSphere& sphere = body.sphere();
     camera.frame(sphere.centre, sphere.radius, static_cast<double>(part.width) / part.height);
   }
 
-  /// Returns the mouse input. part: with the touched body; over another body beside it, the
-  /// position is mapped to this part.
+  /// Returns the input by mouse. part: the part of the view that shows the touched body. A position
+  /// over the body beside it is mapped to this part.
   MouseMotion mouse(const Viewport& part) const {
     const ImGuiIO& io = ImGui::GetIO();
     const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y),
@@ -105,21 +107,22 @@ struct Picture::Impl {
 
   void showBody(BodyView& body, const Touch& touch, std::int32_t method) {
     body.deform(touch);
-    // Errors are unknown for a method that is still being prepared.
+    // The errors of a method are unknown until the method is prepared.
     const bool known = body.model().isPrepared(at(method));
     body.shade(known ? view.colour : SurfaceColour::tissue, method);
     body.showGhost(view.ghost);
     body.setShadow(held.shadow(shot.tool.radius()));
   }
 
-  /// Shows the next dataset in the same touch, if the user chose this.
+  /// Shows the next dataset in the same touch, if the user chose to see it.
   void compare(const HapticState& state) {
     const bool before = std::exchange(beside, std::nullopt).has_value();
     if (view.beside && shown.size() > 1) {
       BodyView& other = *shown[(at(model) + 1) % shown.size()];
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
-      // Another body is not compared; the scale of a larger one would make it pale.
+      // If the other dataset has no such touch, the two are not compared and each has its own
+      // scale. A larger scale would make the colours of the other one pale.
       const bool compared = beside->touch.has_value();
       if (compared) other.useScaleOf(inUse());
       showBody(other, beside->touch.value_or(Touch()), state.method);
@@ -131,7 +134,8 @@ struct Picture::Impl {
   void showTool(const HapticState& state, const PictureStatus& status) {
     held.update(inUse().model(), state, control.toolIsThere(state, status), shot.camera,
                 inUse().sphere().radius);
-    // The arrow is full at the device's largest force, so the scale stops growing there.
+    // The scale stops growing at the device's largest force, because the arrow has its full length
+    // then.
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));
@@ -149,7 +153,7 @@ struct Picture::Impl {
   }
 
   void showForce(ShownTool& tool, const Eigen::Vector3d& force, bool uncertain) const {
-    // no arrow for NaN
+    // draw no arrow for NaN
     tool.arrow = force.allFinite() ? arrowOf(force) : Eigen::Vector3d::Zero();
     tool.uncertain = uncertain;
   }
@@ -222,7 +226,7 @@ struct Picture::Impl {
     panels.render();
   }
 
-  /// Returns the shot of the other dataset, with the same tool and from the same side.
+  /// Returns the shot of the other dataset, with the same tool and seen from the same direction.
   Shot besideShot() const {
     Shot other = shot;
     other.body = beside->body;
@@ -240,14 +244,14 @@ struct Picture::Impl {
   PictureRequests draw(const HapticState& state, const PictureStatus& status) {
     PictureRequests requests;
     window.poll();
-    // Input is known from here on and takes effect in this picture.
+    // The input up to this point takes effect in this picture.
     panels.begin();
     viewport = panels.view();
     const auto last = static_cast<std::int32_t>(shown.size()) - 1;
     use(std::clamp(state.model, 0, last));
     history.add(state.time, state.force, state.touch.error_bound);
     lamps.update(glfwGetTime(), state.guards, status.loop.guards);
-    // Before the mouse input, which then moves the framed view.
+    // Do this before the input by mouse, which then moves the framed view.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
       showEverything();
     requests.tool = control.apply(persons(), inUse().model(), state, status, shot.camera);
@@ -275,8 +279,9 @@ struct Picture::Impl {
   GuardLamps lamps;
   std::int32_t model = -1;  ///< of the last picture
   Viewport viewport;        ///< of the last picture
-  double full_force = 0.5;  ///< N, for the longest arrow: rounded, grows with the largest seen
-  /// The other dataset that is shown; at rest if it has no touch.
+  double full_force = 0.5;  ///< force of the longest arrow, N: a round number that grows with the
+                            ///< largest force seen
+  /// The other dataset, if it is shown. The body is at rest if it has no touch.
   struct Beside {
     BodyView* body;
     std::optional<Touch> touch;

@@ -13,33 +13,34 @@ namespace palpate {
 
 struct PictureOptions {
   int width = 1280, height = 800;  ///< of the window, at scale 1 (screenScale)
-  bool visible = true;             ///< false: still drawn, for grab()
-  bool vsync = true;               ///< draw() waits for the screen, if there is one
+  bool visible = true;             ///< false: hidden, but drawn for grab()
+  bool vsync = true;               ///< draw() waits for the screen, if there is a screen
   bool ghost = true;               ///< show the ghost at the start
   bool lattice = false;            ///< show the lattice at the start
 };
 
-/// A window that shows a hand on a soft body: the deformed surface, tool and force, and the
-/// configuration space. Panels beside it have numbers, plots and controls (H lists keys and mouse).
+/// A window that shows a hand on a soft body: the deformed surface, the tool, the force and the
+/// configuration space. Panels beside it show numbers, plots and controls (H lists keys and mouse).
 ///
-/// Threads: create, use and destroy it in the main thread of the process, one at a time (GLFW,
-/// OpenGL). It only reads the models and states that it is given; no other thread waits for it.
+/// Threads: create, use and destroy it in the main thread of the process, and only one at a time
+/// (GLFW, OpenGL). It only reads the models and states that it is given, and no other thread waits
+/// for it.
 class Picture {
  public:
-  /// models: at least one, in the order of HapticTick's; must outlive this object. Throws Error
-  /// with a remedy if there is no display or no OpenGL.
+  /// models: at least one, in the same order as for HapticTick; they must outlive this object. If
+  /// there is no display or no OpenGL, throws an Error that says what to do.
   explicit Picture(const std::vector<const HapticModel*>& models,
                    const PictureOptions& options = {});
   ~Picture();
   Picture(const Picture&) = delete;
   Picture& operator=(const Picture&) = delete;
 
-  /// Returns whether the user or the system closed the window. It stays until this object is
-  /// destroyed.
+  /// Returns whether the user or the system closed the window. The window stays visible until this
+  /// object is destroyed.
   bool wantsClose() const;
-  /// Processes events, draws one picture and shows it. Returns the user's requests.
+  /// Processes events, draws one picture and shows it. Returns what the user requested.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  /// Draws the last picture again and returns its pixels. Requires a draw() before.
+  /// Draws the last picture again and returns its pixels. Call it only after draw().
   Image grab();
 
  private:

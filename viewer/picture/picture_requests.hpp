@@ -7,17 +7,18 @@
 
 namespace palpate {
 
-/// Requests by the user since the last picture.
+/// Requests that the user made since the last picture.
 struct PictureRequests {
   struct Use {
     std::int32_t model = 0, method = 0;
   };
   std::optional<Use> use;  ///< switch to another dataset or method
   bool release = false;    ///< end the contact
-  bool pause = false;      ///< pause or continue; one press
+  bool pause = false;      ///< the key was pressed: pause, or continue after a pause
   bool reload = false;     ///< read the datasets again
-  bool quit = false;       ///< pressed the key; wantsClose() reports a closed window
-  /// Position of the tool by mouse and keys; empty: another device moves it.
+  bool quit = false;       ///< the quit key was pressed; wantsClose() tells whether the window was
+                           ///< closed
+  /// Position of the tool by mouse and keys; empty if another device moves the tool.
   std::optional<MouseTarget> tool;
 };
 

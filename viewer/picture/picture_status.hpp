@@ -7,17 +7,18 @@
 
 namespace palpate {
 
-/// Contents of a picture beyond the state of the tick.
+/// Contents of a picture in addition to the state of the tick.
 struct PictureStatus {
   std::string device = {};   ///< HapticDevice::name()
-  std::string trouble = {};  ///< sentences about device and loop, in red; empty: none
-  std::string notice = {};   ///< any other message, in blue; empty: none
-  double max_force = 3.3;    ///< of the device, N; its arrow is the longest
+  std::string trouble = {};  ///< sentences about problems of device and loop, shown in red; empty
+                             ///< if there are none
+  std::string notice = {};   ///< any other message, shown in blue; empty if there is none
+  double max_force = 3.3;    ///< largest force of the device, N; the longest arrow shows it
   bool mouse = false;        ///< the device is the mouse of the picture
   ContactMode contact = ContactMode::unilateral;  ///< mode of the loop
   bool paused = false;
   bool recording = false;
-  LoopStatistics loop = {};  ///< of the loop so far; rate 0: no loop runs
+  LoopStatistics loop = {};  ///< statistics of the loop so far; rate is 0 if no loop runs
 };
 
 }  // namespace palpate

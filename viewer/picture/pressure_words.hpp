@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Returns a sentence about why pressures are not shown: the key of the scene that would store
-/// them, or the progress of their preparation. Empty if they can be shown.
+/// Returns a sentence that says why pressures are not shown. It names the key of the scene that
+/// would store them, or gives the progress of their preparation. Empty if they can be shown.
 std::string whyNoPressures(const SurfacePressures& pressures);
 
 }  // namespace palpate

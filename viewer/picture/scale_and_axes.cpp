@@ -20,7 +20,7 @@ constexpr std::array<const char*, 3> axis_letters = {"x", "y", "z"};
 
 void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImVec2 right_end) {
   const double metres =
-      contents.camera.moveInPlane(contents.middle, 0, 1).norm() / size.y;  // per pixel
+      contents.camera.moveInPlane(contents.middle, 0, 1).norm() / size.y;  // m per pixel
   if (!(metres > 0)) return;
   const double length = roundUp(px(least_bar) * metres);
   const ImVec2 left = {right_end.x - static_cast<float>(length / metres), right_end.y};
@@ -34,10 +34,10 @@ void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImV
 }
 
 void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
-  const Eigen::Matrix3d seen = camera.axes().transpose();  // columns: axes of the scene
+  const Eigen::Matrix3d seen = camera.axes().transpose();  // the columns are the axes of the scene
   std::array<int, 3> order{};
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, {}, [&](int axis) { return seen(2, axis); });  // the farthest first
+  std::ranges::sort(order, {}, [&](int axis) { return seen(2, axis); });  // begin with the farthest
   for (const int axis : order) {
     const auto place = [&](float length) {
       return ImVec2{at.x + length * static_cast<float>(seen(0, axis)),

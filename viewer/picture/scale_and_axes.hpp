@@ -6,10 +6,10 @@
 
 namespace palpate {
 
-/// Draws a scale bar for the depth of the body, and the axes of the scene, at the right above
-/// `foot`.
+/// Draws a scale bar that is valid at the depth of the body, and the axes of the scene. Both are at
+/// the right, above the height `foot`.
 ///
-/// size: of the view, whose upper left corner is 0.
+/// size: size of the view; its upper left corner is 0.
 void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size, float foot);
 
 }  // namespace palpate

@@ -13,13 +13,13 @@
 namespace palpate {
 namespace {
 
-// px; columns are measured from the left of the panel.
+// px; value_column and choice_column are measured from the left of the panel.
 constexpr float value_column = 84, choice_column = 66, heading_gap = 4;
-constexpr float second_quantile = 76, share_width = 46;  // from the first value
+constexpr float second_quantile = 76, share_width = 46;  // measured from the first value
 constexpr int lamp_corners = 12;
 constexpr float lamp_radius = 5, lamp_text_offset = 15;
 constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
-constexpr double smallest_weight = 0.005;  // of a listed space
+constexpr double smallest_weight = 0.005;  // a space with a smaller weight is not listed
 
 void heading(const char* text) {
   ImGui::Dummy({0, px(heading_gap)});
@@ -30,7 +30,7 @@ void heading(const char* text) {
   ImGui::GetWindowDrawList()->AddLine({at.x, y}, {right, y}, line_grey);
 }
 
-/// Draws a name and a value in the value column.
+/// Draws a name, and its value in the value column.
 void row(const char* label, const std::string& value) {
   ImGui::TextUnformatted(label);
   ImGui::SameLine(px(value_column));
@@ -46,8 +46,9 @@ std::string microseconds(double seconds) {
                         : fmt::format("{:.1f} ms", 1e3 * seconds);
 }
 
-/// Draws a combo box of `choices`. Returns the index chosen, if it differs from `current`. Choices
-/// that are being prepared are listed below it and cannot be chosen.
+/// Draws a combo box of `choices`. Returns the index that the user chose if it differs from
+/// `current`. The choices that are still being prepared are listed below the box and cannot be
+/// chosen.
 std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>& choices,
                                    std::int32_t current) {
   std::optional<std::int32_t> chosen;
@@ -61,7 +62,8 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
     for (std::size_t n = 0; n < choices.size(); ++n) {
       const ImGuiSelectableFlags flags =
           choices[n].prepared < 1 ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
-      // Datasets may have equal names; text after ## is not shown.
+      // Two datasets may have the same name. The text after ## makes entries distinct and is not
+      // shown.
       const std::string entry = fmt::format("{}##{}", choices[n].name, n);
       if (ImGui::Selectable(entry.c_str(), n == now, flags) && n != now)
         chosen = static_cast<std::int32_t>(n);
@@ -74,7 +76,7 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
   return chosen;
 }
 
-/// Puts the next check box, with this text, on the same line if the panel is wide enough.
+/// Places the next check box, whose text is `words`, on the same line if the panel is wide enough.
 void sameLineIfFits(const char* words) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float wide = ImGui::GetFrameHeight() + style.ItemInnerSpacing.x +
@@ -95,7 +97,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
     colours.push_back({word(static_cast<SurfaceColour>(n))});
   if (const auto colour = choose("colour", colours, static_cast<std::int32_t>(view.colour)))
     view.colour = static_cast<SurfaceColour>(*colour);
-  // A narrow panel needs the full width for their labels.
+  // In a narrow panel the labels of the buttons need its full width.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {1, ImGui::GetStyle().FramePadding.y});
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (ImGui::Button("Release", {width, 0})) requests.release = true;
@@ -135,14 +137,15 @@ void latticeChoices(const PanelContents& contents, ViewChoices& view) {
 
 std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
   if (!stiffness.allFinite()) return "none";
-  // For the tissue: minus the derivative of the force on the tool.
+  // Stiffness of the tissue: minus the derivative of the force on the tool.
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(-0.5 * (stiffness + stiffness.transpose()), Eigen::EigenvaluesOnly);
   const Eigen::Vector3d& k = solver.eigenvalues();
   return fmt::format("{:.0f}, {:.0f}, {:.0f} N/m", k[2], k[1], k[0]);
 }
 
-/// Lists the force and the contact in a fixed number of rows, so the rows below do not move.
+/// Lists the force and the contact. The number of rows is always the same, so the rows below do not
+/// move.
 void touchNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Touch");
@@ -176,7 +179,7 @@ void tissueNumbers(const PanelContents& contents) {
   row("passivity", fmt::format("{:.2f} mJ", 1e3 * contents.state.passivity));
   if (!touch.touching) return;
   const Eigen::Vector3d u = 1e3 * touch.displacement;
-  // A narrow panel has no room for the unit.
+  // Leave out the unit, for which a narrow panel has no room.
   row("pressed", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
   row("stiffness", stiffnessText(touch.stiffness));
   row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));

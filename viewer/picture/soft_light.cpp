@@ -21,8 +21,8 @@ void main() {
 }
 )";
 
-// Lighting in the frame of a distant eye, which is at z everywhere. Powers are products, and there
-// are no roots, because these are slow in software rendering.
+// Computes the light in the frame of a distant eye, which sees every point along z. Powers are
+// written as products, and there are no roots, because both are slow in software rendering.
 constexpr const char* fragment_source = R"(#version 120
 const vec3 key = vec3(-0.463, 0.617, 0.637), halfway = vec3(-0.256, 0.341, 0.904);
 uniform float opacity, darkness;
@@ -57,7 +57,7 @@ Error notTaken(const InfoLog& why) {
       why.data());
 }
 
-/// Compiles a shader and attaches it to the program, which then owns it.
+/// Compiles a shader and attaches it to the program, which owns the shader from then on.
 void attach(GLuint program, GLenum kind, const char* source) {
   const GLuint shader = glCreateShader(kind);
   glShaderSource(shader, 1, &source, nullptr);
@@ -86,7 +86,8 @@ GLuint linked(GLuint program) {
 
 }  // namespace
 
-// If linked() throws, the program is freed with the context, because the picture ends.
+// If linked() throws, the program is freed together with the context, because the picture then
+// ends.
 SoftLight::SoftLight() : program_(linked(glCreateProgram())) {
   opacity_ = glGetUniformLocation(program_, "opacity");
   shadow_ = glGetUniformLocation(program_, "shadow");

@@ -4,29 +4,30 @@
 
 namespace palpate {
 
-/// Lighting for all solids, as a shader (GLSL 1.20). It has a warm key light from the upper left, a
-/// wide sky, and grazing highlights of a wet surface, all fixed to the eye. Surfaces that face
-/// light and eye have about their given colour, so colours with a meaning match their legend. Used
-/// by the thread and context that made it.
+/// Lighting for all solids, as a shader (GLSL 1.20). It consists of a warm main light from the
+/// upper left, a wide sky, and highlights of a wet surface at grazing angles; all are fixed to the
+/// eye. A surface that faces both light and eye has about its given colour, so that a colour with a
+/// meaning matches its legend. Use it only in the thread and the OpenGL context in which it was
+/// made.
 class SoftLight {
  public:
-  /// A dark spot with soft edges: the shadow of an object on the drawn surface.
+  /// A dark spot with soft edges on the drawn surface: the shadow of an object.
   struct Shadow {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m, scene frame
     double radius = 0;                                ///< m
-    double strength = 0;                              ///< 0: none, 1: black
+    double strength = 0;                              ///< 0: no shadow, 1: black
   };
 
-  /// Throws Error with a remedy if OpenGL rejects the shader.
+  /// If OpenGL rejects the shader, throws an Error that says what to do.
   SoftLight();
   ~SoftLight();
   SoftLight(const SoftLight&) = delete;
   SoftLight& operator=(const SoftLight&) = delete;
 
-  /// Turns the light on until off(). Drawn vertices need normals, and colours whose alpha is the
-  /// amount of shine; a surface without shine is hatched. opacity: below 1 for surfaces seen
-  /// through something; the caller sets up blending. The current modelview matrix transforms the
-  /// shadow.
+  /// Turns the light on until off(). Vertices must have normals and colours. The alpha of a colour
+  /// is the amount of shine, and a surface without shine is hatched. opacity: below 1 to draw a
+  /// translucent surface; the caller must enable blending. The current modelview matrix also
+  /// transforms the shadow.
   void on(double opacity, const Shadow& shadow) const;
   static void off();
 

@@ -9,13 +9,13 @@
 namespace palpate {
 namespace {
 
-/// Background around the view. Clearing is cheap; blended panel backgrounds would cost as much as
-/// the body in software rendering.
+/// Background outside the view. Clearing it costs little time. In software rendering, panels with
+/// blended backgrounds would cost as much as the body.
 constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
 constexpr std::array<float, 3> sky = {0.975F, 0.978F, 0.984F}, ground = {0.800F, 0.826F, 0.860F};
 
-/// Draws the background last and only where nothing was drawn: in software rendering a pixel of it
-/// costs as much as one of the body.
+/// Draws the background last, and only where nothing was drawn: in software rendering a pixel of
+/// the background costs as much as a pixel of the body.
 void drawBackground() {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
@@ -53,7 +53,7 @@ void placeCamera(const OrbitCamera& camera, const Viewport& viewport) {
   glLoadMatrixd(eye.inverse().matrix().data());
 }
 
-/// Restores OpenGL's state afterwards, except its matrices.
+/// Calls `draw` and then restores OpenGL's state except its matrices.
 template <class Draw>
 void drawApart(const Draw& draw) {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
@@ -67,7 +67,7 @@ void drawApart(const Draw& draw) {
 
 void Stage::render(const Shot& shot, const Viewport& viewport, bool clear) const {
   drawApart([&] {
-    // The whole window is cleared, so a clip rectangle of the panels must not stay on.
+    // The whole window is cleared, so a clip rectangle that the panels left must be switched off.
     glDisable(GL_SCISSOR_TEST);
     glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);
     if (clear) glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A part of a window in pixels, from the lower left.
+/// A part of a window, pixels. x and y are measured from the lower left.
 struct Viewport {
   int window_width = 1, window_height = 1;
   int x = 0, y = 0, width = 1, height = 1;
@@ -27,7 +27,8 @@ struct Viewport {
   }
 };
 
-/// Contents of a part of the window. Body and lattice, if any, must outlive it.
+/// Contents of one part of the window. The body and the lattice may be null; otherwise they must
+/// outlive this object.
 struct Shot {
   BodyView* body = nullptr;
   const LatticeView* lattice = nullptr;
@@ -35,12 +36,12 @@ struct Shot {
   OrbitCamera camera;
 };
 
-/// Draws shots under a light that moves with the camera. Used only in the thread in which a Window
-/// is current; must be destroyed before the Window.
+/// Draws shots with a light that moves with the camera. Use it only in the thread in which a Window
+/// is current. Must be destroyed before the Window.
 class Stage {
  public:
-  /// Draws into a part of the window. clear: first clear the window; the rest becomes the
-  /// background of the panels. Restores OpenGL's state except its matrices.
+  /// Draws a shot into a part of the window. clear: first clears the whole window; outside of the
+  /// part this leaves the background of the panels. Restores OpenGL's state except its matrices.
   void render(const Shot& shot, const Viewport& viewport, bool clear = true) const;
 
  private:

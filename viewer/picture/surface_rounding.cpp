@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-constexpr float sharp = 0.75F;  // cosine between the normals of both ends, for 41 degrees
+constexpr float sharp = 0.75F;  // cosine of 41 degrees: a larger angle between the normals at the
+                                // ends of an edge makes the edge sharp
 
 }  // namespace
 

@@ -14,19 +14,20 @@ namespace palpate {
 namespace {
 
 constexpr int levels = 256;
-/// A surface is rounded while the result has at most this many triangles. More cost time in
-/// software rendering, and such surfaces already look smooth.
+/// A surface is rounded as long as the result has at most this many triangles. More triangles cost
+/// time in software rendering, and a surface with so many triangles already looks smooth.
 constexpr std::size_t most_rounded = 16000;
-/// Number of smoothing passes, each replacing a vertex by the mean around it: the width in vertices
-/// of the border of the touchable part.
+/// Number of smoothing passes at the border of the touchable part. Each pass replaces a vertex's
+/// value by the mean of the values around it, so the transition is about this many vertices wide.
 constexpr int border_rounds = 2;
-/// Wetness of tissue under a colour with a meaning, which highlights would change.
+/// Wetness of tissue under a colour with a meaning. It is low, because highlights would change the
+/// colour.
 constexpr double wetness_of_colour = 0.3;
 
-/// A colour over tissue: tissue bytes * seen + added.
+/// A colour over tissue. The result is `seen` times the bytes of the tissue, plus `added`.
 struct Cover {
   float seen = 1;
-  std::array<float, 4> added = {0.5F, 0.5F, 0.5F, 0.5F};  ///< including 0.5 for rounding
+  std::array<float, 4> added = {0.5F, 0.5F, 0.5F, 0.5F};  ///< contains 0.5 for rounding
 };
 
 Cover coverOf(const Rgb& colour, double share) {
@@ -38,7 +39,7 @@ Cover coverOf(const Rgb& colour, double share) {
 
 using Covers = std::array<Cover, levels>;
 
-/// Tabulates cover(place) for places from 0 to 1.
+/// Returns a table of cover(place) for places from 0 to 1.
 template <class CoverOf>
 Covers coversBy(const CoverOf& cover) {
   Covers covers;
@@ -54,12 +55,12 @@ std::uint32_t packed(const std::array<float, 4>& tissue, const Cover& cover) {
   return std::bit_cast<std::uint32_t>(bytes);
 }
 
-/// place: clamped to 0 to 1.
+/// Returns the index of a place in such a table. place: clamped to 0 to 1.
 std::size_t levelAt(float place) {
   return static_cast<std::size_t>(std::clamp(place, 0.0F, 1.0F) * (levels - 1));
 }
 
-/// Colours every vertex by its place; NaN shows the tissue.
+/// Colours every vertex according to its place; NaN shows the tissue.
 void cover(const Covers& covers, std::span<const float> places,
            std::span<const std::array<float, 4>> tissue, std::span<std::uint32_t> colours) {
   for (std::size_t v = 0; v < places.size(); ++v)
@@ -192,7 +193,8 @@ void SurfaceShape::setNormals() {
     const Eigen::Vector3f a = positions_.col(coarse_[t]);
     const Eigen::Vector3f ab = positions_.col(coarse_[t + 1]) - a,
                           ac = positions_.col(coarse_[t + 2]) - a;
-    // The length is twice the area, which weights the sum.
+    // The length of this vector is twice the area of the triangle, so each normal is weighted by
+    // area.
     const Eigen::Vector3f cross = ab.cross(ac);
     for (std::size_t corner = t; corner < t + 3; ++corner) normals_.col(coarse_[corner]) += cross;
   }

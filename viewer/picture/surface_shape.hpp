@@ -12,43 +12,54 @@
 namespace palpate {
 
 /// A deforming surface as arrays for a graphics card: positions, smooth normals and colours of
-/// vertices, in float32. A coarse surface is rounded between its vertices (SurfaceRounding), which
-/// come first in the arrays. Independent of the graphics. One thread; the setters do not allocate.
+/// vertices, in float32. A coarse surface is rounded, which adds vertices between the given ones
+/// (SurfaceRounding). The given vertices come first in the arrays. Independent of the graphics. One
+/// thread; the setters do not allocate.
 class SurfaceShape {
  public:
-  /// vertices: at rest, metres. triangles: outward, indices into vertices. touchable: one per
-  /// triangle.
+  /// vertices: at rest, metres. triangles: oriented outward, indices into vertices. touchable:
+  /// whether each triangle is touchable.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 
-  /// Sets displacements, [given vertex][axis], metres, and computes positions and normals. A
-  /// displacement that is not finite counts as zero.
+  /// Sets the displacements, [given vertex][axis], metres, and computes positions and normals. A
+  /// component that is not finite counts as zero.
   void setDisplacements(std::span<const float> displacements);
 
-  // Colours, drawn over the tissue of each vertex.
+  // These set the colours, which cover the tissue of each vertex in part or fully.
   void colourTissue();
-  /// By the magnitude of the displacements, 0 to `full` metres: displacementColour.
+  /// Colours by the magnitude of the displacements, from 0 to `full` metres (displacementColour).
   void colourDisplacements(double full);
-  /// By viridis. places: one per given vertex, 0 to 1; NaN shows the tissue.
+  /// Colours by viridis. places: one per given vertex, 0 to 1; NaN shows the tissue.
   void colourPlaces(std::span<const float> places);
-  /// By pressureColour, -full to `full` Pa. pressures: one per given vertex; NaN shows the tissue.
+  /// Colours by pressureColour(), from -full to `full` Pa. pressures: one per given vertex; NaN
+  /// shows the tissue.
   void colourPressures(std::span<const float> pressures, double full);
 
-  // One column per vertex.
+  // The following matrices have one column per vertex.
   const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
   const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
   const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
-  /// Bytes red, green, blue and wetness: 255 for tissue, less under a colour, 0 for parts that are
-  /// not touchable.
+  /// Returns red, green, blue and wetness of each vertex, packed as four bytes. Wetness is 255 for
+  /// tissue, less under a colour, and 0 for parts that are not touchable.
   std::span<const std::uint32_t> colours() const { return colours_; }
-  /// Three vertices per triangle.
+  /// Returns the corners of all triangles, three vertices per triangle.
   std::span<const std::uint32_t> corners() const { return corners_; }
-  /// 1 for a touchable vertex, 0 for others, with a smooth transition that hides the triangles
+  /// Returns 1 for a touchable vertex and 0 for others. A smooth transition hides the triangles
   /// along the border.
   std::span<const float> felt() const { return felt_; }
-  double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of the displacement, m
-  double largest() const { return largest_; }                           ///< of these lengths
-  std::size_t size() const { return lengths_.size(); }                  ///< vertices of the arrays
+  double length(std::size_t vertex) const {
+    return lengths_[vertex];
+  }  ///< length of the
+     ///< displacement, m
+  double largest() const {
+    return largest_;
+  }  ///< the largest of these
+     ///< lengths, m
+  std::size_t size() const {
+    return lengths_.size();
+  }  ///< number of vertices in
+     ///< the arrays
 
  private:
   void setFelt(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable);

@@ -7,13 +7,13 @@ namespace palpate {
 namespace {
 
 constexpr Rgb dark_tissue = {120, 44, 36}, light_tissue = {144, 62, 50};
-/// Untouchable tissue is blended toward this pale pink.
+/// Colour of tissue that is not touchable, which is blended toward this pale pink.
 constexpr Rgb pale_tissue = {196, 158, 148};
 constexpr double paleness = 0.62;
-constexpr double blotch_frequency = 8;  // per radius of the body
+constexpr double blotch_frequency = 8;  // blotches per radius of the body
 constexpr double covered_from = 0.2;
-/// Evenly spaced. The scale begins beside red, because grey lies between red and the blue of
-/// viridis.
+/// Colours at even distances on the scale. It begins beside red, because there is grey between red
+/// and the blue of viridis.
 constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {104, 79, 146},
                                       {70, 102, 158},
@@ -23,7 +23,7 @@ constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {111, 200, 88},
                                       {183, 222, 45},
                                       {253, 231, 37}}};
-/// PRGn of ColorBrewer (Brewer and Harrower), reversed.
+/// The scale PRGn of ColorBrewer (Brewer and Harrower), reversed.
 constexpr std::array<Rgb, 9> pressure_hues = {{{27, 120, 55},
                                                {90, 174, 97},
                                                {166, 219, 160},
@@ -39,7 +39,7 @@ Rgb between(const Rgb& from, const Rgb& to, double share) {
           std::lerp(from[2], to[2], share)};
 }
 
-/// Interpolates between evenly spaced colours. place: clamped to 0 to 1.
+/// Interpolates between colours at even distances. place: clamped to 0 to 1.
 template <std::size_t count>
 Rgb among(const std::array<Rgb, count>& colours, double place) {
   const double at = std::clamp(place, 0.0, 1.0) * (count - 1);

@@ -6,14 +6,14 @@
 
 namespace palpate {
 
-/// Red, green, blue, 0 to 255, in the screen's colour space.
+/// Red, green and blue, 0 to 255, in the screen's colour space.
 using Rgb = std::array<double, 3>;
 
-/// Quantity that colours the surface: none (tissue); displacement; relative error bound of the
-/// force at a touch; pressure.
+/// Quantity that colours the surface: none (tissue), displacement, relative error bound of the
+/// force at a touch, or pressure.
 enum class SurfaceColour : std::uint8_t { tissue, displacement, error, pressure };
 inline constexpr int surface_colour_count = 4;
-/// Returns the next colour in a cycle.
+/// Returns the colour that follows in a cycle.
 inline SurfaceColour following(SurfaceColour colour) {
   return static_cast<SurfaceColour>((static_cast<int>(colour) + 1) % surface_colour_count);
 }
@@ -22,26 +22,27 @@ const char* word(SurfaceColour colour);
 
 /// Returns the colour of wet tissue.
 ///
-/// felt: 1 if touchable; 0 if not, which is paler (and hatched, SoftLight). blotch: 0 to 1, from
-/// darker to lighter, for variation over the surface.
+/// felt: 1 for touchable tissue; 0 for other tissue, which is paler (and hatched, SoftLight).
+/// blotch: 0 (darker) to 1 (lighter), for variation over the surface.
 Rgb tissueColour(double felt, double blotch = 0.5);
-/// Returns the blotch at a place of the body at rest. scaled: the place in radii of the body.
+/// Returns the blotch, 0 to 1, at a place of the body at rest. scaled: the place, in radii of the
+/// body.
 double blotchAt(const Eigen::Vector3d& scaled);
 
-/// Returns the opacity of a displacement colour over the tissue: 0 at none, 1 from a fifth of the
-/// scale on. place: 0 to 1, share of the scale.
+/// Returns the opacity of a displacement's colour over the tissue. It is 0 without displacement,
+/// and 1 from a fifth of the scale on. place: position on the scale, 0 to 1.
 double displacementCover(double place);
-/// Returns the opaque colour of a displacement: from plum, which is close to tissue, to the upper
-/// half of viridis.
+/// Returns the colour of a displacement without the tissue below it. The scale runs from plum,
+/// which is close to the colour of tissue, to the upper half of viridis.
 Rgb displacementHue(double place);
-/// Returns the colour for a displacement on the surface and in the legend, blended over the tissue.
-/// Grows lighter with the place.
+/// Returns the colour of a displacement, blended over the tissue, for the surface and the legend.
+/// It is lighter for larger displacements.
 Rgb displacementColour(double place, const Rgb& tissue);
 
-/// Returns the colour for a pressure on the surface and in the legend: from green (tension) over
-/// light grey (zero) to purple (compression). Colour-blind people can tell the ends apart, and the
-/// colours differ from tissue, the arrow and an uncertain force. place: -1 to 1, share of the
-/// scale.
+/// Returns the colour of a pressure for the surface and the legend: from green (tension) over light
+/// grey (zero) to purple (compression). Colour-blind people can distinguish the two ends. The
+/// colours also differ from those of tissue, arrow and uncertain force. place: position on the
+/// scale, -1 to 1.
 Rgb pressureColour(double place);
 
 }  // namespace palpate

@@ -6,18 +6,18 @@
 
 namespace palpate {
 
-/// Form of the tool: the point of a probe, which moves a single node; a disc, which moves a patch
-/// of nodes; or a soft finger.
+/// Form of the tool. A point, like that of a probe, moves a single node; a disc moves a patch of
+/// nodes; a finger is soft.
 enum class ToolForm : std::uint8_t { point, disc, finger };
 
 struct ToolShape {
   ToolForm form = ToolForm::point;
-  /// Radius of a disc or finger as the dataset was computed, m; 0 for a point.
+  /// Radius with which the dataset was computed, m, for a disc or a finger; 0 for a point.
   double radius = 0;
   bool operator==(const ToolShape&) const = default;
 };
 
-/// Returns the tool that a configuration space of the model was computed with.
+/// Returns the tool with which a configuration space of the model was computed.
 ToolShape toolOf(const HapticModel& model, std::size_t space);
 
 }  // namespace palpate

@@ -14,18 +14,18 @@ constexpr Paint steel = {0.80F, 0.83F, 0.86F, 1}, grip = {0.50F, 0.56F, 0.62F, 0
 constexpr Paint sure = {0.10F, 0.42F, 0.86F, 0.5F}, unsure = {0.98F, 0.67F, 0.10F, 0.4F};
 constexpr Paint at_rest = {0.16F, 0.26F, 0.48F, 0.9F};
 
-// In extents of the scene.
+// These are in extents of the scene.
 constexpr double point_radius = 0.022, shortest_arrow = 0.015;
 constexpr double arrow_radius = 0.011, head_radius = 0.030, head_length = 0.085, dash = 0.05,
                  skin_dash = 0.04;
 constexpr double anchor_radius = 0.010, handle_length = 0.75, handle_radius = 0.014;
-// In radii of the tool.
+// These are in radii of the tool.
 constexpr double disc_height = 0.22, finger_length = 2.2;
 constexpr double hidden_opacity = 0.30, see_through_opacity = 0.35;
 
 void paint(const Paint& colour) { glColor4fv(colour.data()); }
 
-/// Draws a thin dashed line from the tool to the skin. filled: share of each piece that is drawn.
+/// Draws a thin dashed line. filled: fraction of each piece that is drawn.
 void drawThread(const Eigen::Vector3d& from, const Eigen::Vector3d& to, int pieces, double filled) {
   glEnable(GL_BLEND);
   setLineWidth(1.5F);
@@ -116,7 +116,7 @@ void ToolView::drawTranslucent(const ShownTool& tool, const SoftLight& light,
 }
 
 void ToolView::drawArrow(const ShownTool& tool, const SoftLight& light) const {
-  // In front of everything, including the tool.
+  // Draw in front of everything, including the tool.
   glDepthRange(0, 0.01);
   light.on(1, {});
   paint(tool.uncertain ? unsure : sure);

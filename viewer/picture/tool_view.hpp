@@ -14,40 +14,42 @@ namespace palpate {
 struct ToolPose {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();       ///< m, the point that touches
   Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();  ///< unit, away from the body
-  Eigen::Vector3d handle = Eigen::Vector3d::UnitZ();   ///< unit, from the tip to the hand
+  Eigen::Vector3d handle = Eigen::Vector3d::UnitZ();   ///< unit, from the tip toward the hand
 };
 
-/// The nearest skin below a free tool.
+/// The place of the skin that is nearest to a free tool.
 struct SkinBelow {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m
-  double gap = 0;                                   ///< m
+  double gap = 0;                                   ///< distance of the tool from this place, m
 };
 
-/// Visible parts of a hand. Metres, scene frame.
+/// The parts of a hand that are drawn. Metres, scene frame.
 struct ShownTool {
-  double extent = 0.1;  ///< radius of the scene; scales parts without a true size
+  double extent = 0.1;  ///< radius of the scene, for parts that have no true size
   ToolShape shape;
   ToolPose pose;  ///< not drawn if its tip is not finite
-  /// From the tip of the tool to the tip of the arrow; a very short one is not drawn.
+  /// Vector from the tip of the tool to the tip of the arrow. A very short arrow is not drawn.
   Eigen::Vector3d arrow = Eigen::Vector3d::Zero();
-  bool uncertain = false;                 ///< the arrow's force is uncertain
+  bool uncertain = false;                 ///< whether the force that the arrow shows is uncertain
   std::optional<Eigen::Vector3d> anchor;  ///< rest position of the material point in contact
-  std::optional<Eigen::Vector3d> skin;    ///< below a free tool
-  bool see_through = false;               ///< translucent, to show objects around it
+  std::optional<Eigen::Vector3d> skin;    ///< the place of the skin below a free tool
+  bool see_through = false;               ///< draw the tool translucent, so that objects behind it
+                                          ///< are visible
 
-  /// Returns the middle of the tip and the end of the handle.
+  /// Returns the middle of the tip, and the end of the handle.
   std::array<Eigen::Vector3d, 2> axis() const;
-  // As drawn.
+  // Sizes as they are drawn, m.
   double radius() const;  ///< of the tip
   double handleRadius() const;
 };
 
-/// Draws the tool in its true size and the force on it as an arrow. Also draws a line to the skin
-/// while the tool is free, and the rest position of the touched point with a line to it.
+/// Draws the tool in its true size, and the force on it as an arrow. For a free tool also draws a
+/// line to the skin. In contact also draws the rest position of the touched point, with a line to
+/// it.
 ///
-/// Parts of the tool behind the surface show through it. The arrow is in front of everything, and
-/// is dashed and amber if its force is uncertain. Changes OpenGL's state and requires its default
-/// (Stage).
+/// Parts of the tool behind the surface show through it. The arrow is in front of everything. It is
+/// dashed and amber if its force is uncertain. Changes OpenGL's state, and requires its default
+/// state when it is called (Stage).
 class ToolView {
  public:
   void draw(const ShownTool& tool, const SoftLight& light) const;

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// In the order of LawName.
+/// Names of the laws, in the order of LawName.
 constexpr std::array law_names = {
     "linear elastic", "St. Venant-Kirchhoff", "modified St. Venant-Kirchhoff",
     "Mooney-Rivlin",  "neo-Hookean",          "Yeoh",

@@ -8,20 +8,21 @@
 
 namespace palpate {
 
-/// Returns whether the force is uncertain: the displacement is beyond the computed region, or the
-/// relative error bound is so large that a hand could notice the error (noticeable_force_error).
-/// False without contact, and inside the region without a bound.
+/// Returns whether the force is uncertain. It is uncertain if the displacement is beyond the
+/// computed region, or if the relative error bound is so large that a hand could notice the error
+/// (noticeable_force_error). Returns false without contact, and inside the region also if the
+/// method gives no bound.
 bool isUncertain(const Touch& touch);
-/// Returns the label at the arrow: the force in the hand with the error bound of the tissue's
-/// force, and a note if it is uncertain. Empty without contact and force.
+/// Returns the label at the arrow: the force in the hand, the error bound of the tissue's force,
+/// and a note if the force is uncertain. Empty if there is neither contact nor force.
 std::string forceText(const HapticState& state);
-/// Returns the same for the tissue's force.
+/// Returns the same label with the tissue's force in place of the force in the hand.
 std::string tissueForceText(const Touch& touch);
-/// Returns why the dataset shown beside another is not touched. one_mesh: both have the same mesh.
-/// one_scale: one camera shows both.
+/// Returns the reason why the dataset beside the touched one is not touched. one_mesh: whether both
+/// have the same mesh. one_scale: whether one camera shows both well.
 std::string untouchedText(bool one_mesh, bool one_scale);
-/// Returns "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and the number of
-/// the others.
+/// Returns the material of the first region, and the number of further regions: "Mooney-Rivlin,
+/// Young's modulus 3.6 kPa".
 std::string tissueText(const std::vector<Region>& regions);
 
 }  // namespace palpate

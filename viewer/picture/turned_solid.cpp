@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr int few = 12, some = 16, many = 28;  // corners of a circle
+constexpr int few = 12, some = 16, many = 28;  // numbers of corners of a circle
 
 /// Returns the outward normal of the segment between two points of a profile.
 Eigen::Vector2d normalOf(const ProfilePoint& from, const ProfilePoint& to) {

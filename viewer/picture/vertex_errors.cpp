@@ -11,9 +11,10 @@
 namespace palpate {
 namespace {
 
-constexpr double half_way = 0.5;  // in radii of the workspace
+constexpr double half_way = 0.5;  // depth of the press, in radii of the workspace
 
-/// Returns the vertex as a point of a touchable triangle; empty if it has none.
+/// Returns the vertex as a point of a touchable triangle; nothing if it belongs to no such
+/// triangle.
 std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
   for (const std::int32_t triangle : surface.trianglesAt(vertex)) {
     if (!surface.touchable(triangle)) continue;
@@ -27,7 +28,7 @@ std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int
   return std::nullopt;
 }
 
-/// Returns the workspace radius of the space with the largest weight, m.
+/// Returns the workspace radius of the space with the largest weight at a vertex, m.
 double radiusAt(const HapticModel& model, std::int32_t vertex) {
   const std::span<const SpaceWeight> shares = model.surface().sharesOf(vertex);
   const auto most = std::ranges::max_element(shares, {}, &SpaceWeight::weight);

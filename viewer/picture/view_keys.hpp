@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// Help for keys and mouse, one line each.
+/// Help text for keys and mouse, one line per entry.
 extern const char* const key_help;
-/// Changes `choices` and adds to `requests` for the keys pressed since the last picture. Skips
-/// datasets and methods that are not prepared yet.
+/// Handles the keys that were pressed since the last picture: changes `choices` and adds to
+/// `requests`. Skips datasets and methods that are not prepared yet.
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
-/// Adds the input of keys to the hand and the camera. keys, strokes: from the Window.
+/// Adds the keys' input for the hand and the camera. keys, strokes: as the Window returns them.
 void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
                   PersonsInput& input);
 

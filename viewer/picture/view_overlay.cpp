@@ -24,14 +24,16 @@ constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_pa
                 banner_gap = 6;
 constexpr float sentence_padding = 10, sentence_rounding = 6, sentence_above = 18;
 constexpr float help_gap = 18, hint_above_scale = 84;
-constexpr float narrow_view = 760;  // legends and scale stand above the hint in a narrower view
+constexpr float narrow_view = 760;  // in a narrower view, legends and scale are above the hint
 constexpr float border_width = 1, ring_width = 2.5F, ring_edge_width = 4.5F;
 constexpr double view_edge = 4;
-constexpr float widest_name = 0.7F;  // of the view; a wider one would lie under the messages
+constexpr float widest_name = 0.7F;  // of the view; the end of a wider name would lie under the
+                                     // messages
 constexpr ImU32 sentence_ground = IM_COL32(255, 255, 255, 235);
 constexpr ImU32 ring_colour = IM_COL32(255, 196, 92, 255), ring_edge = IM_COL32(60, 36, 8, 150);
 constexpr int ring_corners = 40;
-constexpr double ring_above_skin = 0.06;  // in its radii, so that no triangle hides it
+constexpr double ring_above_skin = 0.06;  // in radii of the ring: height that keeps triangles from
+                                          // hiding it
 
 ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
@@ -39,7 +41,7 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
 
 ImDrawList& canvas() { return *ImGui::GetBackgroundDrawList(); }
 
-/// Returns the first line of a text, cut with three dots if it is too wide.
+/// Returns the first line of a text. If it is too wide, cuts it and adds three dots.
 std::string shortened(const std::string& text, float widest) {
   constexpr const char* dots = "...";
   std::string line = text.substr(0, text.find('\n'));
@@ -55,7 +57,8 @@ std::string shortened(const std::string& text, float widest) {
   return line + dots;
 }
 
-/// Draws text on a light background, wrapped at `width`; returns where the next one may begin.
+/// Draws text on a light background, wrapped at `width`. Returns the height at which the next text
+/// may begin.
 float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   const float wrap = width - px(banner_left) - px(banner_right);
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
@@ -70,9 +73,9 @@ float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   return bottom + px(banner_gap);
 }
 
-/// Draws the keys in a column and their effects in another, separated by at least two spaces in the
-/// text. Above everything else, in as many pairs of columns as the height of the window requires,
-/// with smaller letters if its width is too small.
+/// Draws the help above everything else: the keys in one column, their effects in another. At least
+/// two spaces separate them in the text. Draws as many pairs of columns as the height of the window
+/// requires, and uses smaller letters if the window is too narrow for them.
 void drawHelp(ImVec2 at, ImVec2 window) {
   std::vector<std::array<std::string, 2>> lines;
   std::istringstream text(key_help);
@@ -107,7 +110,7 @@ void drawHelp(ImVec2 at, ImVec2 window) {
   }
 }
 
-/// Returns why B shows no other dataset.
+/// Returns the reason why the B key shows no other dataset.
 const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
   return choices.beside && contents.models.size() == 1
              ? "B shows another dataset beside this one; there is none (palpate view A.h5 "
@@ -128,8 +131,8 @@ void drawBanners(const PanelContents& contents, const ViewChoices& choices, floa
   if (choices.help) drawHelp({px(margin), next}, ImGui::GetIO().DisplaySize);
 }
 
-/// Draws a sentence on a light background, `above` over the lower end of a part of the view,
-/// centred and wrapped. Returns the area that it takes.
+/// Draws a sentence on a light background, centred and wrapped, `above` units over the lower end of
+/// a part of the view. Returns the area that it covers.
 ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float above) {
   const float padding = px(sentence_padding);
   const auto width = static_cast<float>(part.width);
@@ -145,10 +148,11 @@ ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float 
   return {{from.x, from.y}, {to.x, to.y}};
 }
 
-/// Texts and marks over one body; each keeps clear of those drawn before.
+/// Texts and marks over one body. Each is placed so that it does not cover those drawn before.
 class Overlay {
  public:
-  /// part: of the view, in which the camera shows the body. taken: areas with text.
+  /// part: part of the view in which the camera shows the body. taken: areas that already have
+  /// text.
   Overlay(const Viewport& part, const OrbitCamera& camera, std::vector<ScreenBox> taken)
       : camera_(camera),
         from_(part.x, 0),
@@ -162,7 +166,7 @@ class Overlay {
 
   void keepClearOf(const ScreenBox& box) { taken_.push_back(box); }
 
-  /// Draws the names of the touched body at the upper right, one per line.
+  /// Draws names at the upper right, one per line.
   void names(const std::vector<std::string>& names) {
     const float line = ImGui::GetTextLineHeightWithSpacing(), width = static_cast<float>(size_.x()),
                 right = static_cast<float>(from_.x()) + width - px(margin);
@@ -178,11 +182,14 @@ class Overlay {
     keepClearOf({{begin, px(margin)}, {right, y}});
   }
 
-  /// Draws the label beyond the tip of its arrow, on a light background.
+  /// Draws a label on a light background, beyond the tip of its arrow.
   void label(const ViewLabel& label) {
     if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
     const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
     const double pixels = size_.y() / camera_.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
+                                                                                        // at the
+                                                                                        // depth of
+                                                                                        // the tool
     const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
     const std::array<ThickLine, 2> tool = {
         {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};
@@ -196,7 +203,8 @@ class Overlay {
                      label.text.c_str());
   }
 
-  /// Draws a circle around the place, in the plane of the skin, for a hand without a device.
+  /// Draws the ring of a hand without a device: a circle around the place, in the plane of the
+  /// skin.
   void ring(const PointedPlace& place, double radius) {
     const Eigen::Vector3d across = place.normal.unitOrthogonal(),
                           along = place.normal.cross(across);
@@ -226,24 +234,24 @@ class Overlay {
   std::vector<ScreenBox> taken_;
 };
 
-/// Draws the hint for a hand without a device. Returns its area, if there is one.
+/// Draws the hint for a hand without a device. Returns the area that it covers, if there is a hint.
 std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
   if (contents.hand.hint.empty()) return {};
-  // The scale bar of the first body is between the two bodies.
+  // Stay above the scale bar of the first body, which is between the two bodies.
   return {drawSentence(contents.hand.hint, view,
                        px(contents.beside ? hint_above_scale : sentence_above))};
 }
 
-/// part: with the touched body.
+/// part: the part of the view with the touched body.
 void drawTouched(const PanelContents& contents, const ViewChoices& choices, const Viewport& part,
                  const std::vector<ScreenBox>& hint) {
   const ImVec2 size = {static_cast<float>(part.width), static_cast<float>(part.height)};
-  // If the hint leaves them no room, they stand above it.
+  // If there is no room for legends and scale beside the hint, draw them above it.
   const bool narrow = size.x < px(narrow_view) && !hint.empty() && !contents.beside;
   const float foot = narrow ? static_cast<float>(hint.front().from.y()) : size.y;
   Overlay overlay(part, contents.camera, hint);
   drawScaleAndAxes(canvas(), contents, size, foot);
-  // The help would cover part of the legends and make the rest unreadable.
+  // Leave out the legends while the help is shown, because the help would cover a part of them.
   if (!choices.help) overlay.keepClearOf(drawLegends(canvas(), contents, choices, {size.x, foot}));
   overlay.names({contents.dataset, contents.tissue, "H: help"});
   overlay.label(contents.label);
@@ -251,7 +259,7 @@ void drawTouched(const PanelContents& contents, const ViewChoices& choices, cons
   if (contents.hand.ring) overlay.ring(*contents.hand.ring, contents.hand.ring_radius);
 }
 
-/// part: with the other dataset.
+/// part: the part of the view with the other dataset.
 void drawBeside(const BesideContents& contents, const OrbitCamera& camera, const Viewport& part,
                 const std::vector<ScreenBox>& hint) {
   Overlay overlay(part, camera, hint);

@@ -5,10 +5,12 @@
 
 namespace palpate {
 
-/// Draws over the view: names, the number at the arrow, legends, scale and axes, ring and hint of a
-/// hand without a device, and messages. The help replaces the legends. If another dataset is shown
-/// beside, draws its names and number over the other half, and why nothing is touched there. view:
-/// the area without panels, in ImGui's units.
+/// Draws over the view: names, the number at the arrow, legends, scale and axes, messages, and for
+/// a hand without a device its ring and hint. If the help is shown, it replaces the legends. If
+/// another dataset is shown beside, draws its names and its number over the other half, or the
+/// reason why nothing is touched there.
+///
+/// view: the part of the window without panels, in ImGui's units.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view);
 

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-// Units at scale 1; the panels overlap in a smaller window.
+// Smallest window, in units at scale 1. In a smaller window the panels would overlap.
 constexpr int least_width = 480, least_height = 320;
 
 /// Returns GLFW's message about its last error.
@@ -25,8 +25,8 @@ std::string lastTrouble() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// Returns the units available for a window beside bars and docks; unlimited if the screen is
-/// unknown or the window invisible.
+/// Returns the units that bars and docks leave for a window. There is no limit if the screen is
+/// unknown or the window is not visible.
 std::array<int, 2> roomOnScreen(bool visible) {
   std::array<int, 2> size{};
   if (GLFWmonitor* const screen = visible ? glfwGetPrimaryMonitor() : nullptr)
@@ -68,7 +68,7 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);
-  // Set before the panels' callbacks, which call this one.
+  // Set this before the panels set their callbacks, which call this one.
   glfwSetKeyCallback(window_,
                      [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
                        auto* const self = static_cast<Window*>(glfwGetWindowUserPointer(window));
@@ -97,7 +97,7 @@ Image readPixels(int width, int height) {
   const std::size_t row = 3 * static_cast<std::size_t>(width),
                     rows = static_cast<std::size_t>(height);
   std::vector<std::uint8_t> upward(row * rows);
-  // Rows of three bytes per pixel are not padded to words.
+  // Rows of three bytes per pixel are not padded.
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadBuffer(GL_BACK);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());

@@ -9,12 +9,12 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// A window with an OpenGL 2.1 context that is current in its thread. Create and use it in the main
-/// thread of the process only (GLFW); one window at a time.
+/// A window with an OpenGL 2.1 context that is current in its thread. Create it and use it only in
+/// the main thread of the process (GLFW), and only one at a time.
 class Window {
  public:
-  /// width, height: at scale 1; multiplied by screenScale. vsync: swap() waits for the screen.
-  /// Throws Error with a remedy if there is no display or no OpenGL.
+  /// width, height: at scale 1; they are multiplied by screenScale(). vsync: whether swap() waits
+  /// for the screen. If there is no display or no OpenGL, throws an Error that says what to do.
   Window(const std::string& title, int width, int height, bool visible, bool vsync);
   ~Window();
   Window(const Window&) = delete;
@@ -23,19 +23,20 @@ class Window {
   GLFWwindow* handle() const { return window_; }
   bool wantsClose() const;
   void poll();  ///< processes user and system events since the last call
-  /// Keys (GLFW_KEY_*) pressed before the last poll(), in order, however short.
+  /// Returns the keys (GLFW_KEY_*) whose presses the last poll() processed, in order, even if they
+  /// were held only briefly.
   const std::vector<int>& keys() const { return keys_; }
-  /// Likewise, with the repeats of keys that are held down.
+  /// Returns the same keys, and the repeats of keys that are held down.
   const std::vector<int>& strokes() const { return strokes_; }
-  void swap();  ///< shows the drawn picture
+  void swap();  ///< shows the picture that was drawn
 
  private:
   GLFWwindow* window_ = nullptr;
   std::vector<int> keys_, strokes_;
 };
 
-/// Returns the pixels drawn since the last swap() of the current window, width x height from its
-/// lower left.
+/// Returns the pixels that were drawn since the last swap() of the current window: width x height
+/// pixels from the lower left.
 Image readPixels(int width, int height);
 
 }  // namespace palpate
