@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr auto look_interval = 100ms;
 
-/// The last state of a lent device that was logged.
+/// State of a lent device as it was last logged.
 struct Told {
   DeviceServer::State state;
   std::string trouble;

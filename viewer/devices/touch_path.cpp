@@ -20,7 +20,7 @@ constexpr double clearance = 0.025;
 constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< fraction of the workspace radius
 constexpr double largest_force = 1.5;                        ///< N; limits the depth of pressing
 constexpr double travel_speed = 0.15;                        ///< m/s, between active nodes
-constexpr double slide_speed = 0.1;   ///< m/s, between a finger's sites, pressed in
+constexpr double slide_speed = 0.1;   ///< m/s, from site to site of a finger while pressed in
 constexpr double slide_step = 0.005;  ///< m, between waypoints of a slide
 /// Largest number of sites in one slide. The hand then lifts off: if the tool has lost contact at a
 /// rim, it can touch the body again only from outside.
@@ -80,8 +80,8 @@ Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& 
           radius};
 }
 
-/// Removes and returns the site to visit next: the nearest one, where a site with a similar normal
-/// counts as nearer.
+/// Removes and returns the site to visit next. This is the nearest site, but the distance of a site
+/// counts more if its normal differs.
 Site takeNext(std::vector<Site>& left, const Site& from) {
   const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
     return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));

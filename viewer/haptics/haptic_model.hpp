@@ -69,7 +69,7 @@ class HapticModel {
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
-  double maxForce() const { return max_force_; }        ///< N; forces beyond it are not solved
+  double maxForce() const { return max_force_; }        ///< N; the force limit of the scene
   /// Returns the radius of the tool of a space, m: the radius of the finger or of the patch around
   /// the active node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double smallest_time = 16e-9;  // s, lower edge of the first bin
 
-/// The histograms with their names in text and JSON.
+/// The histograms, with the names that text and JSON use for them.
 constexpr std::array<std::pair<const char*, TimeHistogram LoopStatistics::*>, 4> histograms = {
     {{"period", &LoopStatistics::period},
      {"latency", &LoopStatistics::latency},

@@ -34,8 +34,7 @@ struct Channel {
 template <class Value>
 Channel(const char*, const char*, Value (*)(const HapticState&)) -> Channel<Value>;
 
-/// Returns zero without contact, where anchor and displacement are meaningless, so that plots show
-/// nothing else.
+/// Returns zero without contact. Anchor and displacement are meaningless then, and plots show zero.
 Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) {
   return touch.touching ? value : Eigen::Vector3d::Zero().eval();
 }
@@ -49,7 +48,8 @@ HeldForces heldForces(std::uint32_t forces, const Eigen::Vector3d& times) {
           times[1], times[2]};
 }
 
-/// Every list of a recording: path of its array, unit, and its value in a state.
+/// Returns all lists of a recording. Each list has the path of its array, its unit, and its value
+/// in a state.
 auto makeChannels() {
   using State = const HapticState&;
   return std::tuple{
@@ -79,7 +79,8 @@ auto makeChannels() {
       Channel{"/method", "1", +[](State s) { return s.method; }}};
 }
 
-/// Returns a list of texts as JSON; file names may hold bytes that are not UTF-8.
+/// Returns a list of texts as JSON. File names may contain bytes that are not UTF-8; these are
+/// replaced.
 std::string jsonOf(const std::vector<std::string>& texts) {
   return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -144,7 +145,7 @@ double readNotNegative(const Reader& in, const char* attribute) {
   return value;
 }
 
-/// Returns the limits of the recorded device, with a name that lives as long as the program.
+/// Returns the limits of the recorded device. Their name lives as long as the program.
 DeviceProfile readProfile(const Reader& in) {
   const DeviceProfile* const known = deviceNamed(in.text("profile"));
   return {known == nullptr ? "replay" : known->name, readNotNegative(in, "profile_max_force"),
@@ -223,7 +224,7 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
-  // Older recordings lack these arrays; assume a device that is read in the tick.
+  // If an older recording has no such arrays, assume a device that was read within the tick.
   const bool held =
       std::ranges::count(in.arrays(), "/device/held_times", &hdf5::ArrayInfo::path) > 0;
   std::vector<Eigen::Vector3d> times;

@@ -30,8 +30,8 @@ struct RecordedRun {
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
-/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. It
-/// allocates, so any thread but the haptic one may use it, one thread at a time
+/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. Use it
+/// from one thread at a time, and never from the haptic thread, because it allocates
 /// (HapticLoop::takeRecorded).
 class Recorder {
  public:

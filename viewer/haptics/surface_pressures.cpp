@@ -84,7 +84,7 @@ double SurfacePressures::preparedShare() const noexcept {
 void SurfacePressures::evaluate(const SpaceBlend& blend, const Eigen::Vector3d& displacement,
                                 std::span<float> out) const noexcept {
   std::ranges::fill(out, 0.0F);
-  // All spaces of a body have the same state at rest.
+  // At rest any space will do, because all spaces of a body have the same state at rest.
   if (blend.size == 0) fields_.front()->add(Eigen::Vector3d::Zero(), 1, out);
   for (std::size_t n = 0; n < at(blend.size); ++n)
     fields_[at(blend.shares[n].space)]->add(displacement, blend.shares[n].weight, out);

@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t leaf_size = 4;
-/// Halving 2^31 triangles down to a leaf takes 30 levels, and each level leaves one entry on the
-/// stack.
+/// Large enough for any tree: halving 2^31 triangles down to a leaf takes 30 levels, and each level
+/// leaves one entry on the stack.
 constexpr std::size_t stack_size = 64;
 
 double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -47,7 +47,7 @@ class ShearedSegment {
     length_ = direction[z_];
     shear_x_ = direction[x_] / length_;
     shear_y_ = direction[y_] / length_;
-    // Allows for the rounding of the box test.
+    // Enlarges boxes by the rounding errors of the box test.
     reach_ = half_.cwiseAbs().array() + 1e-13 * (middle_.cwiseAbs() + half_.cwiseAbs()).sum();
   }
 
@@ -62,7 +62,8 @@ class ShearedSegment {
            cross[2] <= half[0] * reach_[1] + half[1] * reach_[0] + slack(half);
   }
 
-  /// Replaces `best` if the segment enters the triangle from its outer side before `best`.
+  /// Makes the triangle `best` if the segment enters it from its outer side, and earlier than the
+  /// previous `best`.
   void meet(const std::array<Eigen::Vector3d, 3>& corners, std::int32_t triangle,
             Crossing& best) const noexcept {
     const Eigen::Vector3d a = corners[0] - from_, b = corners[1] - from_, c = corners[2] - from_;
@@ -70,7 +71,7 @@ class ShearedSegment {
     const double bx = b[x_] - shear_x_ * b[z_], by = b[y_] - shear_y_ * b[z_];
     const double cx = c[x_] - shear_x_ * c[z_], cy = c[y_] - shear_y_ * c[z_];
     const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-    if (u < 0 || v < 0 || w < 0) return;  // misses, or comes from inside
+    if (u < 0 || v < 0 || w < 0) return;  // the segment misses the triangle, or comes from inside
     const double sum = u + v + w;
     if (sum <= 0) return;
     const double fraction = (u * a[z_] + v * b[z_] + w * c[z_]) / (sum * length_);
@@ -132,7 +133,8 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     }
 }
 
-/// Splits at the median of the centroids along the longest side of their box.
+/// Builds the node of `count` triangles and, below it, those of its two halves. Splits at the
+/// median of the centroids, along the longest side of their box.
 std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   PALPATE_ASSERT(count > 0, "no half of what is more than a leaf is empty");
   Eigen::AlignedBox3d box, centroids;
@@ -147,7 +149,7 @@ std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   const auto index = static_cast<std::int32_t>(nodes_.size());
   Node node;
   node.center = box.center();
-  // Keeps the corners inside despite rounding of the centre.
+  // Enlarge the box, so that it contains the corners although its centre is rounded.
   node.half =
       box.sizes() / 2 + Eigen::Vector3d::Constant(1e-15 * (1 + box.max().cwiseAbs().maxCoeff()));
   if (count <= leaf_size) {

@@ -19,8 +19,8 @@ struct Candidate {
   double distance, reach;  ///< m
 };
 
-/// Sorts and truncates the candidates in place; returns the nearest three at most, as weights that
-/// sum to 1.
+/// Returns the weights of the nearest candidates, three at most; they sum to 1. Sorts and truncates
+/// the candidates.
 std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   PALPATE_ASSERT(!candidates.empty(), "a vertex out of every reach has no shares");
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
@@ -32,7 +32,8 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   std::vector<SpaceWeight> shares;
   double sum = 0;
   for (const Candidate& candidate : candidates) {
-    // A vertex exactly at the reach, like those of the first ring, keeps a little weight.
+    // Without a lower limit, a vertex exactly at the reach would have no weight. The far end of an
+    // active node's longest edge is such a vertex if the reach is 0.
     const double taper = std::max(1 - candidate.distance / candidate.reach, 1e-3);
     const double weight = candidate.distance > 0 ? taper * taper / candidate.distance : 1;
     shares.push_back({candidate.space, weight});
@@ -78,9 +79,10 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     ActivePatch patch = space.patch;
     patch.node = vertexOf(patch.node);
     for (std::int32_t& node : patch.nodes) node = vertexOf(node);
-    std::erase(patch.nodes, -1);  // inside the body, or the middle of an edge
+    std::erase(patch.nodes, -1);  // nodes that are no surface vertices: inside the body, or in the
+                                  // middle of an edge
     active_vertices_.push_back(patch.node);
-    // Sites are part of their area, not separate patches.
+    // A site belongs to its area, and has no patch of its own.
     if (in_area[patches.size()]) patch.node = -1;
     patches.push_back(patch);
   }
@@ -124,7 +126,7 @@ void TouchSurface::setFaces() {
 }
 
 void TouchSurface::setNeighbors() {
-  // From (start, end) of a directed edge to (triangle, corner opposite to it).
+  // Maps a directed edge (start, end) to its triangle and the corner opposite to the edge.
   std::multimap<std::pair<std::int32_t, std::int32_t>, std::pair<std::int32_t, std::size_t>> edges;
   for (std::size_t n = 0; n < triangles_.size(); ++n)
     for (std::size_t c = 0; c < 3; ++c)
@@ -146,8 +148,8 @@ void TouchSurface::setNeighbors() {
       around_[at(vertex)].push_back(static_cast<std::int32_t>(n));
 }
 
-/// Dijkstra's algorithm: returns the vertices within `reach` (m) of the sources along edges, with
-/// their distances.
+/// Returns the vertices within `reach` (m) of the sources along edges, with their distances, by
+/// Dijkstra's algorithm.
 std::map<std::int32_t, double> TouchSurface::distancesFrom(const std::vector<std::int32_t>& sources,
                                                            double reach) const {
   using Item = std::pair<double, std::int32_t>;
@@ -192,8 +194,8 @@ void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double rea
     shares_.push_back(of_vertex.empty() ? std::vector<SpaceWeight>() : sharesFrom(of_vertex));
 }
 
-/// Assigns vertices near the sites of an area to it, and triangles of such vertices unless all
-/// three are fixed.
+/// Assigns to each area the vertices near its sites, and the triangles whose three corners are such
+/// vertices. A triangle whose corners are all fixed belongs to no area.
 void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
                             const std::vector<std::int32_t>& fixed) {
   area_of_vertex_.assign(vertices_.size(), -1);
@@ -230,7 +232,8 @@ void TouchSurface::setTouchable() {
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
     if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
-    // Forces are not blended across the rim of an area: its sites answer only in its triangles.
+    // A triangle across the rim of an area is not touchable. The area gives forces in its own
+    // triangles only, and they are not blended with others.
     const bool at_its_rim =
         std::ranges::any_of(t, [this](std::int32_t v) { return area_of_vertex_[at(v)] >= 0; });
     if (at_its_rim && area_of_[n] < 0) continue;

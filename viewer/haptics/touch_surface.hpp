@@ -20,7 +20,8 @@ struct SpaceWeight {
   double weight = 0;
 };
 
-/// Largest number of spaces in the blend of a vertex, and of a triangle with its three corners.
+/// Largest number of spaces in the blend of a vertex, and in the blend of a triangle, which has
+/// three vertices.
 inline constexpr std::size_t most_spaces_of_vertex = 3;
 inline constexpr std::size_t most_blended_spaces = 3 * most_spaces_of_vertex;
 

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// page/report.html and page/report.js, embedded by CMake.
+/// The texts of page/report.html and page/report.js, which CMake embeds.
 extern const char* const report_markup;
 extern const char* const report_script;
 
