@@ -122,7 +122,8 @@ class ViewSession {
     quit_ = !loaded_->prepareFirst(seen);
   }
 
-  /// Returns the limits that the options or the scene ask for; otherwise those of a usual device.
+  /// Returns the limits that the options or the scene ask for, and otherwise those of the profile
+  /// "touch".
   DeviceProfile wantedProfile() const {
     if (!options_.profile.empty()) return profileNamed(options_.profile);
     return loaded_->device().value_or(profileNamed("touch"));
@@ -226,7 +227,7 @@ class ViewSession {
     loop_.reset();
   }
 
-  /// Checks what changes slowly: the files on disk, problems, and the statistics.
+  /// Checks the files on disk, problems and the statistics, which change slowly.
   void look() {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < look_every) return;

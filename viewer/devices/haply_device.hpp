@@ -34,8 +34,8 @@ struct HaplyDeviceOptions {
 /// and read inverse3[].state.cursor_position {x,y,z} in metres, and the buttons of a VerseGrip. The
 /// service's frame is right-handed, x to the right, y forward, z up: our x, -z, y.
 ///
-/// The device counts as lost after 50 ms without an answer, or if the service no longer lists it. The
-/// connection is restored automatically.
+/// The device counts as lost after 50 ms without an answer, or if the service no longer lists it.
+/// The connection is restored automatically.
 class HaplyDevice : public ThreadedDevice {
  public:
   /// Does not wait for the service. Throws Error (bad input) if the address is not an IP address.

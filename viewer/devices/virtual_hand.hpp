@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// The default device: a simulated operator, whose hand is pulled toward a point that moves along a
-/// path and yields to the force F,
+/// The default device: a simulated operator. A spring and a damper pull the hand toward a target
+/// that moves along a path, and the hand yields to the force F of the device:
 ///   m x'' = k (target - x) + b (target' - x') + F.
 /// The motion is integrated by semi-implicit Euler with fixed substeps. Each read() advances the
 /// time by one period. No clock is involved, so the same forces give bitwise identical positions.
@@ -17,7 +17,7 @@ namespace palpate {
 ///
 /// The constants describe a loose grasp of a stylus: damping ratio 0.52, natural frequency 8 Hz.
 /// Published values of the mass, stiffness and damping of hands and fingers on a tool lie around
-/// them, and vary several-fold with the grasp:
+/// these constants. They vary several-fold with the grasp:
 /// - Hajian and Howe 1997, Identification of the mechanical impedance at the human finger tip;
 /// - Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
 ///   interaction;

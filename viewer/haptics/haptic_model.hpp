@@ -106,10 +106,9 @@ class HapticModel {
   double max_force_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
-  std::vector<double> tool_radii_;                    ///< m, [space]
-  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< places around the sites of each area, m;
-                                                      ///< they decide where the area gets
-                                                      ///< collocation points
+  std::vector<double> tool_radii_;  ///< m, [space]
+  /// Places around the sites of each area, m. They decide where the area gets collocation points.
+  std::vector<std::vector<Eigen::Vector3d>> places_;
   std::mutex making_areas_;
   bool areas_made_ = false;
   std::atomic<double> areas_share_ = 0;                  ///< progress of the work on all areas, 0

@@ -52,10 +52,10 @@ struct WorkspaceMap {
     return rotation.transpose() * force;
   }
 };
-/// Returns the map that fits a device's workspace around the touchable surface. It is the identity
-/// for devices that live in the scene. For other devices the axes are the scene's, and the scale is
-/// as large as necessary, but at least 1: the workspace of `limits` must contain the touchable
-/// vertices and the displacements around them.
+/// Returns the map that fits a device's workspace around the touchable surface. For devices that
+/// live in the scene it is the identity. For other devices its axes are the scene's. Its scale is
+/// at least 1, and so large that the workspace of `limits` contains the touchable vertices and the
+/// displacements around them.
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
                           const DeviceProfile& limits);
 

@@ -133,8 +133,8 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     }
 }
 
-/// Builds the node of `count` triangles and, below it, those of its two halves. Splits at the
-/// median of the centroids, along the longest side of their box.
+/// Builds the subtree of `count` triangles and returns its node. Splits at the median of the
+/// centroids, along the longest side of their box.
 std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   PALPATE_ASSERT(count > 0, "no half of what is more than a leaf is empty");
   Eigen::AlignedBox3d box, centroids;

@@ -30,7 +30,7 @@ struct Crossing : SurfacePoint {
 class SurfaceTree {
  public:
   SurfaceTree() = default;
-  /// Copies what is needed from the arguments. vertices: metres.
+  /// The arguments are not needed after construction. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
   /// Returns the point of the surface that is nearest to any finite point.

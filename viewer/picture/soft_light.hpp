@@ -18,7 +18,7 @@ class SoftLight {
     double strength = 0;                              ///< 0: no shadow, 1: black
   };
 
-  /// If OpenGL rejects the shader, throws an Error that says what to do.
+  /// Throws Error, with advice, if OpenGL rejects the shader.
   SoftLight();
   ~SoftLight();
   SoftLight(const SoftLight&) = delete;

@@ -187,9 +187,6 @@ class Overlay {
     if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
     const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
     const double pixels = size_.y() / camera_.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
-                                                                                        // at the
-                                                                                        // depth of
-                                                                                        // the tool
     const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
     const std::array<ThickLine, 2> tool = {
         {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};

@@ -27,9 +27,8 @@ struct ComparedLattice {
 };
 
 /// Returns the lattices that can be made of the datasets: each dataset as it is, each refined
-/// dataset also before its refinement, and every 2nd, 3rd and 4th point of each dataset. Leaves out
-/// a thinned lattice if it has hardly any points, or if another uniform lattice has the same
-/// spacing.
+/// dataset before its refinement, and every 2nd, 3rd and 4th point of each dataset. Leaves out a
+/// thinned lattice if it has hardly any points, or if another uniform lattice has the same spacing.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
 /// Returns the table of active node number `space` on a lattice. `datasets` must outlive the table.

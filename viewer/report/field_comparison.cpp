@@ -25,8 +25,8 @@ double seconds(Clock::duration duration) { return std::chrono::duration<double>(
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
-  // The engine's own numbers are the same on all systems. Those of the library's distributions are
-  // not.
+  // Use the engine's own numbers: they are the same on all systems, while the numbers of the
+  // library's distributions are not.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);

@@ -40,8 +40,8 @@ bool isFirstDataset(const ComparedLattice& lattice) {
   return lattice.dataset == 0 && lattice.factor == 0;
 }
 
-/// Returns the accuracy target of the first dataset whose scene has one, and true. If no scene has
-/// one, returns a default target, and false.
+/// Returns the accuracy target of the first dataset that has a target in its scene, and true. If no
+/// scene has a target, returns a default target, and false.
 std::pair<AccuracyTarget, bool> targetOf(const std::vector<Dataset>& open) {
   for (const Dataset& dataset : open)
     if (const Accuracy& accuracy = dataset.scene().accuracy; accuracy.adaptive())
