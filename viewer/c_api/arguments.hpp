@@ -50,8 +50,8 @@ bool refuse(fmt::format_string<Args...> format, Args&&... args) noexcept {
   return false;
 }
 
-/// Runs `work` and turns its exceptions into a status. An Error is taken as one about the opened
-/// file: arguments were checked before.
+/// Runs `work` and turns its exceptions into a status. An Error becomes PALPATE_BAD_FILE, because
+/// arguments were checked before and only the opened file can be wrong.
 template <class Work>
 palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
   try {
@@ -103,16 +103,16 @@ bool sizeIsKnown(const char* function, const char* name, const Struct* given) no
              function, name, given->size, sizeof(Struct), name);
 }
 
-/// Copies `value` into the caller's structure, up to its size, which was checked before. Keeps
-/// `size`.
+/// Copies `value` into the caller's structure, as far as the caller's `size` allows; `size` was
+/// checked before and stays the same.
 template <class Struct>
 void give(Struct* to, Struct value) noexcept {
   value.size = to->size;
   std::memcpy(to, &value, value.size);
 }
 
-/// Returns `defaults`, overwritten by the members that the caller's structure has. Its size was
-/// checked before.
+/// Returns `defaults`, overwritten by the members of the caller's structure, as many as its version
+/// has. The structure's size was checked before.
 template <class Struct>
 Struct taken(const Struct* from, Struct defaults) noexcept {
   std::memcpy(&defaults, from, from->size);
@@ -132,8 +132,8 @@ inline void give(double to[9], const Eigen::Matrix3d& values) noexcept {
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = values;
 }
 
-/// Copies the members that samples and touches of the caller have in common. Does not set their
-/// sizes.
+/// Copies a sample into the members that the structures of samples and touches have in common. Does
+/// not set `size`.
 template <class Struct>
 void giveForce(Struct& to, const ForceSample& sample) noexcept {
   give(to.force, sample.force);
@@ -144,7 +144,7 @@ void giveForce(Struct& to, const ForceSample& sample) noexcept {
   to.inside = sample.inside ? 1 : 0;
 }
 
-/// Copies a sample into element n of the caller's arrays.
+/// Copies a sample into element n of each of the caller's arrays that is not NULL.
 template <class Struct>
 void giveAnswer(const palpate_answers& to, std::size_t n, const Struct& sample) noexcept {
   if (to.forces != nullptr) std::copy_n(sample.force, 3, to.forces + 3 * n);
@@ -176,7 +176,7 @@ inline bool isFinite(const char* function, const char* name, double value, Least
                 least == Least::zero ? ">=" : ">");
 }
 
-/// A number in an options structure of the C API, and its counterpart in the library's options.
+/// Links a number in an options structure of the C API to its counterpart in the library's options.
 template <class Given, class Options>
 struct OptionNumber {
   const char* name;  ///< "options->friction"
@@ -185,14 +185,14 @@ struct OptionNumber {
   double Options::*twin;
 };
 
-/// Copies all `numbers` of the library's options into the caller's structure.
+/// Copies the library's options into the caller's structure, for all `numbers`.
 template <class Given, class Options, class Numbers>
 void fillIn(Given& given, const Options& options, const Numbers& numbers) noexcept {
   for (const auto& number : numbers) given.*number.given = options.*number.twin;
 }
 
-/// Copies them from the caller's structure into the library's options. Returns false if one is
-/// invalid.
+/// Copies the caller's structure into the library's options, for all `numbers`. Records the failure
+/// and returns false if a number is invalid.
 template <class Given, class Options, class Numbers>
 bool takeOver(const char* function, const Given& given, Options& options,
               const Numbers& numbers) noexcept {
@@ -203,8 +203,8 @@ bool takeOver(const char* function, const Given& given, Options& options,
   return true;
 }
 
-/// Overwrites `chosen`, which holds the defaults, with the members that the caller's structure has.
-/// NULL keeps the defaults. Returns false if the structure is invalid.
+/// Overwrites `chosen`, which holds the defaults, with the members of the caller's structure. NULL
+/// keeps the defaults. Returns false if the structure is invalid.
 template <class Struct>
 bool takeOptions(const char* function, const Struct* options, Struct& chosen) noexcept {
   if (options == nullptr) return true;
@@ -233,7 +233,7 @@ palpate_status findNamed(const char* function, const char* what, std::string_vie
               name, names);
 }
 
-/// Number of indices or coordinates in `triples` triangles or vertices.
+/// Returns the number of indices in `triples` triangles, or of coordinates in `triples` vertices.
 inline std::size_t countOf(std::int32_t triples) noexcept { return 3 * at(triples); }
 
 }  // namespace palpate

@@ -15,8 +15,8 @@ double largestForce(const SpaceTable& space) {
   return largest;
 }
 
-/// The returned name points into `space`. vertex: surface vertex of the active node, -1 if that
-/// node lies inside the body.
+/// Describes a space for the C API. The name in the result points into `space`. vertex: surface
+/// vertex of the active node, -1 if the node lies inside the body.
 palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::int32_t vertex) {
   palpate_space_info info{};
   info.size = sizeof info;

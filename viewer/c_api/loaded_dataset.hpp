@@ -10,17 +10,17 @@
 
 namespace palpate {
 
-/// The dataset behind a handle: the prepared model and the contents of the palpate_..._info
-/// structures. Immutable.
+/// The dataset of a handle: the prepared model, and the filled palpate_..._info structures.
+/// Immutable.
 struct LoadedDataset {
   /// Throws the errors of Dataset and HapticModel.
   LoadedDataset(const Dataset& dataset, const HapticModelOptions& options);
 
   const HapticModel model;
   const std::string content_id;
-  palpate_dataset_info info{};  ///< its texts belong to this object
+  palpate_dataset_info info{};  ///< the texts belong to this object
   std::vector<palpate_space_info> spaces;
-  std::vector<palpate_area_info> areas;  ///< as HapticModel::surface().areas()
+  std::vector<palpate_area_info> areas;  ///< same order as HapticModel::surface().areas()
   std::vector<AreaPlaces> places;        ///< same order as areas
 };
 

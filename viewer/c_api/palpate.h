@@ -28,7 +28,7 @@
  *
  * Lifetime. Each handle is closed or destroyed once, by the function named at its creation. A
  * contact keeps its dataset in memory, so the two may be closed in any order. Texts belong to the
- * library or to a handle, as stated at each; never free them. */
+ * library or to a handle, as stated for each text; never free them. */
 #ifndef PALPATE_H
 #define PALPATE_H
 
@@ -69,9 +69,10 @@ extern "C" {
 /* Values are part of the ABI: only append. */
 typedef enum palpate_status {
   PALPATE_OK = 0,
-  /* NULL, wrong size, unknown number or name, value out of range, or buffer too small */
+  /* an argument is NULL or out of range, a name or number is unknown, a structure has a wrong size,
+   * or a buffer is too small */
   PALPATE_INVALID_ARGUMENT = 1,
-  /* missing, unreadable, not a dataset, damaged, or without a touchable surface */
+  /* the file is missing, unreadable, damaged, not a dataset, or has no touchable surface */
   PALPATE_BAD_FILE = 2,
   PALPATE_OUT_OF_MEMORY = 3,
   PALPATE_FAILED = 4 /* any other failure; please report it */
@@ -95,28 +96,29 @@ typedef struct palpate_dataset palpate_dataset;
 
 typedef struct palpate_open_options {
   size_t size;
-  /* Names of the interpolation methods to prepare; their order numbers them. "potential" is
-   * conservative and the default, "trilinear" is for comparison; `palpate query --help` lists the
-   * others. NULL with method_count 0 prepares these two. Each method takes time and memory. */
+  /* Names of the interpolation methods to prepare. Other functions take a method by its index in
+   * this array. NULL with method_count 0 prepares "potential" (index 0), which is conservative, and
+   * "trilinear" (index 1), for comparison. `palpate query --help` lists all methods. Each method
+   * takes time and memory. */
   const char* const* methods;
   size_t method_count;
-  /* How far from an active node the surface can be touched, m along the surface, >= 0. 0: as far as
-   * the triangles around the active node reach. */
+  /* Distance from an active node, along the surface, up to which the surface can be touched, m,
+   * >= 0. With 0, the touchable part ends with the triangles around the active node. */
   double reach;
 } palpate_open_options;
 
 typedef struct palpate_dataset_info {
   size_t size;
-  const char* name;       /* name of the scene; owned by the dataset, as are the next two */
+  const char* name;       /* name of the scene; this text and the next two belong to the dataset */
   const char* file;       /* path as given to palpate_dataset_open */
-  const char* content_id; /* 64 hexadecimal digits; equal for equal results */
+  const char* content_id; /* hash of the results, 64 hexadecimal digits */
   int32_t contact_mode;   /* palpate_contact_mode chosen by the scene */
   int32_t space_count;
   int32_t method_count;
   int32_t vertex_count;   /* vertices of the surface */
   int32_t triangle_count; /* triangles of the surface */
   int32_t reserved;       /* 0 */
-  double max_force;       /* N, of the scene: larger forces were not solved */
+  double max_force;       /* N, from the scene; the solver did not go on to larger forces */
 } palpate_dataset_info;
 
 /* An active node and its space. */
@@ -124,12 +126,12 @@ typedef struct palpate_space_info {
   size_t size;
   const char* name; /* name of the active node in the scene; owned by the dataset */
   int32_t node;     /* index of the active node in the mesh */
-  /* index of that node in palpate_dataset_vertices; -1 if it lies inside the body */
+  /* index of the active node in palpate_dataset_vertices; -1 if the node lies inside the body */
   int32_t vertex;
   double rest_position[3]; /* m, of the active node; for a finger, its centre */
   double workspace_radius; /* m; displacements up to this length were solved */
-  double spacing;          /* m, between solved displacements (before refinement) */
-  double largest_force;    /* N, largest norm of a solved force */
+  double spacing;          /* m, between neighbouring solved displacements before refinement */
+  double largest_force;    /* N, magnitude of the largest solved force */
 } palpate_space_info;
 
 /* Loads `file` (UTF-8), verifies it, and prepares the interpolation. Takes seconds, and several
@@ -142,16 +144,16 @@ PALPATE_API palpate_status palpate_dataset_open(const char* file,
                                                 const palpate_open_options* options,
                                                 palpate_dataset** dataset);
 
-/* Closes the dataset; NULL is ignored. No other thread may be using the handle. Its contacts
- * stay valid, and may be in use. */
+/* Closes the dataset; NULL is ignored. No other thread may be using the handle. Contacts that use
+ * the dataset stay valid, and other threads may be using them. */
 PALPATE_API void palpate_dataset_close(palpate_dataset* dataset);
 
-/* Fills in *info. Any thread, real time. */
+/* Describes the dataset in *info. Any thread, real time. */
 PALPATE_API palpate_status palpate_dataset_describe(const palpate_dataset* dataset,
                                                     palpate_dataset_info* info);
 
-/* Fills in *info. Spaces are numbered 0..space_count-1, in the order of the scene. Any thread, real
- * time. */
+/* Describes a space in *info. Spaces are numbered 0..space_count-1, in the order of the scene. Any
+ * thread, real time. */
 PALPATE_API palpate_status palpate_dataset_space(const palpate_dataset* dataset, int32_t space,
                                                  palpate_space_info* info);
 /* Finds the number of an active node's space by the node's name. An unknown name is
@@ -167,17 +169,17 @@ PALPATE_API const char* palpate_dataset_method(const palpate_dataset* dataset, i
 PALPATE_API palpate_status palpate_dataset_find_method(const palpate_dataset* dataset,
                                                        const char* name, int32_t* method);
 
-/* The surface at rest, copied into buffers of the caller. `capacity` counts elements, not bytes.
- * Elements beyond those needed stay unchanged; a smaller capacity is PALPATE_INVALID_ARGUMENT, and
- * nothing is written. Any thread, real time. */
+/* The surface at rest, copied into buffers of the caller. `capacity` counts elements, not bytes. If
+ * the buffer is larger than needed, its other elements stay unchanged. If it is too small, nothing
+ * is written and the status is PALPATE_INVALID_ARGUMENT. Any thread, real time. */
 
-/* vertices: 3 * vertex_count numbers: x, y, z of each vertex, m. */
+/* vertices: x, y, z of each vertex, m; 3 * vertex_count numbers. */
 PALPATE_API palpate_status palpate_dataset_vertices(const palpate_dataset* dataset,
                                                     double* vertices, size_t capacity);
 /* triangles: 3 * triangle_count vertex indices, counterclockwise seen from outside. */
 PALPATE_API palpate_status palpate_dataset_triangles(const palpate_dataset* dataset,
                                                      int32_t* triangles, size_t capacity);
-/* touchable: triangle_count numbers: 1 where a contact can feel forces, else 0. */
+/* touchable: one number per triangle: 1 if a contact can feel forces there, else 0. */
 PALPATE_API palpate_status palpate_dataset_touchable(const palpate_dataset* dataset,
                                                      uint8_t* touchable, size_t capacity);
 
@@ -193,34 +195,39 @@ typedef struct palpate_sample {
   double error_bound;
   /* 0..1, share of the interpolation that rests on solved equilibria of one solution branch */
   double coverage;
-  /* 1: within the solved region. 0: extrapolated, beyond it by a continuation that only stiffens */
+  /* 1: the displacement is in the solved region. 0: the sample is an extrapolation. Beyond the
+   * solved region its force is that of a wall that only gets stiffer */
   int32_t inside;
   int32_t reserved; /* 0 */
 } palpate_sample;
 
-/* Interpolates force and stiffness in one space. displacement: of its active node from the rest
- * position, m. Beyond the solved region the force continues from the edge, as the gradient of the
- * same energy, and only stiffens; the error bound grows with it, and inside = 0. A NaN in
- * it gives zero force and inside = 0; an infinite displacement counts as a very long one. Neither
- * is an error, so a bad reading does not stop a loop. Any thread, real time (wait-free). */
+/* Interpolates force and stiffness in one space. displacement: of the space's active node from its
+ * rest position, m. Beyond the solved region the force continues from the edge of the region as the
+ * gradient of the same energy, and only gets stiffer; the error bound grows with the added force,
+ * and inside is 0. A NaN in `displacement` gives zero force and inside = 0; an infinite
+ * displacement counts as a very long one. Neither is an error, so that a bad reading does not stop
+ * a loop. Any thread, real time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
                                          int32_t method, const double displacement[3],
                                          palpate_sample* sample);
 
-/* Computes the deformed surface for a displacement of a single active node. displacements: of the
- * vertices, m, 3 * vertex_count floats; `capacity` as in palpate_dataset_vertices. *inside (may be
- * NULL): as in palpate_sample. A NaN in displacement gives the shape at rest. Any thread, real
- * time; the time grows with the surface, so call it on the drawing thread. */
+/* Computes the deformed surface for a displacement of a single active node. displacements: output,
+ * displacement of each vertex, m, 3 * vertex_count floats; `capacity` as in
+ * palpate_dataset_vertices. *inside (may be NULL): 1 if the displacement is at most
+ * workspace_radius long and one of the lattice points around it was solved, else 0. A NaN in
+ * displacement gives the shape at rest. Any thread, real time; the time grows with the surface, so
+ * call it on the drawing thread. */
 PALPATE_API palpate_status palpate_displacements(const palpate_dataset* dataset, int32_t space,
                                                  const double displacement[3], float* displacements,
                                                  size_t capacity, int32_t* inside);
 
 /* ---- areas ---- */
 
-/* An area is a surface that a finger of finite size touches. One energy E(s, p) of the finger's
- * place s and displacement p gives the force anywhere, also between the sites that were solved.
- * Contacts use it automatically; these functions query it directly. Areas are numbered from 0, in
- * the order of the scene. Each site of an area is also a space. */
+/* An area is a part of the surface that a finger of finite size touches. Equilibria were solved
+ * with the finger at a number of places, the *sites*. One energy E(s, p), a function of the
+ * finger's place s and displacement p, gives the force at and between the sites. Contacts use it
+ * automatically; these functions query it directly. Areas are numbered from 0, in the order of the
+ * scene. Each site of an area is also a space. */
 
 typedef struct palpate_area_info {
   size_t size;
@@ -236,28 +243,29 @@ typedef struct palpate_area_sample {
   size_t size;
   double force[3];     /* N, on the tool: -dE/dp */
   double stiffness[9]; /* N/m, row major: d force / d p, exact in the solved region */
-  /* N, -dE/ds along the surface: the direction in which the tissue slides the finger */
+  /* N, part of -dE/ds along the surface. The tissue slides the finger in this direction */
   double drive[3];
   double at[3];       /* m, the point of the surface at rest nearest to the queried place */
   double energy;      /* J, stored in the tissue */
   double error_bound; /* as in palpate_sample; so is coverage */
   double coverage;
   /* 1: `at` is a touchable place of the area, near the queried one, and p is within the region
-   * solved there. 0: still an answer for `at`, but the queried place is too far from it (see
-   * distance), no site is near, the finger rests on fixed nodes, or the force is a continuation as
-   * in palpate_sample */
+   * solved there. 0: the sample is computed for `at` all the same, but is not reliable. The queried
+   * place is too far from `at` (see distance), no site is near, the finger rests on fixed nodes, or
+   * the force is a continuation as in palpate_sample */
   int32_t inside;
   /* surface triangle that contains `at`; -1, with `at` zero, if the input was not finite */
   int32_t triangle;
-  /* m, from the queried place to `at`. Beyond a quarter of the finger's radius (or a millionth of
-   * the body's size, if larger) inside is 0. NaN if the input was not finite */
+  /* m, from the queried place to `at`. inside is 0 if this is more than a quarter of the finger's
+   * radius (or a millionth of the body's size, if that is larger). NaN if the input was not
+   * finite */
   double distance;
 } palpate_area_sample;
 
 /* Gives the number of areas; 0 for a scene without a finger. Any thread, real time. */
 PALPATE_API palpate_status palpate_dataset_area_count(const palpate_dataset* dataset,
                                                       int32_t* count);
-/* Fills in *info. Any thread, real time. */
+/* Describes an area in *info. Any thread, real time. */
 PALPATE_API palpate_status palpate_dataset_area(const palpate_dataset* dataset, int32_t area,
                                                 palpate_area_info* info);
 /* Finds the number of an area by its name. An unknown name is PALPATE_INVALID_ARGUMENT, and the
@@ -266,20 +274,21 @@ PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* data
                                                      const char* name, int32_t* area);
 
 /* Interpolates force and drive of an area's finger. at: m, on or near the surface at rest. The
- * result is that of the nearest point of the surface; inside = 0 if that is not near. displacement:
- * of the finger from there, m; beyond the solved region as in palpate_query. A place or
- * displacement that is not finite gives zero force and inside = 0. Any thread, real time
- * (wait-free). Near fixed nodes the call takes some 100 microseconds longer, and about a
- * millisecond where half of the finger rests on them. */
+ * sample is computed for the point of the surface nearest to `at`; inside = 0 if that point is too
+ * far away. displacement: of the finger from that point, m. Beyond the solved region the force
+ * continues as in palpate_query. A place or displacement that is not finite gives zero force and
+ * inside = 0. Any thread, real time (wait-free). Near fixed nodes the call takes some 100
+ * microseconds longer, and about a millisecond longer if half of the finger rests on fixed
+ * nodes. */
 PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);
 
 /* ---- many answers at once ---- */
 
-/* Output arrays for `count` queries in one call, for callers with expensive calls (Python, MATLAB,
- * another process). The arrays belong to the caller; pass NULL for unwanted ones. The values equal
- * those of palpate_sample and palpate_area_sample to the last bit. */
+/* Output arrays for `count` queries in one call, for callers to whom each call is expensive
+ * (Python, MATLAB, another process). The arrays belong to the caller; pass NULL for unwanted ones.
+ * The values are exactly those of palpate_sample and palpate_area_sample. */
 typedef struct palpate_answers {
   size_t size;
   double* forces;       /* 3 * count, N */
@@ -288,21 +297,22 @@ typedef struct palpate_answers {
   double* error_bounds; /* count, N */
   double* coverages;    /* count */
   uint8_t* inside;      /* count, 1 or 0 */
-  /* For areas; NULL for a space. */
+  /* Only for areas; must be NULL for a space. */
   double* drives;     /* 3 * count, N */
   double* places;     /* 3 * count, m: `at` of palpate_area_sample */
   int32_t* triangles; /* count */
   double* distances;  /* count, m */
 } palpate_answers;
 
-/* Does palpate_query for `count` displacements (3 * count numbers, m). Any thread, real time; the
- * time grows with count. */
+/* Queries a space at `count` displacements (3 * count numbers, m), as palpate_query does. Any
+ * thread, real time; the time grows with count. */
 PALPATE_API palpate_status palpate_query_many(const palpate_dataset* dataset, int32_t space,
                                               int32_t method, const double* displacements,
                                               size_t count, const palpate_answers* answers);
 
-/* Does palpate_area_query for `count` places and displacements (3 * count numbers each, m).
- * `places` may be answers->places. Any thread, real time; the time grows with count. */
+/* Queries an area at `count` places and displacements (3 * count numbers each, m), as
+ * palpate_area_query does. `places` may be answers->places. Any thread, real time; the time grows
+ * with count. */
 PALPATE_API palpate_status palpate_area_query_many(const palpate_dataset* dataset, int32_t area,
                                                    const double* places,
                                                    const double* displacements, size_t count,
@@ -310,8 +320,8 @@ PALPATE_API palpate_status palpate_area_query_many(const palpate_dataset* datase
 
 /* ---- contact ---- */
 
-/* A point tool on the body. A contact finds the point of contact, blends the spaces there, and
- * slides with friction. */
+/* Contact of a point tool with the body. A contact finds the point of contact, blends the forces of
+ * the spaces around that point, and lets it slide with friction. */
 typedef struct palpate_contact palpate_contact;
 
 /* Values are part of the ABI: only append. */
@@ -329,9 +339,9 @@ typedef struct palpate_contact_options {
   double grab_distance;
   /* m, > 0: the most that the point of contact slides per update; default 0.002 */
   double most_slide;
-  /* 0..1, > 0, share of the force: the most by which sliding may change the force per update,
-   * beyond the change by the tool's own motion, where the point of contact runs down from a ridge.
-   * A smaller value is softer and lags more; default 0.005. */
+  /* 0..1, > 0: most relative change of the force per update by sliding, in addition to the change
+   * by the tool's own motion; default 0.005. This keeps the force continuous while the point of
+   * contact runs down from a ridge. A smaller value feels softer and lags more. */
   double most_relaxation;
 } palpate_contact_options;
 
@@ -341,16 +351,17 @@ typedef struct palpate_contact_options {
 typedef struct palpate_touch {
   size_t size;
   int32_t touching; /* 1 or 0 */
-  /* 1: the force may have changed by more than motion explains (contact began away from the
-   * surface, or ended with a force, or the dataset was switched). The guard fades such steps in. */
+  /* 1: the force may have changed by more than the tool's motion explains, because contact began
+   * away from the surface or ended with a force, or the dataset or method was switched. The guard
+   * fades such steps in. */
   int32_t stepped;
-  int32_t inside;      /* as in palpate_sample; 1 only if it is 1 in every space that takes part */
-  int32_t triangle;    /* surface triangle in contact; -1: none */
-  double force[3];     /* N, on the tool; zero when not touching */
-  double stiffness[9]; /* N/m, row major, d force / d tool at a fixed point of contact */
-  double energy;       /* J, stored in the tissue; NaN if the method has none */
-  double error_bound;  /* N; NaN: unknown */
-  double coverage;     /* 0..1 */
+  int32_t inside;         /* 1 only if palpate_sample.inside is 1 in every space that takes part */
+  int32_t triangle;       /* surface triangle in contact; -1: none */
+  double force[3];        /* N, on the tool; zero when not touching */
+  double stiffness[9];    /* N/m, row major, d force / d tool at a fixed point of contact */
+  double energy;          /* J, stored in the tissue; NaN if the method has none */
+  double error_bound;     /* N; NaN: unknown */
+  double coverage;        /* 0..1 */
   double barycentric[3];  /* coordinates of the point of contact in the triangle */
   double anchor[3];       /* m, the point of contact at rest */
   double normal[3];       /* unit outward normal of the surface at rest there */
@@ -359,13 +370,13 @@ typedef struct palpate_touch {
   int32_t share_count;    /* number of spaces that take part, at most PALPATE_MOST_SHARES */
   int32_t share_spaces[PALPATE_MOST_SHARES];
   double share_weights[PALPATE_MOST_SHARES]; /* sum 1 */
-  /* m, length of the part of the displacement that lies beyond the solved region, where the force
-   * is a continuation that only stiffens; 0 within the region. Draw the tool at
+  /* m, length of the part of the displacement that lies beyond the solved region; 0 within the
+   * region. The force of that part is a continuation that only gets stiffer. Draw the tool at
    *   tool - displacement * beyond / |displacement| */
   double beyond;
 } palpate_touch;
 
-/* Fills in the defaults above for a dataset. The caller sets options->size. Any thread, real
+/* Fills in the default options for a dataset. The caller sets options->size. Any thread, real
  * time. */
 PALPATE_API palpate_status palpate_contact_defaults(const palpate_dataset* dataset,
                                                     palpate_contact_options* options);
@@ -389,18 +400,19 @@ PALPATE_API palpate_status palpate_contact_update(palpate_contact* contact, cons
 /* Ends the contact; the tool must then come from outside again. Real time. */
 PALPATE_API palpate_status palpate_contact_release(palpate_contact* contact);
 
-/* Switches to another dataset or prepared method, to compare how they feel. The contact persists if
- * both surfaces have the same triangles. Real time while the previous dataset is still open
- * (otherwise this call frees it). */
+/* Switches to another dataset or prepared method, to compare how they feel. The tool stays in
+ * contact if both surfaces have the same vertices and triangles and the point of contact is
+ * touchable in the new dataset. Real time while the previous dataset is still open (otherwise this
+ * call frees the previous dataset). */
 PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
                                                const palpate_dataset* dataset, int32_t method);
 
 /* Computes the deformed surface of a contact. touch: from palpate_contact_update; a copy may be
- * passed to the drawing thread. dataset: that of the contact. displacements: of the vertices, m,
- * 3 * vertex_count floats, all zero without contact; `capacity` as in palpate_dataset_vertices. The
- * surface blends the shapes of the spaces that take part, and passes through the tool. Reads only
- * touching, displacement, triangle, barycentric, anchor and the shares of the touch. Any thread;
- * allocates, so call it on the drawing thread. */
+ * passed to the drawing thread. dataset: that of the contact. displacements: output, displacement
+ * of each vertex, m, 3 * vertex_count floats, all zero without contact; `capacity` as in
+ * palpate_dataset_vertices. The surface blends the shapes of the spaces that take part, and passes
+ * through the tool. Reads only touching, displacement, triangle, barycentric, anchor and the shares
+ * of the touch. Any thread; allocates, so call it on the drawing thread. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                                        const palpate_touch* touch,
                                                        float* displacements, size_t capacity);
@@ -412,7 +424,7 @@ typedef struct palpate_profile {
   size_t size;
   const char* name;        /* owned by the library */
   double max_force;        /* N */
-  double max_stiffness;    /* N/m, that the closed loop renders stably */
+  double max_stiffness;    /* N/m, the largest that the closed loop renders stably */
   double workspace_radius; /* m */
 } palpate_profile;
 
@@ -427,23 +439,24 @@ typedef struct palpate_guard palpate_guard;
 
 typedef struct palpate_guard_options {
   size_t size;
-  double period;    /* s, > 0, of the loop; default 0.001 */
-  double max_force; /* N, > 0; default 3.3, that of the weakest device */
-  double max_slew;  /* N/s; default 0; 0 or NaN: max_force in 10 ms */
+  double period;    /* s, > 0, period of the loop; default 0.001 */
+  double max_force; /* N, > 0; default 3.3, the limit of the weakest device */
+  double max_slew;  /* N/s; 0 (default) or NaN: reaches max_force in 10 ms */
   double ramp;      /* s, > 0, over which a step of the force is faded in; default 0.05 */
-  /* s, > 0: without a fresh reading for this long, the force goes to zero; default 0.02 */
+  /* s, > 0: the force goes to zero after this time without a fresh reading; default 0.02 */
   double stall;
-  double max_stiffness; /* N/m, > 0, of the device; default 400; no longer limits anything */
-  double energy_credit; /* J, >= 0: limit of remembered dissipated energy; default 1e-4 */
-  /* s, >= 0, at most 30 periods: from the reading of a position until the force computed from it
-   * acts. Default 0: the force is sent within the period of the call and acts at once */
+  double max_stiffness; /* N/m, > 0, of the device; default 400; limits nothing today */
+  double energy_credit; /* J, >= 0: most energy surplus or deficit remembered; default 1e-4 */
+  /* s, >= 0, at most 30 periods: time from the reading of a position until the force computed from
+   * that position acts. Default 0: the force is sent within the period of the call and acts at
+   * once */
   double delay;
 } palpate_guard_options;
 
 /* Flags of palpate_guard_limit that describe the reading. */
 #define PALPATE_READING_FRESH 1u /* the position is new; if never set, the force is zero */
 #define PALPATE_READING_LOST 2u  /* the device is gone: zero at once */
-#define PALPATE_LOOP_LATE 4u     /* the loop hung before this tick: zero at once, then faded in */
+#define PALPATE_LOOP_LATE 4u     /* the loop hung before this tick: zero at once, then fades in */
 
 /* Reasons why a force differs from the raw one: bits of palpate_guarded_force.guards. Only
  * append. */
@@ -455,7 +468,7 @@ typedef struct palpate_guard_options {
 #define PALPATE_GUARD_LOST 32u       /* the device is gone */
 #define PALPATE_GUARD_NOT_FINITE 64u /* the position or the raw force was not finite */
 #define PALPATE_GUARD_LATE 128u      /* the loop hung */
-#define PALPATE_GUARD_BEYOND 256u    /* beyond the solved region: the force of a wall */
+#define PALPATE_GUARD_BEYOND 256u    /* beyond the solved region: the raw force is a continuation */
 
 typedef struct palpate_guarded_force {
   size_t size;
@@ -467,8 +480,8 @@ typedef struct palpate_guarded_force {
   uint32_t reserved; /* 0 */
 } palpate_guarded_force;
 
-/* Fills in options for a named device and a period (s, > 0); device NULL: the defaults above. The
- * caller sets options->size. Any thread. */
+/* Fills in options for a named device and a period (s, > 0). NULL for `device` gives the defaults
+ * above. The caller sets options->size. Any thread. */
 PALPATE_API palpate_status palpate_guard_defaults(const char* device, double period,
                                                   palpate_guard_options* options);
 
@@ -485,8 +498,8 @@ PALPATE_API void palpate_guard_destroy(palpate_guard* guard);
  * of a contact, or filled in by a simulator with forces of its own; only size, touching, stepped,
  * force, stiffness and energy are read. flags: PALPATE_READING_FRESH, PALPATE_READING_LOST and
  * PALPATE_LOOP_LATE, or'ed; other bits are an error. After any status but PALPATE_OK the force in
- * *guarded is zero, if *guarded could be written: send that. The next force is faded in from there.
- * Real time. */
+ * *guarded is zero, if *guarded could be written: send that zero force. The next force is faded in
+ * from zero. Real time. */
 PALPATE_API palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                                const palpate_touch* touch, uint32_t flags,
                                                palpate_guarded_force* guarded);

@@ -40,7 +40,8 @@ Given defaultsFor(const palpate_dataset& dataset) noexcept {
   return given;
 }
 
-/// Returns false if the options are invalid.
+/// Converts the caller's options to the library's. Records the failure and returns false if an
+/// option is invalid.
 bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
                ContactOptions& chosen) noexcept {
   if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED)
@@ -51,10 +52,11 @@ bool translate(const char* function, const Given& options, const palpate_dataset
          isNumber(function, "method", options.method, dataset.loaded->info.method_count);
 }
 
-/// Returns whether the triangle and the spaces of a touch exist; the caller may have made it up.
+/// Returns whether the triangle and the spaces of a touch exist in a dataset; the caller may have
+/// filled in the touch by hand.
 bool belongsTo(const char* function, const palpate_touch& touch,
                const palpate_dataset_info& info) noexcept {
-  // The other members of such a touch are not read.
+  // The other members of a touch without contact are not read.
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES)
@@ -112,7 +114,7 @@ palpate_status palpate_contact_use(palpate_contact* contact, const palpate_datas
   if (!isThere(__func__, "contact", contact) || !isThere(__func__, "dataset", dataset) ||
       !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
-  // use() compares the two models, so the previous one must stay alive until it returns.
+  // use() compares the two models, so the previous model must stay alive until use() returns.
   const std::shared_ptr<const LoadedDataset> former = contact->loaded;
   contact->loaded = dataset->loaded;
   contact->contact.use(contact->loaded->model, at(method));

@@ -59,12 +59,12 @@ Options toStruct(const GuardOptions& options) noexcept {
   return given;
 }
 
-/// Sets `guarded` to zero if it can be written.
+/// Checks the arguments of palpate_guard_limit. Sets `guarded` to zero first, if it can be written.
 bool canBeLimited(const char* function, const palpate_guard* guard, const double tool[3],
                   const palpate_touch* touch, std::uint32_t flags,
                   palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
-  // Comes before all other checks: a caller that ignores the status must not send a harmful force.
+  // Comes before all other checks, so that a caller that ignores the status sends no harmful force.
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
       !sizeIsKnown(function, "touch", touch))
@@ -92,7 +92,7 @@ palpate_status palpate_device_profile(const char* name, palpate_profile* device)
   const DeviceProfile* const profile = profileNamed(__func__, name);
   if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
   give(device, palpate_profile{.size = sizeof(palpate_profile),
-                               .name = profile->name.data(),  // views of literals end with a zero
+                               .name = profile->name.data(),  // a literal ends with a zero
                                .max_force = profile->max_force,
                                .max_stiffness = profile->max_stiffness,
                                .workspace_radius = profile->workspace_radius});
@@ -138,7 +138,7 @@ palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                    palpate_guarded_force* guarded) {
   if (!canBeLimited(__func__, guard, tool, touch, flags, guarded)) {
     if (guard != nullptr)
-      guard->guard.reset();  // the hand gets zero: the next force starts from there
+      guard->guard.reset();  // the hand gets zero force, so the next force must start from zero
     return PALPATE_INVALID_ARGUMENT;
   }
   const GuardedForce limited =

@@ -45,7 +45,7 @@ Touch toTouch(const palpate_touch& given) noexcept {
   touch.displacement = vectorOf(given.displacement);
   touch.gap = given.gap;
   touch.beyond = std::max(0.0, given.beyond);
-  // The caller may have made up the touch: never read beyond the arrays.
+  // The caller may have filled in the touch by hand, so the count may exceed the arrays.
   touch.blend.size = std::clamp(given.share_count, 0, PALPATE_MOST_SHARES);
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s)
     touch.blend.shares[s] = {given.share_spaces[s], given.share_weights[s]};

@@ -5,9 +5,10 @@
 
 namespace palpate {
 
-/// Conversions between Touch and the structure of the C API. Real time.
+/// Converts a Touch to the structure of the C API. Real time.
 palpate_touch toStruct(const Touch& touch) noexcept;
-/// Drops shares beyond PALPATE_MOST_SHARES; checks nothing else.
+/// Converts the structure of the C API to a Touch. Drops shares beyond PALPATE_MOST_SHARES and
+/// makes a negative or NaN `beyond` 0; checks nothing else. Real time.
 Touch toTouch(const palpate_touch& touch) noexcept;
 
 }  // namespace palpate
