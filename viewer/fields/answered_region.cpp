@@ -8,22 +8,24 @@
 namespace palpate {
 namespace {
 
-/// Least share of the interpolation on solved points. The region ends where less is solved, unless
-/// the gap is short.
+/// Least share of solved points in the interpolation. The region ends where the share is smaller,
+/// unless the gap is short.
 constexpr double least_support = 0.5;
-/// Longest bridged gap, spacings. One failed point among solved ones makes a gap of one spacing.
+/// Longest gap that is bridged, spacings. One failed point among solved points makes a gap of one
+/// spacing.
 constexpr double longest_gap = 1.25;
-/// Step along a direction, as a share of the smallest leaf's edge.
+/// Step of the search along a direction, as a share of the smallest leaf's edge.
 constexpr double step_share = 0.25;
 /// Least radius of the region, as a share of the spacing.
 constexpr double least_radius_share = 0.1;
-/// Depth in which the continuation reaches max_force: m, and as a share of the ball's radius.
+/// The continuation reaches max_force within this depth: the smaller of a length, m, and a share of
+/// the ball's radius.
 constexpr double wall_depth = 3e-3, wall_depth_share = 0.1;
-/// Factor on the largest stiffness of the neighbouring directions, because the table is coarser
-/// than the tabulated function.
+/// Factor on the largest tissue stiffness of the neighbouring table directions. The table is
+/// coarse, so the stiffness between its directions may be larger.
 constexpr double stiffness_margin = 1.1;
 
-/// Radius and stiffness of a region along straight lines from rest.
+/// Computes the radius of a region and the stiffness of the tissue along straight lines from rest.
 class Ways {
  public:
   explicit Ways(const CellData& data) : tree_(data.tree) {
@@ -31,7 +33,7 @@ class Ways {
     for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
       const bool is_solved = tree_.slots()[s].kind == SlotKind::solved;
       const double length = tree_.displacement(static_cast<std::int32_t>(s)).norm();
-      // Corners beyond the ball are usually extrapolated, so they do not count.
+      // Corners beyond the ball are usually extrapolated, so unsolved corners there do not count.
       support_.emplace_back(is_solved, is_solved || isWithin(length, tree_.radius()));
       stiffness_.push_back(data.equilibria[s].stiffness);
     }
@@ -54,7 +56,8 @@ class Ways {
     return radius;
   }
 
-  /// N/m, of the tissue along `unit`, at a displacement in the ball.
+  /// Returns the stiffness of the tissue along `unit`, N/m, at the displacement length * unit in
+  /// the ball.
   double stiffnessAlong(const Eigen::Vector3d& unit, double length) const {
     const LeafPlace place = tree_.find(length * unit);
     if (place.leaf < 0) return 0;
@@ -69,7 +72,7 @@ class Ways {
 
   const CellTree& tree_;
   double smallest_leaf_;
-  std::vector<Eigen::Vector2d> support_;    ///< per slot: is solved, counts; 0 to 1
+  std::vector<Eigen::Vector2d> support_;    ///< per slot: solved share and counted share, 0 to 1
   std::vector<Eigen::Matrix3d> stiffness_;  ///< per slot
 };
 
@@ -117,7 +120,8 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
   const auto tangential = [&unit](const Eigen::Vector3d& v) -> Eigen::Vector3d {
     return v - unit.dot(v) * unit;
   };
-  // Gradient and Hessian of the energy at the edge, and the force that the continuation adds.
+  // Hessian of the energy at the edge and its parts, and the force that the continuation adds along
+  // `unit`.
   const double radius = edge.radius, length = radius + depth, share = radius / length;
   const Eigen::Matrix3d hessian = -0.5 * (at_edge.stiffness + at_edge.stiffness.transpose());
   const Eigen::Vector3d along = hessian * unit, sideways = tangential(along);
@@ -133,7 +137,7 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                       length;
   sample.error_bound += (sample.force - at_edge.force).norm();
 
-  // The wall is steepest across the edge, not along `unit`, if the edge is oblique.
+  // If the edge is oblique, the wall is steepest across the edge, not along `unit`.
   const Eigen::Vector3d steepest = unit - edge.radius_slope / length;
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - unit * unit.transpose();
   sample.stiffness = -edge.stiffness * steepest * steepest.transpose() +

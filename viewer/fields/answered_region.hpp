@@ -6,23 +6,23 @@
 
 namespace palpate {
 
-/// Edge of the answered region along one direction, and its derivatives with respect to the
-/// direction.
+/// Edge of the answered region along one direction from rest: its radius, the stiffness of the
+/// continuation beyond it, and the derivatives of both by the direction.
 struct RegionEdge {
   double radius = 0;     ///< m from rest
-  double stiffness = 0;  ///< N/m, of the continuation beyond the edge
-  /// Derivatives by the direction, tangential: m and N/m.
+  double stiffness = 0;  ///< N/m, of the continuation
+  /// m and N/m, derivatives by the unit direction, tangential to the unit sphere.
   Eigen::Vector3d radius_slope = Eigen::Vector3d::Zero(), stiffness_slope = Eigen::Vector3d::Zero();
 
   /// Adds `weight` times another edge.
   void add(double weight, const RegionEdge& other) noexcept;
 };
 
-/// The displacements that a configuration space answers by interpolation: a region that is
-/// star-shaped around rest. It ends at the workspace ball, or earlier where half of the
-/// interpolation would be extrapolated over more than 1.25 spacings. Such gaps come from failed
-/// points, points that were not reached, and crushed elements; shorter ones are bridged. The edge
-/// is twice continuously differentiable in the direction.
+/// Region of the displacements at which a configuration space is interpolated, star-shaped around
+/// rest. Along each direction it ends at the surface of the workspace ball, or before the first gap
+/// longer than 1.25 spacings. In a gap, more than half of the interpolated data are extrapolated,
+/// because points failed, were not reached, or have crushed elements. Shorter gaps are bridged. The
+/// radius of the edge is a twice continuously differentiable function of the direction.
 ///
 /// Immutable: any thread may read.
 class AnsweredRegion {
@@ -30,52 +30,54 @@ class AnsweredRegion {
   AnsweredRegion() = default;
   explicit AnsweredRegion(const CellData& data);
 
-  /// Every displacement up to this length, m, is in the region.
+  /// Returns a length, m, up to which every displacement is in the region.
   double leastRadius() const noexcept { return least_radius_; }
-  /// Real time.
+  /// Returns the edge of the region along a direction from rest. Real time.
   RegionEdge along(const DirectionWeights& direction) const noexcept;
 
  private:
   struct Edge {
     double radius = 0, stiffness = 0;
   };
-  std::vector<Edge> edges_;  ///< per tableDirections()
+  std::vector<Edge> edges_;  ///< one per tableDirections()
   double least_radius_ = 0;
 };
 
-/// Whether a displacement of `length`, m, is in a region that ends at `radius`, m. A displacement
-/// on the edge, within round-off, is.
+/// Returns whether a displacement of `length`, m, is in a region that ends at `radius`, m. A
+/// displacement on the edge is in the region, also if round-off puts it slightly outside.
 inline bool isWithin(double length, double radius) noexcept {
   return length <= radius * (1 + 5e-10);
 }
 
-/// Continues a sample beyond the edge by a wall that only stiffens. With direction n, length r and
-/// depth t = r - radius beyond the edge point q = radius n,
+/// Extrapolates a sample beyond the edge of the region like a wall that only gets stiffer. With
+/// direction n, length r and depth t = r - radius beyond the edge point q = radius n, the energy is
 ///
 ///   E(p) = E(q) - t n . F(q) + stiffness t^2 / 2
 ///
-/// is one energy with the interpolation inside. The force is its exact gradient, and continuous at
-/// the edge. Along n it grows by the stiffness of the continuation. This is at least the stiffness
-/// of the tissue there. It is also large enough to reach max_force within 3 mm, or within a tenth
-/// of the workspace's radius if that is less.
+/// Together with the interpolated energy inside the region it is a single energy. The force is the
+/// exact negative gradient of this energy, and continuous at the edge. Along n the force grows with
+/// the stiffness of the continuation. That stiffness is at least the stiffness of the tissue at the
+/// edge, and large enough to reach max_force within 3 mm, or within a tenth of the workspace's
+/// radius if that is less.
 ///
-/// The stiffness is exact at the edge. Beyond it, the changes of the tissue's stiffness and of the
-/// edge's slope along the edge are neglected. The error bound grows by the force that the
-/// continuation adds. Real time.
+/// The stiffness of the sample is exact at the edge. Beyond the edge it neglects that the tissue's
+/// stiffness and the slope of the edge change from direction to direction. The error bound grows by
+/// the force that the continuation adds. Real time.
 ///
 /// at_edge: the sample at q; unit: n; depth: t, m, >= 0.
 ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                             const Eigen::Vector3d& unit, double depth) noexcept;
 
-/// Longer displacements are shortened to this many radii of the ball, so that all numbers stay
-/// finite.
+/// Displacements longer than this many radii of the ball are shortened to that length, so that all
+/// numbers stay finite.
 inline constexpr double farthest_in_radii = 4;
 
-/// Evaluates a field at a displacement, m: inRegion(p) in the region, and beyond(edge, unit,
-/// depth), a continuation from the edge, outside it. A NaN gives a default sample.
+/// Evaluates a field at a displacement, m, by inRegion(p) if the displacement is in the answered
+/// region, else by beyond(edge, unit, depth), a continuation from the edge. A NaN gives a default
+/// sample.
 ///
-/// radius: of the ball; least_radius: every displacement up to this length is in the region;
-/// edgeAlong(unit): the RegionEdge. Real time.
+/// radius: of the ball, m. least_radius: m, a length up to which every displacement is in the
+/// region. edgeAlong(unit): returns the RegionEdge along a unit direction. Real time.
 template <class EdgeAlong, class InRegion, class Beyond>
 auto answerTo(const Eigen::Vector3d& displacement, double radius, double least_radius,
               EdgeAlong edgeAlong, InRegion inRegion, Beyond beyond) noexcept

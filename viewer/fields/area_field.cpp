@@ -18,39 +18,42 @@
 namespace palpate {
 namespace {
 
-/// Largest distance from any place of the surface to a collocation point, in radii of the finger.
-/// For sites it is site_distance.
+/// Every place of the surface near a site has a collocation point within this distance, in finger
+/// radii. The corresponding distance of sites is site_distance.
 constexpr double collocation_distance = 0.3;
-/// Reach of a collocation point or a site, as a multiple of its largest distance from a place. Even
-/// the farthest place is then shared by two or three. A smaller reach makes the blend steeper and
-/// the drive less accurate.
+/// Reach of a collocation point, as a multiple of collocation_distance, and of a site, as a
+/// multiple of site_distance. Even the farthest place then has two or three points within reach. A
+/// smaller reach makes the blend steeper and the drive less accurate.
 constexpr double reach_in_distances = 1.4;
-/// Number of sites that a collocation point is interpolated from, and that a site is checked
-/// against.
+/// Number of sites from which a collocation point is interpolated, and number of sites from which
+/// another site is interpolated to estimate its error.
 constexpr std::size_t sites_of_collocation_point = 7, sites_of_judgement = 6;
-/// Width of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
+/// Width of the kernel, in finger radii. Between 1 and 2 the errors differ by less than a third.
 constexpr double kernel_width = 1.5;
-/// Terms of an area's error bound:
-/// - share_of_p_error: of the bound for interpolation in p at each site;
-/// - share_of_lack: of the force. The error of each site, interpolated from the sites around it, is
-///   scaled to the place by the root of a ratio of powers (HermiteWeights). The ratio is the power
-///   of the place over the power of the site without its own data. The root is a compromise between
-///   1, for functions that are not smooth, and the ratio, for smooth ones;
-/// - share_of_power: of the force, times the power of the place;
-/// - share_of_force: of the force, for the error of interpolating to collocation points.
+/// Factors of the four terms of an area's error bound:
+/// - share_of_p_error multiplies the bound for interpolation in p at each site.
+/// - share_of_lack multiplies the relative error of each site when it is interpolated from the
+///   sites around it. The error is scaled from the site to the place by the square root of a ratio
+///   of powers (HermiteWeights): the power at the place over the power at the site without its own
+///   data. The root is a compromise between 1, for functions that are not smooth, and the ratio,
+///   for smooth functions.
+/// - share_of_power multiplies the power at the place.
+/// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///
-/// docs/thresholds.md says how they were chosen.
+/// The last three are relative to the force. docs/thresholds.md explains how all were chosen.
 constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
                  share_of_force = 0.003;
-/// Smallest force that errors are taken relative to, as a share of the site's largest force.
+/// Smallest force by which an error is divided to get a relative error, as a share of the site's
+/// largest force.
 constexpr float weakest_share = 0.01f;
-/// Preparing a site takes about as long as interpolating to this many collocation points, or
+/// Preparing a site takes about as long as interpolating to this many collocation points, or as
 /// judging this many sites.
 constexpr std::size_t work_of_site = 16;
-/// Maximum of refinement (Accuracy::levels).
+/// Largest number of levels of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
-/// Numbers of the `count` points nearest to `place`, nearest first, without `except`.
+/// Returns the indices of the `count` points nearest to `place`, nearest first, without the index
+/// `except`.
 std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
                                    const Eigen::Vector3d& place, std::size_t count,
                                    std::size_t except) {
@@ -65,7 +68,7 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
   return numbers;
 }
 
-/// Calls visit(number) for each point within reach of s.
+/// Calls visit(index) for each point within reach of s.
 template <class Visit>
 void eachWithin(const NearPoints& points, const Eigen::Vector3d& s, Visit visit) noexcept {
   for (const std::int32_t n : points.near(s))
@@ -78,7 +81,7 @@ std::vector<std::size_t> withinReach(const NearPoints& points, const Eigen::Vect
   return found;
 }
 
-/// Interpolates the quantities at a place from the sites around it.
+/// Interpolates the quantities at a place from its nearest sites.
 class Interpolation {
  public:
   Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
@@ -87,8 +90,8 @@ class Interpolation {
     for (const std::size_t site : from) centers_.push_back(sites[site]);
   }
 
-  /// Interpolates the first `quantities` of them. Sites where the point is extrapolated count less
-  /// than those where it is solved.
+  /// Interpolates the first `quantities` of the ten quantities at a lattice point. Sites at which
+  /// the lattice point is extrapolated count less than sites at which it is solved.
   template <int quantities = place_quantities>
   Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
       const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) {
@@ -109,7 +112,7 @@ class Interpolation {
     return sum;
   }
 
-  /// HermiteWeights::power if all sites are solved.
+  /// Returns HermiteWeights::power for the case that all sites are solved.
   double power() { return weightsFor(std::bitset<sites_of_collocation_point>().set()).power; }
 
   const std::vector<std::size_t> from;
@@ -128,10 +131,10 @@ class Interpolation {
   const Eigen::Vector3d place_;
   const double width_;
   std::vector<Eigen::Vector3d> centers_;
-  std::map<std::uint64_t, HermiteWeights> weights_;  ///< key: which of the sites are solved
+  std::map<std::uint64_t, HermiteWeights> weights_;  ///< key: bit n is set if site n is solved
 };
 
-/// Factors of the quantities in Q(d) = E - T . d - d . (dT/ds) d / 2.
+/// Returns the factors of the ten quantities in Q(d) = E - T . d - d . (dT/ds) d / 2.
 JetSums::Quantities expansionAt(const Eigen::Vector3f& d) noexcept {
   JetSums::Quantities factors;
   factors << 1, -d, JetSums::Quantities::Zero().tail<6>();
@@ -142,7 +145,7 @@ JetSums::Quantities expansionAt(const Eigen::Vector3f& d) noexcept {
   return factors;
 }
 
-/// dQ/dd = -T - (dT/ds) d.
+/// Returns dQ/dd = -T - (dT/ds) d.
 Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& quantities) noexcept {
   Eigen::Vector3f slope = -quantities.segment<3>(1);
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
@@ -160,7 +163,7 @@ struct AreaField::LevelSum {
   bool begun = false;
   double edge = 0;
   Eigen::Vector3d local;
-  JetSums sums;  ///< of w Q; the same polynomial as E, times the sum of w
+  JetSums sums;  ///< sums of w Q, a polynomial that is E times the sum of w
 
   void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
     begun = true;
@@ -169,7 +172,8 @@ struct AreaField::LevelSum {
     sums.begin(valueBasis(edge, spacing, local));
   }
 
-  /// Adds the summed energy and its derivatives to a sample, divided by `whole`.
+  /// Divides the sums by `whole`, the sum of all weights, and adds the energy and its derivatives
+  /// to a sample.
   void addTo(AreaSample& sample, double whole, double spacing) const noexcept {
     std::array<EnergyJet, 8> jets;
     LeafJets leaf;
@@ -227,7 +231,7 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& sites,
   prepareAll(progress);
 }
 
-/// Spread evenly over the surface near sites.
+/// Spreads the points evenly over the part of the surface that is near sites.
 AreaField::CollocationPoints AreaField::collocationPointsOf(
     const std::vector<const SpaceTable*>& sites, const std::vector<Eigen::Vector3d>& surface) {
   const double finger = sites.at(0)->patch.finger.value().radius;
@@ -428,7 +432,7 @@ void AreaField::judge(std::size_t site) {
   };
   float strongest = std::numeric_limits<float>::min();
   for (const SiteJet& jet : own.jets) strongest = std::max(strongest, slopeOf(jet).norm());
-  // Relative errors of forces that nearly vanish away from rest are meaningless.
+  // Away from rest, some forces nearly vanish; their relative errors would be meaningless.
   const float weakest = weakest_share * strongest;
   float worst = 0, least = std::numeric_limits<float>::infinity();
   for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
@@ -443,9 +447,9 @@ void AreaField::judge(std::size_t site) {
     worst = std::max(worst, lack);
     least = std::min(least, lack);
   }
-  // Only rest is solved, so nothing can be compared.
+  // Only the point at rest is solved, so nothing could be compared.
   if (worst == 0) worst = least = share;
-  // Unsolved points get the worst error of the solved ones, rest the least.
+  // Unsolved points get the largest error of the solved points; the point at rest gets the least.
   for (std::size_t slot = 0; slot < doubts.size(); ++slot)
     if (std::isnan(doubts[slot].lack))
       doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
@@ -457,7 +461,7 @@ struct AreaField::NearCollocationPoint {
   double weight;
   Eigen::Vector3d weight_slope;  ///< 1/m
   const CellTree* tree;
-  LeafPlace place;  ///< leaf of the displacement in the tree
+  LeafPlace place;  ///< leaf that contains the displacement
   bool is_new_tree;
 
   std::array<const SiteJet*, 8> jets() const noexcept {
@@ -477,7 +481,7 @@ void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vect
     const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
     near.collocation_point = &at_collocation_points_[at(number)];
-    // Neighbours often share a tree, so its leaf is looked up once.
+    // Neighbouring collocation points often share a tree, so its leaf is looked up only once.
     const CellTree* const tree = &trees_[near.collocation_point->tree];
     near.is_new_tree = near.tree != tree;
     if (near.is_new_tree) {
@@ -525,7 +529,7 @@ double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {
   return least;
 }
 
-/// The weighted mean over the sites around.
+/// Returns the weighted mean of the edges of all sites within reach.
 AreaField::PlacedEdge AreaField::edgeAt(const Eigen::Vector3d& s,
                                         const Eigen::Vector3d& unit) const noexcept {
   const DirectionWeights direction(unit);
@@ -553,7 +557,7 @@ AreaSample AreaField::beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& e
   if (edge.radius <= 0) return {};
   AreaSample sample = inRegion(s, edge.radius * unit);
   const double slope = -unit.dot(sample.force), curvature = -unit.dot(sample.stiffness * unit);
-  // -d/ds of the energy of continuedBeyond, with a radius and stiffness that depend on s too.
+  // Adds -d/ds of the energy in continuedBeyond. Radius and stiffness of the edge depend on s too.
   sample.drive += depth * driveSlope(s, edge.radius * unit, unit, slope) -
                   depth * (curvature - edge.stiffness) * edge.radius_by_s -
                   0.5 * depth * depth * edge.stiffness_by_s;
@@ -568,7 +572,7 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
   eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
     if (near.is_new_tree) {
-      spacing = near.tree->spacing();  // the same for all trees
+      spacing = near.tree->spacing();  // all trees have the same spacing
       level = &levels[at(near.tree->leaves()[at(near.place.leaf)].level)];
       if (!level->begun) level->begin(near.tree->edge(near.place.leaf), spacing, near.place.local);
     }
@@ -587,14 +591,15 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   sample.energy = 0;
   for (const LevelSum& sum : levels)
     if (sum.begun) sum.addTo(sample, whole, spacing);
-  // -d/ds of the quotient.
+  // This is -d/ds of the quotient E = sum of w Q / sum of w.
   sample.drive = (sample.energy * whole_slope - slope) / whole;
   addJudgement(s, p, power / whole, sample);
   return sample;
 }
 
-/// Derivative of the drive when the displacement moves along a direction, N/m. energy_slope: dE/dp
-/// along it. The same sums as in inRegion, of derivatives instead of values.
+/// Returns the derivative of the drive with respect to the displacement along a direction, N/m.
+/// energy_slope: dE/dp along the direction. The sums are those of inRegion(), with derivatives
+/// along the direction instead of values.
 Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                       const Eigen::Vector3d& direction,
                                       double energy_slope) const noexcept {
@@ -632,12 +637,12 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
       lack += weight * weights[c] * static_cast<double>(doubt.lack);
       covered += weights[c] * static_cast<double>(doubt.coverage);
     }
-    // Rounded, so that the coverage is exactly 1 where all corners are solved.
+    // Rounded to float, so that the coverage is exactly 1 if all corners are solved.
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;
-  const double share =
-      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // of the force
+  const double share = std::sqrt(power) * lack / whole + share_of_power * power +
+                       share_of_force;  // relative to the force
   sample.error_bound = share_of_p_error * error / whole + share * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;

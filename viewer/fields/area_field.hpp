@@ -19,7 +19,8 @@ struct AreaSample : ForceSample {
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
 };
 
-/// Returns pointers to the chosen ones of `spaces`, which must outlive them.
+/// Returns pointers to the elements of `spaces` with the indices in `chosen`. `spaces` must outlive
+/// the pointers.
 std::vector<const SpaceTable*> chosenOf(const std::vector<SpaceTable>& spaces,
                                         const std::vector<std::size_t>& chosen);
 /// Centres of the fingers of these spaces, metres.
@@ -27,18 +28,18 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 
 /// Energy E(s, p) of a finger over an area, as a function of its place s and its displacement p.
 /// The force is -dE/dp, the configurational force (drive) is -dE/ds. The work around every closed
-/// loop in (s, p) is therefore zero, also where other sites take over.
+/// loop in (s, p) is therefore zero, also if the loop leads from one site to others.
 ///
 /// At each site and each solved p, the derivatives of E by s and p are known exactly to the third
 /// order, and by s alone to the second. Third derivatives are used only where LocalFits::judge
 /// trusts them.
-/// - In p, the ten quantities of a site are interpolated on its lattice, which may be refined
-///   (site_jets.hpp).
-/// - In s, they are interpolated from the sites to *collocation points*, places closer together, by
-///   a kernel that meets values, gradients and curvatures at the seven nearest sites
-///   (hermite_kernel.hpp). Few sites suffice, because its error falls with about the fifth power of
-///   their distance. The lattice of a collocation point is refined wherever one of its sites'
-///   lattices is.
+/// - In p, ten quantities (E, its gradient and its Hessian in s) are interpolated on the lattice of
+///   each site, which may be refined (site_jets.hpp).
+/// - In s, the quantities are interpolated from the sites to *collocation points*, places that lie
+///   closer together than the sites. The kernel interpolant reproduces value, gradient and Hessian
+///   at each of the seven nearest sites (hermite_kernel.hpp). Few sites suffice, because the error
+///   falls with about the fifth power of the distance between sites. The lattice of a collocation
+///   point is refined wherever the lattice of one of its seven sites is.
 /// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
 ///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
 ///
@@ -49,12 +50,14 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 ///
 /// E is twice continuously differentiable in s and in p.
 ///
-/// The error bound is a sum of three terms, with measured factors: the bound for interpolation in
-/// p, the error of interpolating each site from the sites around it, and the force.
+/// The error bound is a sum of four terms with measured factors (area_field.cpp). One is the bound
+/// for interpolation in p. The other three are proportional to the force: the error of each site
+/// when it is interpolated from the sites around it, the distance of s from the sites
+/// (HermiteWeights::power), and a constant.
 ///
-/// The field can be prepared as a whole, or only around a finger: for web pages, which must not
-/// make the reader wait, and for commands that query few places. Both give the same samples to the
-/// last bit.
+/// The field can be prepared as a whole or only around a finger. The second is for web pages, which
+/// must not make the reader wait, and for commands that query few places. Both give exactly the
+/// same samples.
 ///
 /// One thread may prepare while no thread evaluates; otherwise any thread may evaluate.
 class AreaField {
@@ -63,40 +66,42 @@ class AreaField {
   struct CollocationPoints {
     std::vector<Eigen::Vector3d> places;
   };
-  /// Prepares nothing yet. `sites`: spaces of one build, of fingers of one radius; they must
-  /// outlive the preparation. `collocation_points`: all points of the area, at least one. Error if
-  /// a site has cells that are halved more often than any build does.
+  /// Prepares nothing yet. `sites`: spaces of one build whose fingers have the same radius; they
+  /// must outlive the preparation. `collocation_points`: all collocation points of the area, at
+  /// least one. Error if a site has cells that are halved more often than any build does.
   AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
-  /// Prepares everything and reports `progress`, as prepareAll(). `surface`: as in
+  /// Prepares everything and calls `progress`, as prepareAll() does. `surface`: as in
   /// collocationPointsOf().
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
             const std::function<void(double)>& progress = {});
   /// Returns the collocation points of an area. `surface`: places on the body's surface around the
-  /// sites, much closer together than the radius (placesAround in common/problem/sites.hpp). Fast.
+  /// sites, much closer together than the finger's radius, metres (placesAround in
+  /// common/problem/sites.hpp). Fast.
   static CollocationPoints collocationPointsOf(const std::vector<const SpaceTable*>& sites,
                                                const std::vector<Eigen::Vector3d>& surface);
 
-  /// Prepares everything, in parallel on all cores. Any of them calls `progress` with the share of
-  /// the work done, up to 1; an exception thrown by it ends the preparation. Error if a site has no
-  /// solved point. The sites are not read after it returns.
+  /// Prepares everything, in parallel on all cores. Any of the threads may call `progress` with the
+  /// share of the work done, up to 1; an exception thrown by `progress` ends the preparation. Error
+  /// if a site has no solved point. The sites' spaces are no longer read after the return.
   void prepareAll(const std::function<void(double)>& progress = {});
-  /// Prepares everything that a finger at s (metres) needs, in parallel on all cores. Errors as
-  /// prepareAll().
+  /// Prepares everything that evaluate() needs at s (metres), in parallel on all cores. Errors as
+  /// in prepareAll().
   void prepareAt(const Eigen::Vector3d& s);
   /// Does one step of prepareAt(), some milliseconds of work. Returns false if nothing is left to
-  /// do at s. Errors as prepareAll().
+  /// do at s. Errors as in prepareAll().
   bool prepareNext(const Eigen::Vector3d& s);
-  /// Prepares the nearest site to s that is not prepared yet. Returns false if all are. Most of the
-  /// work is in the sites; the steps after them are fast.
+  /// Prepares the site nearest to s that is not prepared yet. Returns false if all sites are
+  /// prepared. The sites are most of the work; the steps of prepareNext() after them are fast.
   bool prepareSite(const Eigen::Vector3d& s);
 
   /// Evaluates the energy at any s and p. s: metres, place on the surface at rest; p: displacement,
   /// metres.
   ///
-  /// - Beyond the solved region around s, the sample is the continuation of answered_region.hpp,
-  ///   with one energy over s too.
-  /// - If no site is within reach of s, the sample is not inside; it fades out to zero.
+  /// - Beyond the answered region around s, the sample is the continuation of answered_region.hpp,
+  ///   as a single energy of s and p.
+  /// - If no site is within reach of s, the sample is not inside. It is zero if no collocation
+  ///   point is within reach either.
   /// - If s is not prepared, the sample is not inside and has no force.
   /// - With a single site the error bound is NaN, since no other site can check its expansion.
   ///
@@ -108,7 +113,7 @@ class AreaField {
   std::size_t collocationPointCount() const { return collocation_points_.points().size(); }
   /// m, distance at which the influence of a site ends
   double siteReach() const { return sites_.reach(); }
-  /// Numbers of the sites within reach of a place, metres.
+  /// Returns the indices of the sites within reach of a place, metres.
   std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
   const Eigen::Vector3d& siteCenter(std::size_t site) const { return sites_.points()[site]; }
 
@@ -121,15 +126,15 @@ class AreaField {
   };
   /// Error estimate and coverage at a slot of a site's lattice.
   struct Doubt {
-    /// Error when the site is interpolated from the sites around it, as a share of the force,
-    /// divided by the square root of HermiteWeights::power at the site.
+    /// Relative error of the force if the site is interpolated from the sites around it instead of
+    /// its own data, divided by the square root of HermiteWeights::power at the site.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };
   struct Judgement {
     std::size_t tree = 0;
     std::vector<Doubt> doubts;  ///< per slot of the tree
-    FieldError p_error;         ///< of the tree's leaves
+    FieldError p_error;         ///< error of interpolation in p, in the tree's leaves
     AnsweredRegion region;
   };
   /// Edge of the answered region at a place along one direction.
@@ -137,14 +142,15 @@ class AreaField {
     /// Derivatives by the place: m/m and N/m per m.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
   };
-  /// A collocation point within reach of a place, with the leaf of a displacement in its tree.
+  /// A collocation point within reach of a place, with the leaf of its tree that contains a
+  /// displacement.
   struct NearCollocationPoint;
-  /// Sums over the collocation points with the same level of the leaf around a displacement. Such
-  /// leaves are identical.
+  /// Sums over the collocation points whose leaf around a displacement has the same level. Such
+  /// leaves coincide, so their polynomials can be added.
   struct LevelSum;
 
   std::vector<std::size_t> collocationPointsAt(const Eigen::Vector3d& s) const;
-  // Sites that a collocation point or a judgement is computed from.
+  // Indices of the sites from which a collocation point or a judgement is computed.
   std::vector<std::size_t> sitesOfCollocationPoint(std::size_t collocation_point) const;
   std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
   bool isInterpolated(std::size_t collocation_point) const {
@@ -153,13 +159,15 @@ class AreaField {
   bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
   bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
 
-  /// Prepares these collocation points and sites, and the sites that they need, unless they are
-  /// prepared already. Any thread may call `did`, with the work done since its last call.
+  /// Interpolates these collocation points and judges these sites, unless that is done already.
+  /// First prepares the sites that this requires. Several threads call `did`, each with the work
+  /// that it has just finished.
   void prepare(const std::vector<std::size_t>& collocation_points,
                const std::vector<std::size_t>& judged, const std::function<void(std::size_t)>& did);
   bool makeOneOf(const std::vector<std::size_t>& sites);
-  // Preparation has two parts. The first changes shared data; the second changes only this
-  // collocation point or site, and needs its sites prepared.
+  // Collocation points and judgements are prepared in two parts. The first part, begin..., changes
+  // shared data. The second changes only the collocation point or the judgement, so it can run in
+  // parallel; it requires that the sites it reads are prepared.
   void beginCollocationPoint(std::size_t collocation_point);
   void interpolateTo(std::size_t collocation_point);
   void beginJudgement(std::size_t site);
@@ -167,13 +175,13 @@ class AreaField {
   /// Returns the index of the tree for the lattice of `like` with these cells split. Creates the
   /// tree if needed.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
-  /// Calls visit(NearCollocationPoint) for each within reach of s, in a fixed order; p: in the
-  /// ball.
+  /// Calls visit(NearCollocationPoint) for each collocation point within reach of s, in a fixed
+  /// order. p: displacement in the ball, metres.
   template <class Visit>
   void eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                             Visit visit) const noexcept;
   /// Calls visit(judgement, weight of the site, derivative of the weight by s) for each site within
-  /// reach.
+  /// reach of s.
   template <class Visit>
   void eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept;
   AreaSample inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
@@ -183,13 +191,14 @@ class AreaField {
   PlacedEdge edgeAt(const Eigen::Vector3d& s, const Eigen::Vector3d& unit) const noexcept;
   Eigen::Vector3d driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              const Eigen::Vector3d& direction, double energy_slope) const noexcept;
-  /// power: HermiteWeights::power at s.
+  /// Sets error bound, coverage and `inside` of a sample. power: HermiteWeights::power at s.
   void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
                     AreaSample& sample) const noexcept;
 
   std::vector<const SpaceTable*> spaces_;  ///< spaces of the sites
   double radius_ = 0, finger_ = 0;         ///< m, radii of the ball and of the finger
-  /// One tree for each pattern of refinement. Their slots are used for positions only.
+  /// One tree for each pattern of refinement. Only the positions of the slots are used, not their
+  /// kinds (except hanging).
   std::vector<CellTree> trees_;
   std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, collocation_points_;
@@ -203,7 +212,7 @@ class AreaField {
   bool is_whole_ = false;
 };
 
-/// An area's energy at a fixed place, as a force field of its own.
+/// An area's energy at a fixed place, as a force field of p alone.
 class FieldAtPlace : public ForceField {
  public:
   FieldAtPlace(std::shared_ptr<const AreaField> area, const Eigen::Vector3d& place)

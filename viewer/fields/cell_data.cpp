@@ -25,7 +25,7 @@ std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& 
 
 std::vector<double> slotCoverage(const CellTree& tree,
                                  const std::vector<LatticeEdge>& inconsistent) {
-  // Ends of a jump are solved, but interpolation towards them mixes two branches.
+  // The ends of an inconsistent edge are solved, but interpolation towards them mixes two branches.
   std::vector<std::int32_t> ends;
   for (const LatticeEdge& edge : inconsistent) ends.insert(ends.end(), {edge.a, edge.b});
   std::ranges::sort(ends);
@@ -67,7 +67,7 @@ bool CellBranches::isInconsistent(std::int32_t a, std::int32_t b) const {
 }
 
 std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& edges) const {
-  // Most spaces have no such edge, so all leaves are searched only in the others.
+  // Most spaces have no such edge, so the search over all leaves is skipped there.
   std::vector<std::int32_t> found;
   if (edges.empty()) return found;
   for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {

@@ -4,30 +4,31 @@
 
 namespace palpate {
 
-/// Returns energy, force and stiffness for every slot of a tree, for methods that interpolate nodal
-/// data:
+/// Returns energy, force and stiffness at every slot of a tree (a slot is a grid position where
+/// leaves meet), for methods that interpolate nodal data. They depend on the kind of the slot:
 ///
-///   solved   those of the lattice point
-///   ghost    those of the local polynomial of the energy (energy_jets.hpp)
-///   hanging  zero: the method fills them itself (fillHanging in cell_tree.hpp)
+///   solved   the data of the lattice point
+///   ghost    the values of the ghost's local polynomial of the energy (energy_jets.hpp)
+///   hanging  zero, because the method interpolates them itself (fillHanging in cell_tree.hpp)
 ///
 /// A ghost's polynomial fits the data of the nearest solved points. It is exact for energies up to
-/// the third degree if enough of them are near, and of lower order with fewer. A lone point is
-/// continued by its force and stiffness. Forces are limited to the range of the neighbours' forces.
+/// the third degree if enough solved points are near, and of lower order with fewer. With a single
+/// point it is the second-order expansion of the energy there. If the force of the polynomial
+/// differs too much from the forces of these points, its degree is lowered, down to 2.
 ///
-/// ghosts: ghostPolynomials of the same tree and space, one per slot; none mixes points that an
-/// inconsistent edge joins. The result is the same on every machine of one kind. Any thread.
+/// ghosts: ghostPolynomials of the same tree and space, one per slot; no polynomial is fitted to
+/// both ends of an inconsistent edge. The result is the same on all machines of one kind. Any
+/// thread.
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LocalPolynomial>& ghosts);
 
-/// Returns for every slot the share (0..1) of it that rests on solved points without an
-/// inconsistent edge. It is 1 for such points, 0 for ghosts and ends of inconsistent edges, and in
-/// between for hanging slots. Tri-linear interpolation of it in a leaf gives the coverage of a
-/// sample.
+/// Returns the coverage of every slot, 0..1: 1 at solved points without an inconsistent edge, 0 at
+/// ghosts and at the ends of inconsistent edges. A hanging slot has the interpolated coverage of
+/// its coarser leaf. Tri-linear interpolation in a leaf gives the coverage of a sample.
 std::vector<double> slotCoverage(const CellTree& tree,
                                  const std::vector<LatticeEdge>& inconsistent);
 
-/// Tri-linear interpolant at a place in a leaf; `values`: one per slot.
+/// Returns the tri-linear interpolant of `values`, one per slot, at a place in a leaf.
 template <class Value>
 Value trilinear(const LeafCorners& corners, const Eigen::Vector3d& local,
                 const std::vector<Value>& values) {
@@ -37,7 +38,7 @@ Value trilinear(const LeafCorners& corners, const Eigen::Vector3d& local,
   return sum;
 }
 
-/// Sets the values of all hanging slots to the tri-linear interpolant in the coarser leaf.
+/// Sets the values of all hanging slots to the tri-linear interpolant in their coarser leaf.
 /// `values`: one per slot.
 template <class Value>
 void fillHangingTrilinearly(const CellTree& tree, std::vector<Value>& values) {
@@ -54,30 +55,30 @@ struct CellBranches {
 
   CellTree tree;
   std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
-  /// Lattice number per slot, also of hanging ones; -1 if there is none.
+  /// Lattice number of each slot, including hanging slots; -1 if no lattice point lies there.
   std::vector<std::int32_t> numbers;
 
-  /// Whether two slots are the ends of an inconsistent edge.
+  /// Returns whether two slots are the ends of an inconsistent edge.
   bool isInconsistent(std::int32_t a, std::int32_t b) const;
 };
 
-/// Data of methods that interpolate in leaves: a cell tree and the nodal data of its slots.
+/// A cell tree with nodal data at its slots, from which methods interpolate in the leaves.
 struct CellData : CellBranches {
   explicit CellData(const SpaceTable& space);
-  /// Uses fits that other spaces on the same kind of lattice share.
+  /// As above, with `fits` that spaces with equal lattices share.
   CellData(const SpaceTable& space, LocalFits& fits);
 
   std::vector<LatticeEdge> suspect;     ///< suspectEdges of the space
-  std::vector<LocalPolynomial> ghosts;  ///< ghostPolynomials
-  std::vector<Equilibrium> equilibria;  ///< slotEquilibria
-  std::vector<double> support;          ///< slotCoverage
+  std::vector<LocalPolynomial> ghosts;  ///< ghostPolynomials, per slot
+  std::vector<Equilibrium> equilibria;  ///< slotEquilibria, per slot
+  std::vector<double> support;          ///< slotCoverage, per slot
   std::int32_t divisions;               ///< lattice coordinates per spacing
   double max_force;                     ///< N, SpaceTable::max_force
 
   CellData(const SpaceTable& space, LocalFits&& fits);
   /// Returns the slot at lattice coordinates; -1 if there is none.
   std::int32_t slotAt(const LatticePoint& point) const;
-  /// Returns the leaves that have one of these edges; `edges` must be sorted.
+  /// Returns the leaves that have at least one of these edges; `edges` must be sorted.
   std::vector<std::int32_t> leavesWith(const std::vector<LatticeEdge>& edges) const;
 };
 

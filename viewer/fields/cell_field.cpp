@@ -6,13 +6,14 @@
 namespace palpate {
 namespace {
 
-/// Value (column 0) and derivatives along the axes in a leaf with unit edges (columns 1 to 3).
+/// Returns the tri-linear interpolant of `Rows` values per slot at a place in a leaf: column 0 is
+/// the value, columns 1 to 3 are the derivatives along the axes of a leaf with unit edges.
 template <int Rows, class Node>
 Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners,
                                             const Eigen::Vector3d& local, Node node) {
   using Column = Eigen::Matrix<double, Rows, 1>;
   const double x = local.x(), y = local.y(), z = local.z();
-  Column low[2], dx[2], dy[2];  // at the lower and upper face along z
+  Column low[2], dx[2], dy[2];  // on the lower and the upper face along z
   for (std::size_t k = 0; k < 2; ++k) {
     const Column& a = node(corners[4 * k]);
     const Column& b = node(corners[4 * k + 1]);
@@ -39,7 +40,8 @@ CellField::CellField(std::string_view name, const CellData& data, Limit limit)
                  "forces and their support are per slot");
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     nodes_[s] << data.equilibria[s].force, data.support[s];
-  // No corner next to a jump counts as support; see slotCoverage().
+  // All corners of a leaf with an inconsistent edge get coverage 0, not only the ends of the edge
+  // (slotCoverage).
   for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
     for (const std::int32_t slot : tree_.corners(leaf)) nodes_[at(slot)][3] = 0;
   fillHangingTrilinearly(tree_, nodes_);
@@ -48,7 +50,7 @@ CellField::CellField(std::string_view name, const CellData& data, Limit limit)
 }
 
 void CellField::setFlags(const std::vector<std::int32_t>& leaves) {
-  // Without jumps there are no flags, so the limiter costs nothing.
+  // Without such leaves flags_ stays empty, so the limiter costs nothing.
   if (leaves.empty()) return;
   flags_.assign(nodes_.size(), 0);
   for (const std::int32_t leaf : leaves)

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t table_size = 768;
-/// Largest chord to a direction with a weight; about twelve directions have one.
+/// Table directions closer than this chord have a non-zero weight; these are about twelve.
 constexpr double reach = 0.25;
 
 std::vector<Eigen::Vector3d> fibonacciLattice() {
@@ -45,7 +45,8 @@ DirectionWeights::DirectionWeights(const Eigen::Vector3d& unit) noexcept {
   const std::vector<Eigen::Vector3d>& directions = tableDirections();
   double whole = 0;
   Eigen::Vector3d whole_gradient = Eigen::Vector3d::Zero();
-  // Ends of a chord no longer than `reach` differ in z by at most `reach`.
+  // Directions are sorted by z, and the ends of a chord no longer than `reach` differ in z by at
+  // most `reach`. Only this range of the table is searched.
   const double middle = 0.5 * (1 - unit.z()) * table_size, around = 0.5 * reach * table_size + 1;
   const auto first = static_cast<std::size_t>(std::max(0.0, middle - around)),
              end = std::min(table_size, static_cast<std::size_t>(middle + around) + 1);

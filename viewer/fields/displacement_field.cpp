@@ -8,10 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Rows added per pass over `out`: few passes, and no more pointers than registers.
+/// Number of rows added in one pass over `out`. More rows make fewer passes, but need more pointers
+/// than there are registers.
 constexpr std::size_t rows_at_once = 4;
 
-/// out += sum of factors[n] * rows[n].
+/// Adds the sum of factors[n] * rows[n] to `out`.
 PALPATE_PER_CPU_FAMILY void addRows(const std::array<const float*, rows_at_once>& rows,
                                     const std::array<float, rows_at_once>& factors, float* out,
                                     std::size_t size) noexcept {
@@ -30,7 +31,7 @@ DisplacementField::DisplacementField(const PointBlend& blend, std::span<const fl
   const ShapeRows shapes = blend.rowsOf(displacements, 3);
   PALPATE_ASSERT(shapes.rows() == std::ssize(blend.points()), "shares of points name these rows");
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
-  if (modeCount() == 0) return;  // nothing moves, and the rows have no data
+  if (modeCount() == 0) return;  // no node moves in any shape, and there are no rows to multiply
   const Eigen::MatrixXd of_points = (shapes * modes_.transpose()).cast<double>();
   Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(tree_.slots()), modes_.rows());
   for (Eigen::Index s = 0; s < shares.rows(); ++s)
@@ -55,7 +56,7 @@ bool DisplacementField::evaluate(const Eigen::Vector3d& displacement,
 void DisplacementField::evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept {
   const std::array<double, 8> weights = trilinearWeights(place.local);
   std::ranges::fill(out, 0.0f);
-  // The last pass is filled up with the first mode, times zero.
+  // If the last pass has fewer modes than rows, the first mode times zero fills it up.
   for (std::size_t first = 0; first < modeCount(); first += rows_at_once) {
     std::array<const float*, rows_at_once> rows;
     std::array<float, rows_at_once> factors{};

@@ -5,32 +5,33 @@
 
 namespace palpate {
 
-/// Displacements of all visible nodes, interpolated between the configurations of one space: the
-/// deformed shape.
+/// The deformed shape: displacements of all visible nodes, interpolated between the configurations
+/// of one space.
 ///
-/// Tri-linear in the leaf around a displacement (PointBlend), so continuous over the whole ball;
-/// the error is proportional to spacing^2.
+/// Interpolation is tri-linear in the leaf around a displacement (PointBlend). The shape is
+/// therefore continuous over the whole ball, and its error is proportional to spacing^2.
 ///
-/// Shapes are sums of a few orthogonal *modes*: as many as are needed to keep every coordinate of a
-/// stored shape within `largest_shape_error` (shape_modes.hpp). A corner stores its share of each
-/// mode instead of a row of all nodes.
+/// Each shape is a sum of a few orthonormal *modes*, enough to reproduce every coordinate of a
+/// stored shape within `largest_shape_error` (shape_modes.hpp). A corner of a leaf stores one
+/// factor per mode instead of the displacements of all nodes.
 ///
 /// float32 throughout. Copies everything, so the dataset may be destroyed. Immutable: any number of
 /// threads may evaluate at the same time.
 class DisplacementField {
  public:
-  /// In radii of the ball. Enough for a picture; forces do not depend on it.
+  /// Largest error of a coordinate of a stored shape, in radii of the ball. Small enough for a
+  /// picture; forces do not depend on it.
   static constexpr double largest_shape_error = 0.002;
 
-  /// displacements: [point][node][axis], metres, a row per point of the space's lattice; rows of
-  /// unsolved points are not read. Error if no corner of a cell is solved or the number of values
-  /// does not fit.
+  /// displacements: [point][node][axis], metres, one row per point of the space's lattice; rows of
+  /// unsolved points are not read. Error if no corner of a cell is solved, or if the number of
+  /// values does not fit the number of lattice points.
   DisplacementField(const SpaceTable& space, std::span<const float> displacements);
 
-  /// Fills `out`, [node][axis], metres, as long as a row, for any displacement of the active node
-  /// (metres). Outside the ball it gives the shape at the nearest point of the sphere; for NaN, the
-  /// shape at rest. Returns whether the displacement is in the ball, with a solved corner around
-  /// it. Real time: does not allocate, lock, throw or log.
+  /// Fills `out` with the displacements of all nodes, [node][axis], metres, for any displacement of
+  /// the active node (metres). A displacement outside the ball gives the shape at the nearest point
+  /// of the ball's surface; NaN gives the shape at rest. Returns whether the displacement is in the
+  /// ball, in a leaf with a solved corner. Real time: does not allocate, lock, throw or log.
   bool evaluate(const Eigen::Vector3d& displacement, std::span<float> out) const noexcept;
 
   std::size_t modeCount() const { return static_cast<std::size_t>(modes_.rows()); }

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Names of the methods of makeForceField, the default first.
+/// Returns the names of the methods of makeForceField, the default first.
 const std::vector<std::string>& forceFieldMethods();
 
 /// Returns the field that interpolates `space` by a method. Error (bad input) for an unknown

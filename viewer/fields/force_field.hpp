@@ -10,24 +10,26 @@ namespace palpate {
 /// Sample of a force field at one displacement. force and stiffness are always finite.
 struct ForceSample {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, of the tissue on the tool
-  /// N/m, [a, b] = d force_a / d displacement_b, the exact derivative of this interpolant; beyond
-  /// the solved region only its leading terms.
+  /// N/m, [a, b] = d force_a / d displacement_b. The exact derivative of `force` in the answered
+  /// region; beyond the region, only the leading terms of the derivative.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< J; NaN if the method has none
   /// N, bound on |force error|; NaN if the method gives none.
   double error_bound = std::numeric_limits<double>::quiet_NaN();
-  /// Share of the interpolation that rests on solved corners with consistent edges only
-  /// (branch_check.hpp), by tri-linear weights in the cell. 1 if all eight corners are such, 0 if
-  /// everything is extrapolated.
+  /// Sum of the tri-linear weights of the reliable corners of the cell around the displacement,
+  /// 0..1. A corner is reliable if it is solved and all its edges are consistent
+  /// (branch_check.hpp). 1 if all eight corners are reliable, 0 if everything is extrapolated.
   double coverage = 0;
-  /// Whether the displacement is in the solved region (answered_region.hpp) and a corner of the
-  /// cell around it is solved. Beyond that region the sample is a continuation, which only stiffens
-  /// and is not reliable; the error bound grows with it. A NaN gives false and zero force.
+  /// Whether the displacement is in the answered region (answered_region.hpp) and a corner of the
+  /// cell around it is solved. Beyond that region the sample is a continuation, which only gets
+  /// stiffer and is not reliable; the error bound grows with the added force. A NaN gives false and
+  /// zero force.
   bool inside = false;
-  double beyond = 0;  ///< m, length beyond the edge of that region, along the displacement; 0 in it
+  double beyond = 0;  ///< m, length of the displacement's part beyond the answered region
 
-  /// Returns the part of a displacement, m, that lies beyond the edge; the sample must be the one
-  /// at this displacement. Shapes are evaluated without it.
+  /// Returns the part of the sample's displacement, m, that lies beyond the answered region.
+  /// `displacement` must be the one at which the sample was evaluated. Shapes are evaluated without
+  /// that part.
   Eigen::Vector3d excessOf(const Eigen::Vector3d& displacement) const noexcept {
     return beyond > 0 ? Eigen::Vector3d(displacement * (beyond / displacement.norm()))
                       : Eigen::Vector3d::Zero();

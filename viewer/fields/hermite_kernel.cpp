@@ -11,16 +11,18 @@
 namespace palpate {
 namespace {
 
-/// Relative increase of the diagonal, so that nearly coincident sites do no harm.
+/// Relative increase of the matrix diagonal, so that the matrix stays regular if two sites nearly
+/// coincide.
 constexpr double ridge = 1e-10;
 
-/// Variances of extrapolated E, T and dT/ds; the kernel's own are 1, 1 and 3 to 9. Measured at 146
-/// exact solutions of a soft dome, pressed in by up to 1.1 radii: 84 % meet the wanted accuracy
-/// with ten times these, 90 % with these and 89 % with none. At 148 of the shipped liver, 146 meet
-/// it with these or a third of them, and 147 otherwise.
+/// Variances of the noise of extrapolated E, T and dT/ds. For comparison, the variances of the
+/// kernel are 1, 1 and 3 to 9. Measured at 146 exact solutions of a soft dome, pressed in by up to
+/// 1.1 radii: 84 % meet the wanted accuracy with ten times this noise, 90 % with this noise, 89 %
+/// without noise. Of 148 exact solutions of the shipped liver, 146 meet it with this noise or a
+/// third of it, and 147 with the other variances that were tried.
 constexpr std::array<double, 3> noise = {0, 0.001, 0.03};
 
-/// Up to four axes to differentiate along.
+/// List of up to four axes, one per differentiation.
 struct Axes {
   std::array<int, 4> axis{};
   int count = 0;
@@ -36,7 +38,8 @@ Axes axesOf(int quantity) {
   return {{a, b}, 2};
 }
 
-/// Derivatives of the kernel, a function g of q = |x|^2, at one x, in units of the width.
+/// Derivatives of the kernel at one x. The kernel is a function g of q = |x|^2; x is in units of
+/// the width.
 class Kernel {
  public:
   explicit Kernel(const Eigen::Vector3d& x) : x_(x) {
@@ -48,7 +51,7 @@ class Kernel {
     }
   }
 
-  /// Derivative of g(|x|^2) along the axes.
+  /// Returns the derivative of g(|x|^2) along the axes.
   double derivative(const Axes& axes) const {
     const auto x = [&](int n) { return x_[axes.axis[at(n)]]; };
     const auto d = [&](int m, int n) { return axes.axis[at(m)] == axes.axis[at(n)] ? 1.0 : 0.0; };
@@ -75,8 +78,9 @@ class Kernel {
 
 using Block = Eigen::Matrix<double, place_quantities, place_quantities>;
 
-/// Response of the quantities at `to` to a unit of each at `from`: derivatives of the kernel by
-/// both places. They are derivatives of the energy, not yet T and dT/ds.
+/// Returns the covariances of the quantities at `to` (rows) and `from` (columns): derivatives of
+/// the kernel by both places. The quantities are here the energy and its derivatives, without the
+/// minus signs of T and dT/ds.
 Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double width) {
   const Kernel kernel((to - from) / width);
   Block block;
@@ -102,7 +106,7 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
   for (std::size_t column = 0; column < sites.size(); ++column) {
     const auto c = static_cast<Eigen::Index>(place_quantities * column);
     to_place.middleCols<place_quantities>(c) = blockOf(place, sites[column], width);
-    // ldlt() reads only the lower triangle of the symmetric matrix.
+    // Only the lower triangle is filled, because ldlt() reads only that.
     for (std::size_t row = column; row < sites.size(); ++row)
       matrix.block<place_quantities, place_quantities>(
           static_cast<Eigen::Index>(place_quantities * row), c) =
@@ -115,8 +119,8 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
   Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
   // The kernel is 1 at distance 0.
   const double variance = 1 - coefficients.row(0).dot(to_place.row(0));
-  // Derivatives in units of the width are width^order times larger. T and dT/ds are negative
-  // derivatives.
+  // Converts the derivatives from units of the width, in which they are width^order times larger,
+  // to metres, and their signs to those of T and dT/ds, which are negative derivatives.
   for (Eigen::Index i = 0; i < n; ++i) {
     const int quantity = static_cast<int>(i % place_quantities);
     const double unit = (quantity == 0 ? 1 : -1) * std::pow(width, axesOf(quantity).count);

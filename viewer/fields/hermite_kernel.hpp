@@ -19,15 +19,16 @@ struct HermiteWeights {
   double power = 0;
 };
 
-/// Returns the weights that interpolate quantities in space: the quantities at `place` are
-/// coefficients * those at `sites`, stacked in order. It is the interpolant of least norm that
-/// meets values, gradients and curvatures at all sites (Hermite-Birkhoff interpolation; Wu 1992).
-/// Its kernel is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2), which is positive definite.
+/// Returns the weights that interpolate the quantities in space. The quantities at `place` are
+/// `coefficients` times the stacked quantities of all `sites`. The interpolant is the one of least
+/// norm that reproduces values, gradients and Hessians at all sites (Hermite-Birkhoff
+/// interpolation; Wu 1992). The kernel is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2),
+/// which is positive definite.
 ///
-/// It is exact at the sites that are `solved`. At the other sites, T and dT/ds are extrapolated and
-/// treated as data with noise (kriging with a nugget). Extrapolation loses most accuracy in
-/// derivatives, and the kernel would spread their errors, times the distance, to every place
-/// around.
+/// The interpolant is exact at the sites that are `solved`. At the other sites the quantities are
+/// extrapolated, so T and dT/ds are treated as data with noise (kriging with a nugget). Derivatives
+/// lose most accuracy by extrapolation, and an exact interpolant would carry their errors to all
+/// places around, multiplied by the distance.
 ///
 /// `width`: metres, about the distance over which the energy changes. The sites must be distinct.
 HermiteWeights hermiteWeights(const Eigen::Vector3d& place,

@@ -16,8 +16,9 @@ using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
   return pack;
 }
 
-/// sum + a * b, rounded once where the machine can. WebAssembly rounds once too, so that a page
-/// computes the same sums as the machine that made it.
+/// Returns sum + a * b, rounded only once if the machine has such an instruction. The code for
+/// WebAssembly imitates that with doubles, so that a page computes the same sums as the machine
+/// that made it.
 template <class Factor>
 [[gnu::always_inline]] inline JetPack addedProduct(JetPack sum, Factor a, JetPack b) {
 #ifdef __wasm__
@@ -29,8 +30,9 @@ template <class Factor>
 #endif
 }
 
-/// For 8 corners: packs of value_factors and sums, and jets of ten columns. One pass over the jets,
-/// because none is in a cache when the tool reaches a new place.
+/// Adds the jets of 8 corners to `sums`, and computes `values` from them. value_factors and sums
+/// hold two packs per corner; a jet has ten columns, one per quantity. Passes over the jets only
+/// once, because none of them is in a cache when the tool reaches a new place.
 PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
                                     const float* value_factors, float* sums,
                                     float* values) noexcept {

@@ -7,20 +7,20 @@
 
 namespace palpate {
 
-/// Numbers of one quantity's jet, and how many of them are added at once.
+/// Length of the jet of one quantity, and number of its elements that are added at once.
 inline constexpr std::size_t jet_numbers = SiteJet::RowsAtCompileTime, jet_lanes = 16;
 
-/// Weighted sums of SiteJets over their quantities, at the corners of a leaf. A query of an area
-/// spends nearly all its time here. Single precision; one thread.
+/// Sums of SiteJets at the corners of a leaf, weighted by quantity. A query of an area spends
+/// nearly all its time here. Single precision; one thread.
 class JetSums {
  public:
   using Quantities = Eigen::Matrix<float, place_quantities, 1>;
 
-  /// Clears the sums. `basis` (valueBasis) determines the place in the leaf for the values of
-  /// add().
+  /// Clears the sums. `basis` (valueBasis) belongs to the place in the leaf at which add()
+  /// evaluates the quantities.
   void begin(const LeafBasis& basis) noexcept;
-  /// Adds jet * factors at each corner. Returns the values of the quantities at the place. Real
-  /// time.
+  /// Adds jet * factors to the sum of each corner. Returns the quantities of these jets at the
+  /// place in the leaf. Real time.
   Quantities add(const std::array<const SiteJet*, 8>& jets, const Quantities& factors) noexcept;
   /// Returns one of the 27 summed numbers of a corner, in the units of the jets.
   double sum(std::size_t corner, std::size_t number) const noexcept {
@@ -28,8 +28,8 @@ class JetSums {
   }
 
  private:
-  /// The numbers are stored in two packs that overlap in the middle. The second pack's overlapping
-  /// sums are computed too, but not read, so jets need no padding.
+  /// A jet is read as two packs of numbers that overlap in the middle, so it needs no padding. The
+  /// sums of the overlapping numbers are computed twice; those of the second pack are not read.
   static constexpr std::size_t overlap = 2 * jet_lanes - jet_numbers;
   using Packs = std::array<float, 2 * jet_lanes>;
 

@@ -10,12 +10,12 @@
 namespace palpate {
 namespace {
 
-/// Number of solved points that a ghost is extrapolated from: enough to span the space beside a
-/// flat rim too.
+/// Number of solved points from which a ghost is extrapolated. It is large enough that they span
+/// the space even if they form a flat rim.
 constexpr std::ptrdiff_t most_sources = 20;
 
-/// Returns the nearest `solved` slots, nearest first, without those on another branch than the
-/// first.
+/// Returns the slots of `solved` nearest to a ghost, nearest first, without slots on another branch
+/// than the first.
 std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const CellBranches& data,
                                     std::int32_t ghost) {
   const LatticePoint& center = data.tree.slots()[at(ghost)].point;
@@ -35,7 +35,8 @@ std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const 
   return slots;
 }
 
-/// Returns the shares of a ghost, in ascending order of slots. `solved`: all solved slots.
+/// Returns the shares of a ghost in ascending order of rows. `solved`: all solved slots, in
+/// ascending order.
 std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
                                       const CellBranches& data, std::int32_t ghost) {
   const std::vector<std::int32_t> slots = sourcesOf(solved, data, ghost);
@@ -50,12 +51,12 @@ std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
     closeness[i] = 1 / offset.norm();
   }
   const Eigen::Vector4d target(1, 0, 0, 0);
-  // Minimizes the sum of (factor / closeness)^2, so that far slots contribute only where near ones
-  // do not suffice.
+  // Minimizes the sum of (factor / closeness)^2, so that far slots contribute only if near slots do
+  // not suffice.
   const Eigen::MatrixXd weighted = conditions * closeness.asDiagonal();
   const Eigen::VectorXd factors =
       closeness.cwiseProduct(weighted.completeOrthogonalDecomposition().solve(target));
-  constexpr double most = 6;  // largest sum of magnitudes; 1 to 3 at a rim
+  constexpr double most = 6;  // largest sum of the factors' magnitudes; at a rim it is 1 to 3
   const auto shareOf = [&](std::int32_t slot, double factor) {
     return PointShare{
         static_cast<std::int32_t>(std::ranges::lower_bound(solved, slot) - solved.begin()), factor};
@@ -68,7 +69,7 @@ std::vector<PointShare> continuedFrom(std::span<const std::int32_t> solved,
   return shares;
 }
 
-/// Interpolates between the corners of a leaf. Their shares must be known.
+/// Interpolates between the shares of a leaf's corners, which must be known.
 std::vector<PointShare> sharesIn(const CellTree& tree, const LeafPlace& place,
                                  const std::vector<std::vector<PointShare>>& of_slots) {
   std::map<std::int32_t, double> sum;
@@ -100,7 +101,7 @@ PointBlend::PointBlend(const CellBranches& data, std::size_t all_points)
     throw failure("no corner of a cell was solved, so there is nothing to continue");
   for (std::int32_t s = 0; s < std::ssize(slots); ++s)
     if (slots[at(s)].kind == SlotKind::ghost) shares_[at(s)] = continuedFrom(solved, data, s);
-  // Coarse to fine.
+  // Hanging slots are filled coarse to fine, so the corners of the coarser leaf are known.
   fillHanging(tree_, shares_, [this](std::int32_t leaf, const Eigen::Vector3d& local) {
     return sharesIn(tree_, {leaf, local}, shares_);
   });

@@ -7,52 +7,52 @@
 
 namespace palpate {
 
-/// A multiple of the values of a solved point.
+/// One term of a weighted sum over solved points: a point and its factor.
 struct PointShare {
-  std::int32_t row = -1;  ///< of PointBlend::points
+  std::int32_t row = -1;  ///< index in PointBlend::points
   double factor = 0;
 };
 
-/// One row per solved point, one column per value of it.
+/// Values of solved points, one row per point.
 using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Shares of the solved points of a space in any quantity interpolated between them, except forces:
-/// shapes, pressures, whole configurations.
+/// Factors of the solved points of a space in quantities that are interpolated between them:
+/// shapes, pressures, whole configurations, but not forces.
 ///
-/// Tri-linear in the leaf around a displacement. A ghost is extrapolated from the up to 20 nearest
-/// solved corners, without those on another branch than the nearest one; linear functions are
-/// exact, and nearer points weigh more. If those corners do not span the space, the nearest one
-/// alone is used. A hanging corner takes the interpolant of its coarser leaf. Factors sum to 1;
-/// some may be negative.
+/// Interpolation is tri-linear in the leaf around a displacement. A ghost corner is extrapolated
+/// from the nearest solved corners, at most 20, without corners on another branch than the nearest.
+/// The extrapolation is exact for linear functions, and nearer points weigh more. If these corners
+/// do not span the space, only the nearest is used. A hanging corner takes the interpolant of its
+/// coarser leaf. Factors sum to 1; some may be negative.
 ///
 /// Immutable: any number of threads may read at the same time.
 class PointBlend {
  public:
-  /// Copies the data that it needs. Error if no point of the space, or no corner of a cell, is
-  /// solved.
+  /// Copies the data that it needs. Error if no point of the space is solved, or none that is a
+  /// corner of a cell.
   explicit PointBlend(const SpaceTable& space);
 
   const CellTree& tree() const { return tree_; }
-  /// Lattice numbers of the solved corners of cells, in the order of their slots.
+  /// Lattice numbers of the solved points that are corners of cells, in the order of their slots.
   const std::vector<std::int32_t>& points() const { return points_; }
-  /// Returns their rows of `values`, [point of the space][node][component]; values of other points
-  /// are not read. Error if the number of values does not fit.
+  /// Returns the rows of `values`, [point of the space][node][component], that belong to points();
+  /// values of other points are not read. Error if the number of values does not fit.
   PointRows rowsOf(std::span<const float> values, std::size_t components) const;
 
-  /// Shares of a slot, each row once, in ascending order; a solved slot has only its own. Real
-  /// time.
+  /// Returns the shares of a slot in ascending order of rows, each row once; a solved slot has only
+  /// its own row. Real time.
   const std::vector<PointShare>& ofSlot(std::int32_t slot) const { return shares_[at(slot)]; }
-  /// Shares at a displacement, metres, in the same order. Outside the ball they are those at the
-  /// nearest point of the sphere; for NaN, those at rest.
+  /// Returns the shares at a displacement, metres, in the same order. A displacement outside the
+  /// ball counts as the nearest point of the ball's surface, NaN as rest.
   std::vector<PointShare> sharesAt(const Eigen::Vector3d& displacement) const;
-  /// Leaf in which sharesAt() interpolates. Real time.
+  /// Returns the leaf in which sharesAt() interpolates. Real time.
   LeafPlace leafAt(const Eigen::Vector3d& displacement) const noexcept;
 
  private:
   PointBlend(const CellBranches& data, std::size_t all_points);
 
   CellTree tree_;
-  std::size_t all_points_;  ///< of the space
+  std::size_t all_points_;  ///< number of points of the space, solved or not
   std::vector<std::int32_t> points_;
   std::vector<std::vector<PointShare>> shares_;  ///< per slot
 };

@@ -10,19 +10,20 @@
 namespace palpate {
 namespace {
 
-// Share of the difference of the forces along the edge. Quintics with a mismatch up to 0.27 of it
-// stay between the forces at the ends. Measured at 9315 exact solutions (ten nodes of the coarse
-// liver, 100 mm, 20 mm spacing): 0.1 keeps the largest error next to jumps near that of tri-linear
-// interpolation; larger shares do so only for the mean.
+// Mismatch that an edge may keep, as a share of the difference between the forces at its ends. Up
+// to a share of 0.27, the force of a quintic stays between the forces at the ends. Measured at 9315
+// exact solutions (ten nodes of the coarse liver, 100 mm, 20 mm spacing): with 0.1, the largest
+// error next to jumps stays near that of tri-linear interpolation. With larger shares only the mean
+// error does.
 constexpr double allowed_share = 0.1;
-// Each sweep reduces the distance to the minimum to at most about 6/7.
+// Number of sweeps. Each sweep reduces the distance to the minimum to at most about 6/7 of it.
 constexpr int sweeps = 100;
 
-/// An edge of a leaf between slots that do not hang.
+/// An edge of a leaf between two slots that are not hanging.
 struct CellEdge {
   std::int32_t a, b;
   double length;    ///< metres
-  double mismatch;  ///< N, (E_b - E_a + work of the force) / length, from the stored energies
+  double mismatch;  ///< N, (E_b - E_a + work of the force) / length with the stored energies
   double allowed;   ///< N
 };
 
@@ -38,15 +39,15 @@ CellEdge edgeBetween(const CellData& data, std::int32_t a, std::int32_t b) {
           .allowed = allowed_share * std::abs((high.force - low.force).dot(step)) / length};
 }
 
-/// Corrections of the slots in leaves with an inconsistent edge, and the edges that end in these
-/// slots.
+/// Computes the corrections of the slots in leaves with an inconsistent edge, from the edges that
+/// end in these slots.
 class Corrections {
  public:
   explicit Corrections(const CellData& data) : values_(data.tree.slots().size(), 0) {
     for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
       for (const std::int32_t slot : data.tree.corners(leaf))
         if (data.tree.slots()[at(slot)].kind != SlotKind::hanging) edges_[slot];
-    // The usual case: nothing to correct.
+    // Most spaces have nothing to correct.
     if (edges_.empty()) return;
     PALPATE_ASSERT(data.equilibria.size() == values_.size(), "a slot has an energy and a force");
     for (std::int32_t leaf = 0; leaf < std::ssize(data.tree.leaves()); ++leaf)
@@ -66,7 +67,7 @@ class Corrections {
         if ((c & axis) == 0) add(data, corners[c], corners[c | axis]);
   }
 
-  /// Keeps an edge once, though every leaf around it brings it.
+  /// Stores an edge only once, although every leaf around the edge adds it.
   void add(const CellData& data, std::int32_t a, std::int32_t b) {
     for (const std::int32_t end : {a, b}) {
       const auto found = edges_.find(end);
@@ -79,7 +80,7 @@ class Corrections {
     }
   }
 
-  /// Minimises over one correction, with the others fixed.
+  /// Sets one correction to the minimum, with all others fixed.
   void relax(std::int32_t slot, const std::vector<CellEdge>& edges) {
     double slope = 0, curvature = 0, shortest = std::numeric_limits<double>::infinity();
     for (const CellEdge& edge : edges) {
@@ -95,7 +96,7 @@ class Corrections {
     values_[at(slot)] -= (slope + hold * values_[at(slot)]) / (curvature + hold);
   }
 
-  std::map<std::int32_t, std::vector<CellEdge>> edges_;  ///< by the slots whose energies may change
+  std::map<std::int32_t, std::vector<CellEdge>> edges_;  ///< key: a slot that may be corrected
   std::vector<double> values_;                           ///< J, per slot
 };
 

@@ -6,47 +6,50 @@
 
 namespace palpate {
 
-/// Returns corrections to add to the energies of the slots, J, so that they contradict the forces
-/// less where branches meet. They are zero except at corners of leaves with an inconsistent edge,
-/// and zero for hanging slots, which follow their coarser leaf.
+/// Returns one correction per slot, J, to add to the slot's energy. Where solution branches meet,
+/// the corrected energies contradict the forces less. Only corners of leaves with an inconsistent
+/// edge have a correction other than zero. Hanging slots have zero, because they follow their
+/// coarser leaf.
 ///
-/// Over a jump between branches the body loses energy that the forces at the ends of the edge do
-/// not account for. A conservative force must account for it within one leaf. It exceeds the forces
-/// at the ends by this energy over the length of the edge, and by 1.9 times as much in the middle
-/// of a quintic. Moving the energies at both ends towards each other spreads this over the leaf and
-/// its neighbours along the edge.
+/// When the body jumps to another branch, it loses energy that the forces at the ends of the edge
+/// do not account for. A conservative interpolant must release this energy within one leaf. Its
+/// mean force along the edge therefore exceeds the forces at the ends by the lost energy divided by
+/// the length of the edge; in the middle of a quintic, the excess is 1.9 times as large. Moving the
+/// energies at both ends towards each other spreads the excess over the leaf and its neighbours
+/// along the edge.
 ///
 /// The corrections x minimise
 ///
 ///   the sum over edges of max(0, |f| - 0.1 |dF|)^2 + the sum over slots of (x / h)^2,
 ///
-/// where h is the length of the edge, in the second sum of the shortest edge at the slot. f is the
-/// force, N, that the edge lacks to explain the energy difference of its ends by the corrected
-/// trapezoidal rule (branch_check.hpp). dF is the difference of the forces at its ends, along it.
+/// where h is the length of the shortest edge at the slot. f, N, is the energy difference of the
+/// edge's ends minus the one that their forces explain by the corrected trapezoidal rule
+/// (branch_check.hpp), divided by the length of the edge. dF is the difference between the forces
+/// at the ends, projected on the edge.
 std::vector<double> energyCorrections(const CellData& data);
 
-/// Returns slotPolynomials with corrected energies. Consumes the ghosts of `data`.
+/// Returns slotPolynomials with corrected energies. Moves the ghosts out of `data`.
 std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space,
                                                   LocalFits& fits);
 std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space);
 
 /// Interpolates the stored energy E(p) and differentiates it: force = -grad E, stiffness =
-/// -Hessian. So it is conservative by construction in the whole ball (a closed loop returns no
-/// energy), with an energy everywhere and a symmetric stiffness.
+/// -Hessian. The force is therefore conservative by construction in the whole ball: a closed loop
+/// returns no energy. The energy is defined everywhere, and the stiffness is symmetric.
 ///
 /// In a leaf, E is the tensor product quintic Hermite polynomial of the 27 derivatives at its 8
-/// corners (energy_jets.hpp). The derivatives belong to positions, the same for every leaf around
-/// one, so E has continuous second derivatives. Force and stiffness are continuous across faces,
-/// between leaves of different size, across the rim and around failed points.
+/// corners (energy_jets.hpp). All leaves around a corner use the same derivatives, so E has
+/// continuous second derivatives. Force and stiffness are continuous across faces, between leaves
+/// of different size, across the rim of the solved points and around failed points.
 ///
 /// Next to inconsistent edges (branch_check.hpp) the energies at the corners are moved towards the
-/// values that the forces imply (energyCorrections). Forces and stiffnesses stay the stored ones at
-/// all solved points. The energy lost in a jump between branches becomes a ramp over some three
-/// leaves, where the force belongs to neither branch.
+/// values that the forces imply (energyCorrections). Forces and stiffnesses at solved points stay
+/// as stored. The energy that a jump between branches loses becomes a ramp over some three leaves;
+/// there the force belongs to neither branch.
 ///
-/// Energies up to the fourth degree are exact where solved points surround the leaf, and up to the
-/// third where enough are near. The error of the force is proportional to the fourth power of the
-/// spacing. field_error.hpp gives the error bound.
+/// The interpolant reproduces energies up to the fourth degree if solved points surround the leaf,
+/// and up to the third degree if enough solved points are near. The error of the force is
+/// proportional to the fourth power of the spacing. field_error.hpp gives the error bound.
 class PotentialField : public CellField {
  public:
   /// Error if no point of the space is solved.

@@ -13,8 +13,8 @@ std::string_view nameOf(RbfKernel kernel) {
   return kernel == RbfKernel::linear ? "rbf-linear" : "rbf-cubic";
 }
 
-/// Returns the lattice numbers of the solved points. Error if there are none, or more than a matrix
-/// is made of.
+/// Returns the lattice numbers of the solved points. Error if there are none, or more than
+/// most_rbf_points.
 std::vector<std::int32_t> solvedPoints(const SpaceTable& space) {
   std::vector<std::int32_t> solved;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
@@ -41,7 +41,7 @@ Eigen::MatrixXd kernelMatrix(RbfKernel kernel, const Rows& position) {
   return matrix;
 }
 
-/// Positions are in units of the spacing.
+/// Solves for the weights and packs them into blocks. Positions are in units of the spacing.
 std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
   const RbfWeights solution = solveRbfWeights(space, kernel);
   if (!solution.accurate())
@@ -75,11 +75,12 @@ RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel) {
     force.row(row) = space.points[at(solved[row])].equilibrium.force;
   }
   const Eigen::MatrixXd matrix = kernelMatrix(kernel, solution.position);
-  // The diagonal is zero, so the matrix has eigenvalues of both signs: no Cholesky.
+  // The diagonal is zero, so the matrix has eigenvalues of both signs and no Cholesky factors.
   const Eigen::PartialPivLU<Eigen::MatrixXd> factors(matrix);
   solution.condition = 1 / factors.rcond();
   solution.weights = factors.solve(force);
-  // One step of iterative refinement recovers the last digits, lost to the condition.
+  // One step of iterative refinement recovers the last digits, which a large condition number
+  // costs.
   solution.weights += factors.solve(force - matrix * solution.weights);
   const double largest = force.cwiseAbs().maxCoeff();
   const double error = (force - matrix * solution.weights).cwiseAbs().maxCoeff();

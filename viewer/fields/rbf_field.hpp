@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Radial function of an interpolation.
+/// Radial basis function phi(r).
 enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 
 /// Weights of the global interpolation of a space's force over its solved points (paper, Eq. 12):
@@ -16,26 +16,26 @@ struct RbfWeights {
   Rows position;  ///< of the solved points, in the order of their lattice numbers, in spacings
   Rows weights;   ///< N, of the solved points
   double condition = 0;  ///< of the matrix phi(|p_i - p_j|), estimated in the 1-norm
-  /// Largest error of a force component at a solved point, relative to the largest component;
+  /// Largest error of a force component at a solved point, relative to the largest force component;
   /// infinite if the system has no solution.
   double residual = 0;
 
-  /// Whether the residual is only round-off. If not, the weights are useless.
+  /// Returns whether the residual is only round-off. If it is not, the weights are useless.
   bool accurate() const { return residual <= 1e-8; }
 };
 
-/// Limit of solved points; more are refused. The matrix of 5000 and its factors take 0.4 GB, and
-/// the time grows with the third power of the number.
+/// Limit of the number of solved points; spaces with more are refused. The matrix of 5000 points
+/// and its factors take 0.4 GB, and the time grows with the third power of the number.
 inline constexpr std::size_t most_rbf_points = 5000;
 
 /// Solves for the weights. Error if the space has no solved point or more than most_rbf_points. Any
 /// thread.
 RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel);
 
-/// The paper's other method: one sum of radial functions over all solved points. It has no cells,
-/// so the force has continuous derivatives everywhere (with phi(r) = r, except at the solved
-/// points), and one formula holds in the whole ball. The time of a query grows with the number of
-/// solved points, and the force is not conservative.
+/// The paper's other method: one sum of radial functions over all solved points. One formula holds
+/// in the whole ball, without cells. The force therefore has continuous derivatives everywhere;
+/// with phi(r) = r, everywhere but at the solved points. The time of a query grows with the number
+/// of solved points, and the force is not conservative.
 class RbfField : public CellField {
  public:
   /// Solves for the weights. Error if the space has no solved point, too many, or points for which

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Four centres side by side, one register of AVX2, so that the twelve sums stay in registers.
+/// Values of four centres, one register of AVX2. The twelve sums then stay in registers.
 using Pack = double __attribute__((vector_size(rbf_lanes * sizeof(double))));
 
 [[gnu::always_inline]] inline Pack load(const double* values) {
@@ -18,11 +18,11 @@ using Pack = double __attribute__((vector_size(rbf_lanes * sizeof(double))));
   return Pack{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }
 
-/// Sums for phi(r) = r^power.
+/// Computes the sums for phi(r) = r^power.
 template <int power>
 [[gnu::always_inline]] inline RbfSums addUp(const RbfBlock* blocks, std::size_t count,
                                             const double* p) noexcept {
-  // Keeps 1 / r finite at a centre, where it is multiplied by zero.
+  // Keeps 1 / r finite at a centre, where it is then multiplied by zero.
   const Pack tiny = Pack{} + 1e-200;
   Pack value[3] = {}, gradient[3][3] = {};
   for (std::size_t n = 0; n < count; ++n) {

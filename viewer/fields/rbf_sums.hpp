@@ -14,14 +14,15 @@ struct alignas(32) RbfBlock {
   double weight[3][rbf_lanes] = {};
 };
 
-/// Sum over the centres of w phi(|p - centre|), and its derivative.
+/// Sum of w phi(|p - centre|) over all centres, and its derivative by p.
 struct RbfSums {
   double value[3] = {};
   double gradient[3][3] = {};  ///< [component][axis]
 };
 
-/// Returns the sums for phi(r) = r at p, in the unit of the centres. At a centre its own derivative
-/// is undefined and counts as zero. Real time: does not allocate, lock, throw or log.
+/// Returns the sums for phi(r) = r at p, in the unit of the centres. At a centre, the derivative of
+/// that centre's term is undefined and counts as zero. Real time: does not allocate, lock, throw or
+/// log.
 RbfSums linearRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
 /// Returns the sums for phi(r) = r^3, in the same way.

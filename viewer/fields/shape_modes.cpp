@@ -6,7 +6,8 @@
 namespace palpate {
 namespace {
 
-/// Number of shapes that provide the first modes; neighbours on a lattice are much alike.
+/// At least this many shapes, less than twice as many, provide the first modes (or all shapes if
+/// there are fewer). More are not needed, because neighbours on a lattice are much alike.
 constexpr Eigen::Index electors = 400;
 /// Number of shapes checked together, so that their errors stay in a core's cache.
 constexpr Eigen::Index block = 256;
@@ -15,14 +16,15 @@ Eigen::VectorXf largestEntries(const ShapeRows& rows) {
   return rows.rowwise().lpNorm<Eigen::Infinity>();
 }
 
-/// Appends modes until they also span the shapes with the parts `missed` outside `modes`.
+/// Appends modes until they also reproduce some further shapes. `missed`: the parts of these shapes
+/// that `modes` do not reproduce, one row per shape.
 void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   Eigen::VectorXf misses = largestEntries(missed);
-  // A full set of modes, one per entry of a shape, leaves no error.
+  // Ends at a full set of modes, one per entry of a shape, which leaves no error.
   for (Eigen::Index worst = 0;
        modes.rows() < modes.cols() && misses.maxCoeff(&worst) > tolerance;) {
     Eigen::RowVectorXd mode = missed.row(worst).cast<double>();
-    // Orthogonalizes again, because rounding leaves parts of other modes in it.
+    // Orthogonalizes the mode again, because rounding leaves parts of other modes in it.
     mode -= (mode * modes.cast<double>().transpose()) * modes.cast<double>();
     const Eigen::RowVectorXf direction = mode.normalized().cast<float>();
     missed -= (missed * direction.transpose()) * direction;
@@ -32,7 +34,8 @@ void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   }
 }
 
-/// Returns the parts outside `modes` of the shapes with an error above the tolerance.
+/// Returns the parts that `modes` do not reproduce, for the shapes with an error above the
+/// tolerance.
 ShapeRows missedBy(const ShapeRows& modes, const ShapeRows& shapes, float tolerance) {
   ShapeRows found(0, shapes.cols());
   for (Eigen::Index first = 0; first < shapes.rows(); first += block) {
@@ -57,8 +60,8 @@ ShapeRows modesOf(const ShapeRows& shapes, float tolerance) {
   for (Eigen::Index n = 0; n < choosing.rows(); ++n) choosing.row(n) = shapes.row(n * stride);
   constexpr float rounding = 4 * std::numeric_limits<float>::epsilon();
   const float reachable = std::max(tolerance, rounding * shapes.rowwise().norm().maxCoeff());
-  // Subtracting a mode from a shape may increase another of its entries, so all shapes are checked
-  // again until none is missed.
+  // Subtracting a mode from a shape may increase the error of some of its entries. All shapes are
+  // therefore checked again until none has too large an error.
   while (choosing.rows() > 0 && modes.rows() < modes.cols()) {
     extend(modes, std::move(choosing), reachable);
     choosing = missedBy(modes, shapes, reachable);

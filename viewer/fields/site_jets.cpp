@@ -8,8 +8,9 @@
 namespace palpate {
 namespace {
 
-/// The points of a space with another quantity in place of the energy. Points excluded from the
-/// interpolation of the energy are excluded for every quantity.
+/// Copy of a space's points with another quantity in place of the energy, so that the functions for
+/// energies also interpolate that quantity. Points that are excluded from the interpolation of the
+/// energy are excluded for every quantity.
 class QuantityView {
  public:
   explicit QuantityView(const SpaceTable& space)
@@ -17,7 +18,8 @@ class QuantityView {
     for (std::size_t n = 0; n < interpolated_.size(); ++n)
       view_.points[n].tag = interpolated_[n] ? Tag::expandable : Tag::failed;
   }
-  /// `set` fills an Equilibrium from the space's one. Valid until the next call.
+  /// Returns the points with the quantity that set(from, to) writes into each equilibrium `to` from
+  /// the space's equilibrium `from`. The result is valid until the next call.
   template <class Set>
   const SpaceTable& of(Set set) {
     for (std::size_t n = 0; n < interpolated_.size(); ++n) {
@@ -41,7 +43,7 @@ void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
       jets[s](static_cast<Eigen::Index>(n), quantity) = static_cast<float>(values[s][n]);
 }
 
-/// Returns the corner of a leaf at a place that is a corner.
+/// Returns the index of a leaf's corner. local: a place in the leaf that is a corner.
 std::size_t cornerAt(const Eigen::Vector3d& local) {
   return (local.x() > 0 ? 1 : 0) + (local.y() > 0 ? 2 : 0) + (local.z() > 0 ? 4 : 0);
 }

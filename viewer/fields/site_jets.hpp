@@ -12,37 +12,39 @@ namespace palpate {
 /// finger's energy, at one place and one slot.
 using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 
-/// Fits that the sites of an area share while one thread prepares them. Beyond the solved points
-/// they extrapolate with lower degrees than fits for a single space: sites are many, and
-/// extrapolated values matter little beyond the forces that the device renders.
+/// Local fits that one thread shares between all sites that it prepares. Beyond the solved points
+/// they extrapolate with polynomials of lower degree than the fits for a single space. This saves
+/// time, because an area has many sites. It costs little accuracy, because extrapolated values
+/// mostly belong to larger forces than the device renders.
 struct SiteFits {
   explicit SiteFits(double unit)
       : energy(unit, finger_fit), drive(unit, finger_drive_fit), slope(unit, finger_slope_fit) {}
   LocalFits energy, drive, slope;
 };
 
-/// A finger's configuration space, prepared for an area. The ten quantities are interpolated in p,
-/// each by the tensor product quintic Hermite polynomial of energy_jets.hpp, so all are twice
-/// continuously differentiable. At solved points the derivatives of E by s and p are exact to the
-/// third order, and those by s alone to the second. Derivatives twice or three times by p are exact
-/// where they agree with the points around (LocalFits::judge). Higher derivatives are fitted.
+/// The configuration space of a finger at one site, prepared for an area. Each of the ten
+/// quantities is interpolated in p by the tensor product quintic Hermite polynomial of
+/// energy_jets.hpp, so all are twice continuously differentiable. At solved points the derivatives
+/// of E by s and p are exact to the third order, and derivatives by s alone to the second. Second
+/// and third derivatives by p are exact only if they agree with the points around
+/// (LocalFits::judge). Higher derivatives are fitted.
 struct SiteJets {
   /// `space`: a finger's. Error if none of its points is solved.
   SiteJets(const SpaceTable& space, SiteFits& fits)
       : SiteJets(CellData(space, fits.energy), space, fits) {}
 
-  /// Returns a leaf that contains a lattice position or touches it. The trees of one area have the
-  /// same ball.
+  /// Returns a leaf that contains a lattice position, also on its boundary. The position may come
+  /// from the tree of another site of the area, because all have the same ball.
   LeafPlace placeOf(const LatticePoint& point) const;
   SiteJet at(const LeafPlace& place) const;
-  /// Returns whether `place` rests only on solved points of one branch; otherwise it is
-  /// extrapolated.
+  /// Returns whether the jet at `place` is interpolated only from solved points of one branch. If
+  /// not, it is partly extrapolated.
   bool isSolvedAt(const LeafPlace& place) const;
 
   CellTree tree;
   AnsweredRegion region;
   std::vector<SiteJet> jets;    ///< per slot
-  FieldError p_error;           ///< of the force, by interpolation in p
+  FieldError p_error;           ///< error of the force by interpolation in p
   std::vector<float> coverage;  ///< per slot, as ForceSample::coverage
 
  private:

@@ -10,8 +10,9 @@ namespace {
 
 using Node = TricubicField::Node;
 
-/// Interpolates between two ends of an edge, at `local` (0..1). Columns with bit `axis` become
-/// derivatives along the edge, the others values. edge: metres.
+/// Interpolates between the nodes at two ends of an edge along `axis`. `local`: place in the leaf,
+/// 0..1; edge: metres. In the result, columns with bit `axis` are derivatives along the edge; the
+/// others are values.
 template <int axis>
 Node cubicAlong(const Node& low, const Node& high, const Eigen::Vector3d& local, double edge) {
   constexpr int bit = 1 << axis;
@@ -46,10 +47,11 @@ Node tricubicAt(const LeafCorners& corners, const std::vector<Node>& nodes,
 /// Finite-difference stencils between slots, and the order in which a refined tree can evaluate
 /// them.
 ///
-/// A slot has the level of the coarsest leaf that it is a corner of; a hanging slot has the level
-/// of the leaf it hangs in. The neighbours of a slot along an axis are the nearest slots at the
-/// edge length of its level or of a coarser one. So their data, hanging or not, belong to this or a
-/// coarser level, and levels can be evaluated one after the other.
+/// A slot (grid vertex) has the level of the coarsest leaf of which it is a corner. A hanging slot
+/// has the level of the coarser leaf from which it is interpolated. Along each axis, the neighbour
+/// of a slot is the slot one edge length away, at the slot's own level or, if there is none, at the
+/// next coarser level that has one. A slot thus never depends on finer levels, so levels can be
+/// evaluated from coarse to fine.
 class SlotDifferences {
  public:
   /// `data` must outlive this object.
@@ -68,15 +70,16 @@ class SlotDifferences {
   std::int32_t level(std::int32_t slot) const { return level_[at(slot)]; }
   std::int32_t deepest() const { return *std::ranges::max_element(level_); }
 
-  /// Returns the slots that the derivative along an axis uses besides `slot`; -1 for none, and the
-  /// first is used before the second. Hanging slots have none. The other end of an inconsistent
-  /// edge is never used.
+  /// Returns the slots that the derivative along an axis uses besides `slot`: two, one (the second
+  /// is -1) or none (both are -1). Hanging slots have none. The other end of an inconsistent edge
+  /// is never used.
   const std::array<std::int32_t, 2>& stencil(std::int32_t slot, int axis) const {
     return stencils_[3 * at(slot) + at(axis)];
   }
 
   /// Returns d column / d axis at a slot. With two other slots it is the slope of the parabola
-  /// through the three (error distance^2), with one other that of a line, without others zero.
+  /// through the three values, whose error is proportional to distance^2. With one other slot it is
+  /// the slope of a line, and without others it is zero.
   Eigen::Vector4d derivative(const std::vector<Node>& nodes, int column, std::int32_t slot,
                              int axis) const {
     const auto [first, second] = stencil(slot, axis);
@@ -98,11 +101,11 @@ class SlotDifferences {
     return data_.tree.slots()[at(slot)].kind == SlotKind::hanging;
   }
 
-  /// Returns the nearest slot in a direction with data that are available when `slot` is evaluated;
-  /// -1 for none.
+  /// Returns the nearest slot in a direction whose data are known when `slot` is evaluated; -1 if
+  /// there is none.
   std::int32_t neighbour(std::int32_t slot, int axis, int direction, std::int32_t level) const {
-    // From the edge of the slot's own leaves upwards: the neighbour may belong only to coarser
-    // leaves.
+    // Begins with the edge length of the slot's own leaves, because the neighbour may belong only
+    // to coarser leaves.
     for (std::int32_t l = level; l >= 0; --l) {
       LatticePoint point = data_.tree.slots()[at(slot)].point;
       point[at(axis)] += direction * (data_.divisions >> l);
@@ -119,7 +122,7 @@ class SlotDifferences {
     const std::int32_t lower = neighbour(slot, axis, -1, level),
                        upper = neighbour(slot, axis, 1, level);
     if (lower >= 0 && upper >= 0) return {lower, upper};
-    // One-sided: uses the neighbour's neighbour too.
+    // A one-sided difference also uses the neighbour's neighbour.
     if (upper >= 0) return {upper, neighbour(upper, axis, 1, level)};
     return {lower, lower < 0 ? -1 : neighbour(lower, axis, -1, level)};
   }
@@ -137,7 +140,7 @@ std::vector<Node> makeNodes(const CellData& data) {
   for (std::int32_t slot = 0; slot < count; ++slot)
     nodes[at(slot)].col(0).head<3>() = data.equilibria[at(slot)].force;
   for (std::int32_t level = 0; level <= differences.deepest(); ++level) {
-    // A mixed derivative differentiates the derivative without its last axis.
+    // A mixed derivative is the difference of the derivative without its last axis.
     for (const int column : {1, 2, 4, 3, 5, 6, 7}) {
       const int axis = column >= 4 ? 2 : column >= 2 ? 1 : 0;
       for (std::int32_t slot = 0; slot < count; ++slot)
@@ -153,7 +156,7 @@ std::vector<Node> makeNodes(const CellData& data) {
   return nodes;
 }
 
-/// Lowers the support of slots with ghosts in their stencils.
+/// Lowers the coverage of each slot to the least coverage of the slots in its stencils.
 const CellData& withStencilSupport(CellData& data) {
   const SlotDifferences differences(data);
   for (int axis = 0; axis < 3; ++axis) {

@@ -7,13 +7,13 @@ namespace palpate {
 /// The paper's other baseline (Lekien and Marsden 2005). In a leaf, each force component h is a
 /// tensor product cubic Hermite polynomial. Its data are the eight derivatives d^(a+b+c) h / dx^a
 /// dy^b dz^c, a, b, c <= 1, at the corners. The derivatives are finite differences of the forces,
-/// so a cell depends on the 4 x 4 x 4 points around it. They are the same for every leaf around a
-/// slot, so the force has continuous first derivatives, also between levels. The error is
-/// proportional to spacing^3. Not conservative; the stiffness (its exact derivative) need not be
-/// symmetric.
+/// so a cell depends on the 4 x 4 x 4 points around it. All leaves around a slot use the same
+/// derivatives, so the force has continuous first derivatives, also between leaves of different
+/// level. The error is proportional to spacing^3. Not conservative; the stiffness (its exact
+/// derivative) need not be symmetric.
 ///
-/// Ghosts replace unsolved points. In the coverage, corners with ghosts in their differences count
-/// as unsolved.
+/// Ghosts replace unsolved points. A corner has at most the coverage of the points in its finite
+/// differences, so 0 if one of them is a ghost.
 class TricubicField : public CellField {
  public:
   /// Error if no point of the space is solved.

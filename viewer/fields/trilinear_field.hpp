@@ -5,13 +5,13 @@
 namespace palpate {
 
 /// The paper's method: tri-linear interpolation of each force component between the 8 corners of
-/// the leaf. Exact for forces that are linear in each coordinate; the error is proportional to
-/// spacing^2. Continuous, but not conservative: a closed loop can return energy. The stiffness (its
-/// exact derivative) jumps between leaves and need not be symmetric.
+/// the leaf. It is exact for forces that are linear in each coordinate; the error is proportional
+/// to spacing^2. The force is continuous, but not conservative: a closed loop can return energy.
+/// The stiffness (its exact derivative) jumps between leaves and need not be symmetric.
 ///
-/// Error bound: an eighth of the largest change of stiffness along an edge, times the length of the
-/// edge, summed over the axes. This is the error of linear interpolation, with the curvature
-/// estimated from the stiffnesses.
+/// Error bound: for each axis, the largest change of stiffness along an edge of the leaf, times the
+/// length of the edge, divided by eight; summed over the axes. This is the error of linear
+/// interpolation if the stiffnesses give the curvature.
 class TrilinearField : public CellField {
  public:
   /// Error if no point of the space is solved.
