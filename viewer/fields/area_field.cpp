@@ -33,10 +33,10 @@ constexpr double kernel_width = 1.5;
 /// Factors of the four terms of an area's error bound:
 /// - share_of_p_error multiplies the bound for interpolation in p at each site.
 /// - share_of_lack multiplies the relative error of each site when it is interpolated from the
-///   sites around it. The error is scaled from the site to the place by the square root of a ratio
-///   of powers (HermiteWeights): the power at the place over the power at the site without its own
-///   data. The root is a compromise between 1, for functions that are not smooth, and the ratio,
-///   for smooth functions.
+///   sites around it. The error is scaled from the site to the place by the square root of a ratio.
+///   The ratio is the power (HermiteWeights) at the place, divided by the power at the site without
+///   its own data. The root is a compromise between 1, for functions that are not smooth, and the
+///   ratio, for smooth functions.
 /// - share_of_power multiplies the power at the place.
 /// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///
@@ -598,8 +598,8 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
 }
 
 /// Returns the derivative of the drive with respect to the displacement along a direction, N/m.
-/// energy_slope: dE/dp along the direction. The sums are those of inRegion(), with derivatives
-/// along the direction instead of values.
+/// energy_slope: dE/dp along the direction. The sums are as in inRegion(), but of derivatives along
+/// the direction instead of values.
 Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                       const Eigen::Vector3d& direction,
                                       double energy_slope) const noexcept {
@@ -641,8 +641,8 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;
-  const double share = std::sqrt(power) * lack / whole + share_of_power * power +
-                       share_of_force;  // relative to the force
+  const double share =
+      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // relative
   sample.error_bound = share_of_p_error * error / whole + share * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;

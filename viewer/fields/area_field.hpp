@@ -39,7 +39,7 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 ///   closer together than the sites. The kernel interpolant reproduces value, gradient and Hessian
 ///   at each of the seven nearest sites (hermite_kernel.hpp). Few sites suffice, because the error
 ///   falls with about the fifth power of the distance between sites. The lattice of a collocation
-///   point is refined wherever the lattice of one of its seven sites is.
+///   point is refined wherever one of the lattices of its seven sites is refined.
 /// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
 ///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
 ///
@@ -66,9 +66,9 @@ class AreaField {
   struct CollocationPoints {
     std::vector<Eigen::Vector3d> places;
   };
-  /// Prepares nothing yet. `sites`: spaces of one build whose fingers have the same radius; they
-  /// must outlive the preparation. `collocation_points`: all collocation points of the area, at
-  /// least one. Error if a site has cells that are halved more often than any build does.
+  /// Prepares nothing yet. `sites`: spaces of one build, with fingers of the same radius; they must
+  /// outlive the preparation. `collocation_points`: all collocation points of the area, at least
+  /// one. Error if a site has cells that are halved more often than any build does.
   AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
   /// Prepares everything and calls `progress`, as prepareAll() does. `surface`: as in
   /// collocationPointsOf().

@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the tri-linear interpolant of `Rows` values per slot at a place in a leaf: column 0 is
-/// the value, columns 1 to 3 are the derivatives along the axes of a leaf with unit edges.
+/// Returns the tri-linear interpolant of `Rows` values per slot at a place in a leaf. Column 0 is
+/// the value; columns 1 to 3 are the derivatives along the axes of a leaf with unit edges.
 template <int Rows, class Node>
 Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners,
                                             const Eigen::Vector3d& local, Node node) {

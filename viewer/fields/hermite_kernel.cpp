@@ -119,8 +119,8 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
   Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
   // The kernel is 1 at distance 0.
   const double variance = 1 - coefficients.row(0).dot(to_place.row(0));
-  // Converts the derivatives from units of the width, in which they are width^order times larger,
-  // to metres, and their signs to those of T and dT/ds, which are negative derivatives.
+  // Converts the derivatives to metres; in units of the width they are width^order times larger. T
+  // and dT/ds are negative derivatives, so their signs change.
   for (Eigen::Index i = 0; i < n; ++i) {
     const int quantity = static_cast<int>(i % place_quantities);
     const double unit = (quantity == 0 ? 1 : -1) * std::pow(width, axesOf(quantity).count);

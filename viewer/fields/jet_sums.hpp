@@ -29,7 +29,7 @@ class JetSums {
 
  private:
   /// A jet is read as two packs of numbers that overlap in the middle, so it needs no padding. The
-  /// sums of the overlapping numbers are computed twice; those of the second pack are not read.
+  /// sums of the overlapping numbers are computed twice; the second pack's copies are not read.
   static constexpr std::size_t overlap = 2 * jet_lanes - jet_numbers;
   using Packs = std::array<float, 2 * jet_lanes>;
 

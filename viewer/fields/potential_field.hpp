@@ -6,15 +6,15 @@
 
 namespace palpate {
 
-/// Returns one correction per slot, J, to add to the slot's energy. Where solution branches meet,
-/// the corrected energies contradict the forces less. Only corners of leaves with an inconsistent
-/// edge have a correction other than zero. Hanging slots have zero, because they follow their
-/// coarser leaf.
+/// Returns one correction per slot, J, to add to the slot's energy. The corrected energies
+/// contradict the forces less where solution branches meet. Only corners of leaves with an
+/// inconsistent edge have a correction other than zero. Hanging slots have zero, because they
+/// follow their coarser leaf.
 ///
 /// When the body jumps to another branch, it loses energy that the forces at the ends of the edge
 /// do not account for. A conservative interpolant must release this energy within one leaf. Its
 /// mean force along the edge therefore exceeds the forces at the ends by the lost energy divided by
-/// the length of the edge; in the middle of a quintic, the excess is 1.9 times as large. Moving the
+/// the length of the edge. In the middle of a quintic, the excess is 1.9 times as large. Moving the
 /// energies at both ends towards each other spreads the excess over the leaf and its neighbours
 /// along the edge.
 ///

@@ -78,7 +78,7 @@ class SlotDifferences {
   }
 
   /// Returns d column / d axis at a slot. With two other slots it is the slope of the parabola
-  /// through the three values, whose error is proportional to distance^2. With one other slot it is
+  /// through the three values; the error is proportional to distance^2. With one other slot it is
   /// the slope of a line, and without others it is zero.
   Eigen::Vector4d derivative(const std::vector<Node>& nodes, int column, std::int32_t slot,
                              int axis) const {
@@ -101,8 +101,8 @@ class SlotDifferences {
     return data_.tree.slots()[at(slot)].kind == SlotKind::hanging;
   }
 
-  /// Returns the nearest slot in a direction whose data are known when `slot` is evaluated; -1 if
-  /// there is none.
+  /// Returns the nearest slot in a direction with data that are known when `slot` is evaluated; -1
+  /// if there is none.
   std::int32_t neighbour(std::int32_t slot, int axis, int direction, std::int32_t level) const {
     // Begins with the edge length of the slot's own leaves, because the neighbour may belong only
     // to coarser leaves.
