@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Replaces -0 by 0: the sign means nothing to a reader.
+/// Replaces -0 by 0, because the sign of a zero means nothing to a reader.
 template <class Derived>
 auto plain(const Eigen::MatrixBase<Derived>& values) {
   return (values.array() + 0.0).matrix().eval();

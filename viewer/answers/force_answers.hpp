@@ -10,32 +10,33 @@
 
 namespace palpate {
 
-/// Forces of an active node, or of the area of a finger, as all commands give them. Without places
-/// the chosen method interpolates the space of the active node; with places, the energy of the area
-/// does. An area is prepared only around the requested places.
+/// Computes the forces at an active node or on the area of a finger; all commands use this class.
+/// Touches without a place are answered by interpolating the space of the active node with the
+/// chosen method. Touches with a place are answered by the energy of the area, which is prepared
+/// only around the requested places.
 ///
 /// One thread at a time.
 class ForceAnswers {
  public:
-  /// active: a name; may be empty if there is only one. with_places: touches have a place (--at).
-  /// The dataset must outlive this object.
+  /// active: name of an active node or an area; may be empty if the dataset has only one.
+  /// with_places: whether touches have a place (--at). The dataset must outlive this object.
   ///
-  /// Error (bad input) for an unknown name or method, for places without a finger, for an area
-  /// without places, and for a method other than the areas' together with places.
+  /// Error (bad input) for an unknown name or method, for places without a finger, and for an area
+  /// without places. With places, also for any method but the first of forceFieldMethods().
   ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
                const std::string& method);
 
-  /// Returns the answer to a touch, with -0 replaced by 0. Around a new place of an area this
-  /// prepares its sites, some 50 ms of processor time each. Error (bad input) if the place is
-  /// farther from the surface than the body is wide. The touch must have a place if and only if the
-  /// object was made for places.
+  /// Returns the answer for a touch, with -0 replaced by 0. At a new place of an area it first
+  /// prepares the sites around the place, some 50 ms of processor time each. Error (bad input) if
+  /// the place is farther from the surface than the body is wide. The touch must have a place if
+  /// and only if with_places was true.
   ForceAnswer answer(const TouchInput& touch) const;
 
-  /// Number of prepared sites of the area; 0 for a node.
+  /// Returns the number of prepared sites of the area; 0 for a node.
   std::size_t preparedSites() const { return area_ ? area_->madeSites() : 0; }
 
   const ActiveChoice& choice() const { return choice_; }
-  /// Space of the active node, or of the area's first site.
+  /// Returns the space of the active node, or of the area's first site.
   const SpaceTable& firstSpace() const { return first_; }
   double workspaceRadius() const { return first_.lattice.radius(); }  ///< m
   const std::string& method() const { return method_; }               ///< name of the method

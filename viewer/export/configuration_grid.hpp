@@ -8,28 +8,29 @@
 
 namespace palpate {
 
-/// One configuration of a body, with the data exported beside its fields.
+/// One configuration of a body, with the data about tool and force that are exported with it.
 struct ExportedConfiguration {
   NodalFields fields = {};                 ///< of the stored nodes, as in Dataset::fields
-  std::vector<std::int32_t> touched = {};  ///< nodes held by the tool, sorted
+  std::vector<std::int32_t> touched = {};  ///< nodes under the tool, sorted
   /// Rest position of the active node or of the finger's centre, and its displacement: metres.
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), displacement = Eigen::Vector3d::Zero();
   ForceSample sample = {};
   std::optional<Eigen::Vector3d> drive = {};          ///< N, for a finger
-  std::optional<double> way = {};                     ///< m, along a path
-  std::optional<Eigen::Vector3d> lattice_point = {};  ///< in spacings, of a solved configuration
-  std::optional<double> min_det_F = {};  ///< of a solved configuration, from the solver
-  std::string active = {}, method = {};  ///< names
+  std::optional<double> way = {};                     ///< m, length of the path up to here
+  std::optional<Eigen::Vector3d> lattice_point = {};  ///< in spacings; set if solved
+  std::optional<double> min_det_F = {};               ///< from the solver; set if solved
+  std::string active = {}, method = {};               ///< names
 };
 
-/// Grids of a dataset's body at rest, with displacements to warp them by.
+/// Makes grids of a dataset's body at rest, with displacements by which other programs can warp
+/// them.
 ///
 /// If all nodes are stored, the cells are the tetrahedra, with displacement, pressure where the
 /// dataset has one, and det_F (det_f.hpp). Otherwise they are the triangles of the surface, with
 /// the displacement.
 ///
-/// Pressures of quadratic bodies that are stored at vertices are completed at mid-edge nodes by the
-/// mean of both ends. This is exact, because such a pressure is linear along edges.
+/// If a quadratic body stores its pressure only at vertices, each mid-edge node gets the mean of
+/// the ends of its edge. This is exact, because such a pressure is linear along edges.
 class ConfigurationGrid {
  public:
   /// The dataset must outlive this object.

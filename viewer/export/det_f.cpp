@@ -12,14 +12,15 @@ namespace {
 
 using Barycentric = Eigen::Vector4d;
 
-/// Appends all points with the same coordinates in different order.
+/// Appends all points with the coordinates of `point` in any order, each once.
 void addOrders(Barycentric point, std::vector<Barycentric>& points) {
   std::ranges::sort(point);
   do points.push_back(point);
   while (std::ranges::next_permutation(point).found);
 }
 
-/// Places of a quadratic tetrahedron at which det F is computed.
+/// Returns the places of a quadratic tetrahedron at which det F is computed: quadrature points and
+/// nodes.
 const std::vector<Barycentric>& lookedAt() {
   static const std::vector<Barycentric> places = [] {
     const double root = std::sqrt(15.0);
@@ -38,7 +39,7 @@ Eigen::Vector3d displacementOf(std::span<const float> displacement, std::int32_t
   return Eigen::Map<const Eigen::Vector3f>(displacement.data() + 3 * at(node)).cast<double>();
 }
 
-/// Gradients of the barycentric coordinates, one per column, 1/m.
+/// Returns the gradients of the barycentric coordinates, 1/m, one per column.
 Eigen::Matrix<double, 3, 4> gradientsOf(const Mesh& mesh, const Tetrahedron& t) {
   Eigen::Matrix3d edges;
   for (std::size_t n = 0; n < 3; ++n)
@@ -69,7 +70,8 @@ double smallestDetF(const Mesh& mesh, std::size_t element, std::span<const float
     at_edges.col(e) = displacementOf(displacement, mesh.mid_edge_nodes[element][at(e)]);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Barycentric& x : lookedAt()) {
-    // d u / d x of the quadratic shape functions x_n (2 x_n - 1) and 4 x_i x_j.
+    // Derivatives of the displacement by the barycentric coordinates x, from the quadratic shape
+    // functions x_n (2 x_n - 1) and 4 x_i x_j.
     Eigen::Matrix<double, 3, 4> slopes;
     for (int n = 0; n < 4; ++n) slopes.col(n) = (4 * x[n] - 1) * at_vertices.col(n);
     for (int e = 0; e < 6; ++e) {

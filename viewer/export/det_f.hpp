@@ -9,11 +9,11 @@ namespace palpate {
 
 /// Returns det F for every tetrahedron, where F = I + grad u is the deformation gradient. On linear
 /// meshes it is constant per tetrahedron. On quadratic meshes it is a polynomial of the third
-/// degree. The result is then its smallest value at the places that the solver checks: the 15
-/// points of the quadrature (Stroud T3:5-1) and the ten nodes. The smallest of all results is
-/// therefore the configuration's min_det_F, except for the rounding of displacements to float32.
+/// degree, and the result is the smallest value at the places that the solver checks: the 15
+/// quadrature points (Stroud T3:5-1) and the ten nodes. The smallest of all results is therefore
+/// the configuration's min_det_F, up to the rounding of displacements to float32.
 ///
-/// displacement: x y z of every node, metres.
+/// displacement: x, y, z of every node, metres.
 std::vector<float> detFOf(const Mesh& mesh, std::span<const float> displacement);
 
 }  // namespace palpate

@@ -21,7 +21,8 @@
 namespace palpate {
 namespace {
 
-/// Error unless the options select configurations, and as many as the format holds.
+/// Error unless the options select a configuration for a format that holds one, or a path for a
+/// format that holds a path.
 void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const bool has_point = !options.point.empty(), has_displacement = !options.displacement.empty();
   if (has_point == has_displacement)
@@ -43,7 +44,8 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
     throw badInput("{}: holds one configuration; for a way give -o an ending .pvd or .csv", name);
 }
 
-/// Warns about touches outside the covered region, and returns the exit code.
+/// Warns about touches without a reliable answer, and returns the exit code. outside: their number;
+/// all: number of all touches.
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
@@ -73,7 +75,7 @@ ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
 ExportedConfiguration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
   ConfigurationSource source(dataset);
   if (!options.point.empty()) {
-    // Only the place is used, not the displacement.
+    // onlyTouch() also needs a displacement; any will do, because only the place is used.
     const auto place =
         options.at.empty() ? std::nullopt : onlyTouch(options.at, {"0", "0", "0"}, 1).at;
     const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options.point.data());

@@ -35,7 +35,8 @@ bool isThere(const std::filesystem::path& file) {
   return std::filesystem::exists(std::filesystem::symlink_status(file, ignored));
 }
 
-/// Returns 12 for "press_0012.vtu" with the stem "press", and nothing for other names.
+/// Returns the number in the name of a series file, such as 12 for "press_0012.vtu" with the stem
+/// "press"; nothing for other names.
 std::optional<std::size_t> numberIn(const std::string& name, const std::string& stem) {
   const std::string begin = stem + "_", end = ".vtu";
   if (!name.starts_with(begin) || !name.ends_with(end) || name.size() <= begin.size() + end.size())
@@ -50,7 +51,7 @@ std::optional<std::size_t> numberIn(const std::string& name, const std::string& 
 
 ExportTarget::ExportTarget(std::filesystem::path file)
     : file_(std::move(file)), format_(formatOf(file_)), series_(file_.stem().string()) {
-  // The list is XML, which cannot represent control characters.
+  // The .pvd file is XML, which cannot represent control characters.
   std::ranges::replace_if(
       series_, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
 }

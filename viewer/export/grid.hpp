@@ -30,7 +30,7 @@ struct Grid {
   std::vector<std::int32_t> cells = {};  ///< indices of points, pointsOf(kind) for each cell
   std::vector<GridArray> point_data = {}, cell_data = {};
   std::vector<GridArray> field_data = {};  ///< of the whole grid
-  /// Descriptions of the grid: names (letters and `_`) and UTF-8 texts.
+  /// Descriptions of the grid: pairs of a name (letters and `_`) and a UTF-8 text.
   std::vector<std::pair<std::string, std::string>> texts = {};
 
   std::size_t pointCount() const { return points.size() / 3; }

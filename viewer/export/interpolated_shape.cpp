@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// sum += factor * values.
+/// Adds factor * values to `sum`.
 void addTo(Eigen::VectorXd& sum, double factor, const std::vector<float>& values) {
   if (sum.size() == 0) sum = Eigen::VectorXd::Zero(std::ssize(values));
   PALPATE_ASSERT(sum.size() == std::ssize(values),
@@ -63,7 +63,8 @@ std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
     spaces.emplace_back(palpate::at(share.space), share.weight);
     sum += share.weight;
   }
-  // Outside the area, where no answer is inside.
+  // The place is outside the area, so no answer there is reliable; the nearest site gives the
+  // shape.
   if (spaces.empty()) return {{nearestSite(dataset_, choice_.spaces, *place), 1.0}};
   for (auto& [space, weight] : spaces) weight /= sum;
   return spaces;

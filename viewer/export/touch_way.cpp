@@ -12,7 +12,8 @@ bool isFromInput(const std::vector<std::string>& words) {
   return words.size() == 1 && words[0] == "-";
 }
 
-/// Position of the tool; for tools other than fingers relative to its rest position.
+/// Returns the position of the tool, m; for tools other than fingers, relative to the rest
+/// position.
 Eigen::Vector3d toolAt(const WayStep& step) {
   const auto& finger = step.answer.finger;
   return step.touch.displacement + (finger ? finger->at : Eigen::Vector3d::Zero());

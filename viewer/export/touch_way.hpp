@@ -13,11 +13,11 @@ struct WayStep {
   double way = 0;  ///< m, length of the path since the first step
 };
 
-/// Limit of the steps of a straight path; each makes a file.
+/// Largest number of steps of a straight path. Each step makes a file of a series.
 inline constexpr int most_steps = 100000;
 
-/// Returns the touches of a path. They go straight from rest to the displacement in `words` in
-/// `steps` steps, rest included. If `words` is "-", they are read from the input, one per line
+/// Returns the touches of a path. They are `steps` + 1 touches on a straight line from rest to the
+/// displacement in `words`. If `words` is "-", the touches are read from the input, one per line
 /// (forEachTouch), and `steps` must be 0. Error (bad input) for no or too many steps, or an empty
 /// input. Error with the exit code of an interrupt if this process is interrupted, which also ends
 /// the input.
@@ -25,14 +25,14 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
                                  const std::vector<std::string>& words, int steps,
                                  std::istream& input, double workspace_radius);
 
-/// Returns the only touch: the displacement in `words`, which is not "-".
+/// Returns the single touch with the displacement in `words`, which must not be "-".
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                      double workspace_radius);
 
-/// Returns the answer to each touch. Between two steps the path of a finger connects the points of
-/// the surface nearest to the requested places. `answers` must be made for places if the touches
-/// have some. Error (bad input) as in ForceAnswers::answer. Error with the exit code of an
-/// interrupt if this process is interrupted.
+/// Returns the answer for each touch, and the length of the path up to each. For a finger, the
+/// length is measured from the surface points nearest to the requested places. `answers` must be
+/// made with places if the touches have places. Error (bad input) as in ForceAnswers::answer. Error
+/// with the exit code of an interrupt if this process is interrupted.
 std::vector<WayStep> followWay(const std::vector<TouchInput>& touches, const ForceAnswers& answers);
 
 }  // namespace palpate

@@ -17,10 +17,11 @@ const char* vtkName(const std::vector<double>&) { return "Float64"; }
 const char* vtkName(const std::vector<std::int32_t>&) { return "Int32"; }
 const char* vtkName(const std::vector<std::uint8_t>&) { return "UInt8"; }
 
-/// Writes the elements that describe arrays, and collects the arrays' bytes, which follow the text.
+/// Writes the XML elements that describe arrays, and collects the bytes of the arrays, which follow
+/// the text of the file.
 class Arrays {
  public:
-  /// Describes one array. attributes: begins with a blank.
+  /// Returns the element of one array. attributes: further attributes, each with a blank before it.
   template <class Number>
   std::string element(const std::string& attributes, const std::vector<Number>& values) {
     const std::string_view bytes = bytesOf(std::span(values));
@@ -32,8 +33,8 @@ class Arrays {
                        vtkName(values), attributes, offset);
   }
 
-  /// Describes all arrays of a section. with_tuples: adds the number of tuples, which only VTK's
-  /// field data needs.
+  /// Returns a section with the elements of all its arrays. with_tuples: adds the numbers of
+  /// tuples, which VTK needs only for field data.
   std::string section(const char* name, const std::vector<GridArray>& arrays,
                       bool with_tuples = false) {
     std::string text = fmt::format("<{}>\n", name);
@@ -62,7 +63,7 @@ class Arrays {
   std::string appended_;
 };
 
-/// Whether each array has `count` tuples, one for every point or cell.
+/// Returns whether each array has `count` tuples, one per point or cell.
 bool areOf(std::size_t count, const std::vector<GridArray>& arrays) {
   return std::ranges::all_of(arrays, [&](const GridArray& array) {
     const auto sizeOf = [](const auto& values) { return values.size(); };

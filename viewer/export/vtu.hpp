@@ -12,13 +12,13 @@ namespace palpate {
 /// (of arrays and of VTKFile) that readers ignore.
 std::string vtuBytes(const Grid& grid);
 
-/// A file of a series and its time.
+/// A file of a series, and the time at which ParaView shows it.
 struct SeriesFile {
   double time = 0;
   std::string file;  ///< relative to the .pvd
 };
 
-/// Returns the text of a .pvd file, ParaView's list of the files of a series.
+/// Returns the text of a .pvd file, in which ParaView finds the files of a series.
 std::string pvdText(const std::vector<SeriesFile>& series);
 
 /// Escapes markup for an XML attribute, and replaces control characters, which XML cannot

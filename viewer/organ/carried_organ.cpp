@@ -11,25 +11,28 @@
 namespace palpate {
 namespace {
 
-// The first line is organ_mark followed by organ_version.
+// The first line of the bytes is organ_mark followed by organ_version.
 constexpr std::string_view organ_mark = "palpate-organ-";
 constexpr std::string_view organ_version = "3";
-/// Steps on each side of zero for the largest share of a mode. Vertices are then off by some tenth
-/// of a millimetre.
+/// Shares and entries of a mode are stored as integers. The largest share of a mode becomes
+/// share_steps, the largest entry of a mode mode_steps. Vertices are then wrong by about a tenth of
+/// a millimetre.
 constexpr float share_steps = 127;
 constexpr float mode_steps = 32767;
 
-/// Bytes left out of rounded doubles, which keep 37 significant bits. With single precision, the
-/// precision of the fields made of these numbers, forces were up to 1.7e-6 N off in stiff organs.
+/// Number of bytes left out of each rounded double, which keeps 37 significant bits. Single
+/// precision, in which the fields store these numbers, would not suffice: forces of stiff organs
+/// were wrong by up to 1.7e-6 N.
 constexpr std::size_t left_out_bytes = 2;
 static_assert(std::endian::native == std::endian::little, "the least significant bytes are first");
 
-// More than any page has, and small enough that products of lattice numbers do not overflow.
+// Largest Lattice::divisions that is accepted: more than the lattice of any page has, but small
+// enough that products of lattice coordinates do not overflow.
 constexpr std::int32_t most_divisions = 4096;
-/// Least share of its ball that a finger reaches by pushing; usually it is about half.
+/// Least share of the workspace ball that pushing reaches. Usually it is about half.
 constexpr double least_share_of_ball = 1.0 / 64;
-/// Least width that a narrower part counts with, as a share of the radius, so that few bytes never
-/// make a large ball.
+/// Least width of the pushed part that checkLattice() assumes, as a share of the radius. A narrower
+/// part counts as this wide, so that few bytes cannot claim a lattice that takes much memory.
 constexpr double least_narrow = 1.0 / 8;
 
 Error damaged(std::string_view how) {
@@ -37,8 +40,9 @@ Error damaged(std::string_view how) {
       "the organ is damaged ({}): get its page again, or make it again with palpate share", how);
 }
 
-// `carry` describes the format once: it visits the numbers of an organ. A writer appends them, and
-// a reader fills them in. The reader checks numbers that would otherwise make it allocate too much.
+// The functions carry... describe the format once, for both directions: they visit all numbers of
+// an organ. With an OrganWriter they append each number to the bytes; with an OrganReader they read
+// it from the bytes. The reader checks numbers that could make it allocate too much memory.
 
 class OrganWriter {
  public:
@@ -46,7 +50,7 @@ class OrganWriter {
   void raw(const void* from, std::size_t size) {
     bytes_.append(static_cast<const char*>(from), size);
   }
-  /// Writes the length of a list.
+  /// Writes and returns the length of a list.
   std::size_t size(std::size_t length, std::size_t = 1) {
     const auto written = static_cast<std::uint32_t>(length);
     raw(&written, sizeof written);
@@ -67,7 +71,8 @@ class OrganReader {
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
-  /// Reads the length of a list with elements of at least `least` bytes.
+  /// Reads the length of a list. Error if too few bytes follow for a list of this length. least:
+  /// smallest number of bytes of an element.
   std::size_t size(std::size_t, std::size_t least = 1) {
     std::uint32_t length = 0;
     raw(&length, sizeof length);
@@ -91,7 +96,7 @@ void carryVector(Bytes& bytes, Vector& v) {
   bytes.raw(v.data(), 3 * sizeof(double));
 }
 
-/// least: bytes that an element takes at least.
+/// Visits a list. least: smallest number of bytes of an element.
 template <class Bytes, class List, class Each>
 void carryList(Bytes& bytes, List& list, std::size_t least, Each each) {
   const std::size_t size = bytes.size(list.size(), least);
@@ -158,12 +163,13 @@ void carryFinger(Bytes& bytes, Patch& patch) {
     throw damaged("a finger is none");
 }
 
-/// Checks a lattice before its points are made: bytes that claim many points must contain them.
+/// Checks a lattice before its points are made. Bytes that claim many points must also contain many
+/// points.
 void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points,
                   const PushedPart& part) {
   const double ratio = radius / spacing, in_ball = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
   const bool is_power_of_two = divisions > 0 && (divisions & (divisions - 1)) == 0;
-  // Negated, so that NaN is refused.
+  // The condition is negated, so that NaN is refused.
   if (!(spacing > 0 && radius >= spacing && radius <= farthest_node && is_power_of_two &&
         divisions <= most_divisions))
     throw damaged("a lattice is none");
@@ -179,7 +185,7 @@ void checkAdded(const LatticePoint& point, const Lattice& lattice) {
       throw damaged("a point lies far outside of its ball");
 }
 
-/// Returns the number of its points.
+/// Visits the lattice of a space. Returns the number of its points.
 template <class Bytes, class Space>
 std::size_t carryLattice(Bytes& bytes, Space& space) {
   auto& lattice = space.lattice;
@@ -230,7 +236,8 @@ void carrySpace(Bytes& bytes, Space& space) {
   for (auto& point : space.points) carryPoint(bytes, point, space.patch.finger.has_value());
 }
 
-/// Carries the values that each(visit) visits, rounded to steps of the largest magnitude.
+/// Carries the values that each(visit) visits, as integer multiples of a step. The largest
+/// magnitude is `most_steps` steps.
 template <class Step, class Bytes, class Each>
 void carrySteps(Bytes& bytes, float most_steps, Each each) {
   float scale = 0;
@@ -246,7 +253,7 @@ void carrySteps(Bytes& bytes, float most_steps, Each each) {
   });
 }
 
-/// width: length of a mode.
+/// width: number of values of a mode, three per vertex.
 template <class Bytes, class Shapes>
 void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
                  const std::vector<SpaceTable>& spaces) {
@@ -282,7 +289,7 @@ void carryTouch(Bytes& bytes, Touch& touch) {
 
 template <class Bytes, class Organ>
 void carryOrgan(Bytes& bytes, Organ& organ) {
-  constexpr std::size_t least_touch = 44, least_space = 33;  // bytes of empty ones
+  constexpr std::size_t least_touch = 44, least_space = 33;  // bytes of an empty touch or space
   carryNumbers(bytes, organ.name);
   carry(bytes, organ.max_force);
   carryVectors(bytes, organ.vertices);

@@ -9,58 +9,61 @@
 
 namespace palpate {
 
-/// Limit of the vertices that a page can draw: its indices have 16 bits.
+/// Limit of the number of vertices. A page draws with indices of 16 bits.
 inline constexpr std::size_t most_carried_vertices = 65536;
 
 /// A touchable part of an organ: an active node with its patch, or a surface that a finger touches
 /// anywhere.
 struct CarriedTouch {
   std::string name;
-  std::vector<std::int32_t>
-      spaces;  ///< into CarriedOrgan::spaces; a single one, or the sites of the surface
-  double finger_radius = 0;  ///< m; 0: no finger
+  std::vector<std::int32_t> spaces;  ///< indices in CarriedOrgan::spaces: one, or one per site
+  double finger_radius = 0;          ///< m; 0: no finger
   /// m, rest position of the active node. Unused for a finger, which rests wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d>
-      collocation_points;  ///< m, of a surface: see AreaField::collocationPointsOf
+      collocation_points;  ///< m, for a surface: AreaField::collocationPointsOf
 };
 
 /// Deformed shapes of all solved points, as sums of the same few modes.
 struct CarriedShapes {
-  /// Orthonormal rows of the displacements of all vertices, [mode][vertex][axis]. The number of
-  /// modes is a multiple of three.
+  /// Orthonormal displacement modes. Each row is one mode and holds the displacement of every
+  /// vertex, [mode][vertex][axis]. The number of modes is a multiple of three, because
+  /// DisplacementField interpolates the shares as triples.
   std::vector<float> modes;
   std::size_t mode_count = 0;
-  /// Per space: [point][mode], m; zero for unsolved points.
+  /// Factors of the modes in the shape of each solved point, one list per space: [point][mode], m;
+  /// zero for unsolved points.
   std::vector<std::vector<float>> shares;
 };
 
-/// The part of a dataset that a page needs to answer touches, in one block of bytes. Forces keep
-/// nearly all digits; shapes are as accurate as a picture needs.
+/// The part of a dataset that a page needs to answer touches. It can be encoded as one block of
+/// bytes, in which forces keep nearly all digits and shapes are as accurate as a picture needs.
 ///
-/// Spaces carry patch.finger, lattice, splits, and the tags and equilibria of their points. Energy,
-/// force and stiffness keep every bit; data of fingers only are rounded to 37 significant bits.
+/// The bytes contain patch.finger, lattice and splits of each space, and the tags and equilibria of
+/// its points. Energy, force and stiffness are exact; numbers that only a finger has (the
+/// derivatives by its place, and stiffness_by_p) are rounded to 37 significant bits.
 struct CarriedOrgan {
   std::string name;                             ///< name of the scene
-  double max_force = 0;                         ///< N, of the scene: larger forces were not solved
+  double max_force = 0;                         ///< N, largest force that the scene asks for
   std::vector<Eigen::Vector3d> vertices;        ///< m, of the surface at rest
-  std::vector<Triangle> triangles;              ///< into vertices, normals outward
-  std::vector<std::int32_t> touch_of_triangle;  ///< into touches; -1: cannot be touched
+  std::vector<Triangle> triangles;              ///< indices in `vertices`; normals point outward
+  std::vector<std::int32_t> touch_of_triangle;  ///< index in `touches`; -1: cannot be touched
   std::vector<CarriedTouch> touches;
   std::vector<SpaceTable> spaces;
   CarriedShapes shapes;
 };
 
-/// Describes the first inconsistency as a clause for an error message ("triangle 7 has a corner
-/// 900"); empty if there is none. Checks all data that are used later: indices of vertices,
-/// touches, spaces, points and cells, and that all numbers of a computation are finite.
+/// Describes the first inconsistency of an organ as a clause for an error message ("triangle 7 has
+/// a corner 900"); empty if there is none. Checks the indices of vertices, touches, spaces, points
+/// and cells, and that all numbers used in computations are finite.
 std::string faultOf(const CarriedOrgan& organ);
 
-/// Encodes an organ as little-endian bytes. They begin with a version; only code of the same
-/// version decodes them.
+/// Encodes an organ as little-endian bytes. The bytes begin with a version of the format; only code
+/// with the same version can decode them.
 std::string encode(const CarriedOrgan& organ);
-/// Decodes an organ. Error if the bytes are no organ, of another version, cut off, or inconsistent
-/// (faultOf). A returned organ can always be touched, whatever the bytes were.
+/// Decodes an organ. Error if the bytes are not an organ, have another version, are cut off, or are
+/// inconsistent (faultOf). TouchedOrgan accepts every returned organ, also one from damaged or
+/// malicious bytes.
 CarriedOrgan decode(std::string_view bytes);
 
 }  // namespace palpate

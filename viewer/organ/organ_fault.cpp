@@ -69,8 +69,9 @@ std::string faultOfPoints(const SpaceTable& space) {
   return faultOf(space);
 }
 
-/// Also refuses shares of very many radii. Modes are orthonormal and a shape moves with the tool;
-/// larger shares would leave only rounding errors of the interpolated shapes.
+/// Also refuses shares of more than a million radii. Real shares are smaller, because modes are
+/// orthonormal and a shape moves with the tool. With such large shares, interpolated shapes would
+/// be nothing but rounding errors.
 std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTable>& spaces) {
   // False for NaN.
   const auto areWithin = [](const std::vector<float>& values, double most) {

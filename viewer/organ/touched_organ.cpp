@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Weight of a site's shape at a distance x, relative to the reach of sites.
+/// Returns the weight of a site's shape. x: distance of the site, relative to the reach of sites.
 float shareAt(double x) { return static_cast<float>(std::pow(1 - std::min(1.0, x), 2)); }
 
 }  // namespace
@@ -76,7 +76,8 @@ AreaSample TouchedOrgan::evaluate(std::size_t touch, const Eigen::Vector3d& s,
 const DisplacementField& TouchedOrgan::sharesOf(std::int32_t space) {
   auto& field = share_fields_[at(space)];
   if (!field)
-    // DisplacementField interpolates any triples, not only displacements.
+    // DisplacementField interpolates any triples of numbers, so it is given the shares of the modes
+    // instead of displacements.
     field = std::make_unique<DisplacementField>(organ_.spaces[at(space)],
                                                 organ_.shapes.shares[at(space)]);
   return *field;

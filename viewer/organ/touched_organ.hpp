@@ -12,8 +12,9 @@
 
 namespace palpate {
 
-/// Evaluates a carried organ and prepares it in small steps around the touch, so that a single
-/// thread can do other work in between. Forces and error bounds are those of `palpate query`.
+/// Evaluates a carried organ. The organ is prepared in small steps around the touch, so that a
+/// single thread can do other work in between. Forces and error bounds equal the results of
+/// `palpate query`.
 ///
 /// One thread.
 class TouchedOrgan {
@@ -26,15 +27,15 @@ class TouchedOrgan {
   /// Does one step of the preparation for a touch at s. Returns false if nothing is left to do.
   /// touch: index in CarriedOrgan::touches; s: m, place on the surface at rest.
   bool prepare(std::size_t touch, const Eigen::Vector3d& s);
-  /// Does one step of the preparation elsewhere, nearest sites first. Returns false if nothing is
-  /// left to do.
+  /// Does one step of the preparation of the touch's other sites, nearest to s first. Returns false
+  /// if nothing is left to do.
   bool prepareAhead(std::size_t touch, const Eigen::Vector3d& s);
   /// Evaluates force and energy. p: displacement of the finger from s, or of the active node from
-  /// its rest position, m. Requires that prepare() has nothing left to do at s.
+  /// its rest position, m. The force is zero if prepare() has not finished at s.
   AreaSample evaluate(std::size_t touch, const Eigen::Vector3d& s, const Eigen::Vector3d& p) const;
-  /// Fills `out` with the displacements of all vertices, [vertex][axis], m. They blend the solved
-  /// shapes around the anchor, and add a smooth bump so that the surface meets the tool. Call it
-  /// after evaluate().
+  /// Fills `out` with the displacements of all vertices, [vertex][axis], m. The shape is a blend of
+  /// the shapes of the sites around the anchor, plus a smooth bump that makes the surface pass
+  /// through the tool. Shapes that prepare() has not made yet are made here, which takes longer.
   void shapeAt(std::size_t touch, const SurfacePoint& anchor, const Eigen::Vector3d& p,
                std::span<float> out);
 

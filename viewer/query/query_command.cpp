@@ -37,7 +37,7 @@ std::string describeJson(const std::optional<FingerPlace>& place,
   return answer.dump() + '\n';
 }
 
-/// Says why a displacement is outside, and how the force continues there.
+/// Explains why a displacement is outside the answered region, and how the force continues there.
 std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displacement) {
   if (displacement.stableNorm() > lattice.radius())
     return fmt::format(
@@ -48,7 +48,8 @@ std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displ
          "              The force goes on from where the answers end, and only stiffens";
 }
 
-/// Lists the unsolved corners of the uniform lattice's cell around a displacement in the ball.
+/// Describes the unsolved corners of the cell of the uniform lattice that contains a displacement
+/// in the ball.
 std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displacement) {
   const Lattice& lattice = space.lattice;
   int beyond = 0;
@@ -72,7 +73,7 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
   return gaps;
 }
 
-/// Formats the numbers of an answer, one line each.
+/// Formats the numbers of an answer, one per line.
 std::string describeSample(const std::optional<FingerPlace>& place,
                            const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text;
@@ -106,7 +107,7 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
-/// Says why an answer of an area is not inside.
+/// Explains why an answer of an area is not inside.
 std::string describeFault(const FingerPlace& place, bool in_ball) {
   switch (place.fault) {
     case FingerPlace::Fault::away:

@@ -14,15 +14,16 @@
 namespace palpate {
 namespace {
 
-/// Limit of the modes: with one byte per mode and shape, more would not fit into a page of 10 MB.
+/// Largest number of modes. With more, one byte per mode and shape, a page would exceed 10 MB.
 constexpr Eigen::Index most_modes = 255;
-/// m, root mean square over the vertices of all shapes: no more modes are kept once the remaining
-/// error is below this. Such an error is not visible.
+/// No further modes are added once the remaining error is below this value, m, root mean square
+/// over the vertices of all shapes. Such an error is not visible.
 constexpr double missed_by_modes = 5e-5;
 
 using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Displacements of one space, a row per point; zero for unsolved points.
+/// Returns the displacements of all surface nodes in one space, m, one row per point; zero for
+/// unsolved points.
 Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   const std::vector<float> values = dataset.surfaceFields(space).displacement;
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
@@ -32,8 +33,9 @@ Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   return shapes.array().isNaN().select(0.0f, shapes);
 }
 
-/// Returns how many of the largest eigenvalues (given in ascending order) are needed for a small
-/// enough remainder of `sum`. Rounded up to a multiple of three, at most most_modes.
+/// Returns how many of the largest eigenvalues must be subtracted from `sum`, their total, until
+/// the remainder is small enough. Rounds up to a multiple of three, at most most_modes.
+/// eigenvalues: in ascending order; values: number of values in all shapes.
 Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double values) {
   double missed = sum;
   Eigen::Index count = 0;
@@ -43,8 +45,8 @@ Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double 
   return std::min(most_modes, (count + 2) / 3 * 3);
 }
 
-/// Returns `count` sums of neighbouring shapes as columns, to start the subspace iteration. The
-/// identity in them keeps their rank full.
+/// Returns `count` columns to start the subspace iteration. Each is the sum of a group of
+/// successive shapes; a column of the identity matrix is added, so that the columns have full rank.
 Eigen::MatrixXd someOf(const std::vector<Shapes>& all, Eigen::Index width, Eigen::Index count) {
   std::int64_t rows = 0, row = 0;
   for (const Shapes& shapes : all) rows += shapes.rows();
@@ -55,7 +57,7 @@ Eigen::MatrixXd someOf(const std::vector<Shapes>& all, Eigen::Index width, Eigen
   return some;
 }
 
-/// Sum of S^T S Q over all shapes S.
+/// Returns the sum of S^T S Q over all matrices of shapes S.
 Eigen::MatrixXd productsWith(const std::vector<Shapes>& all, const Eigen::MatrixXd& q) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(q.rows(), q.cols());
   for (const Shapes& shapes : all) {
@@ -65,9 +67,9 @@ Eigen::MatrixXd productsWith(const std::vector<Shapes>& all, const Eigen::Matrix
   return sum;
 }
 
-/// Reduces the shapes by subspace iteration: a body may have thousands of vertices, and their full
-/// covariance would not fit into memory. Two iterations find the important modes; the last ones,
-/// which converge least, matter least.
+/// Reduces the shapes to modes by subspace iteration. A body may have thousands of vertices, and
+/// the full covariance matrix would not fit into memory. Two iterations find the important modes.
+/// The last modes converge least, but also matter least.
 CarriedShapes reducedShapes(const Dataset& dataset) {
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   std::vector<Shapes> all;
@@ -121,7 +123,7 @@ CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
   return touch;
 }
 
-/// Returns the space with the largest share in a triangle's blend.
+/// Returns the index of the space with the largest weight in a triangle.
 std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
   const auto shares = surface.cornerSharesOf(triangle);
   return std::ranges::max_element(shares, {},

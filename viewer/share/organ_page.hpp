@@ -6,13 +6,14 @@
 
 namespace palpate {
 
-/// Whether this palpate was built with Emscripten, so that it contains the fields for pages.
+/// Returns whether this palpate was built with Emscripten and thus contains the fields in
+/// WebAssembly, which every page needs.
 bool hasPageField();
-/// Error if it was not, with advice.
+/// Error, with advice, if !hasPageField().
 void requirePageField();
 
-/// Returns one HTML file that needs no other file, no server and no network: the organ in WebGL,
-/// the fields in WebAssembly. Error as in requirePageField().
+/// Returns an HTML file that shows the organ in WebGL and computes its forces in WebAssembly. It
+/// needs no other file, no server and no network. Error as in requirePageField().
 std::string organPage(const CarriedOrgan& organ);
 
 }  // namespace palpate

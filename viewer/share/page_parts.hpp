@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The parts of every page, which this program contains: the files of `page`, and the fields in
-/// WebAssembly. `script` concatenates many files (CMakeLists.txt has their order); `field` is empty
-/// if the build did not find Emscripten.
+/// The parts that all pages share, embedded in this program: the files of the folder `page`, and
+/// the fields in WebAssembly. `script` is the concatenation of many files, in the order of
+/// CMakeLists.txt. `field` is empty if the build did not find Emscripten.
 struct PageParts {
   std::string_view markup, style, trouble, script, worker, field;
 };

@@ -1,5 +1,5 @@
-// A camera that looks at the organ and keeps it in the middle of a part of the window: {left, top,
-// width, height}, in pixels of the page.
+// A camera that looks at the organ and keeps it in the middle of a part of the window. A part is
+// {left, top, width, height}, in pixels of the page.
 class Camera {
   constructor(surface) {
     this.target = surface.center;
@@ -13,7 +13,7 @@ class Camera {
         this.turn = turn * Math.PI / 8;
         this.tilt = tilt * Math.PI / 10;
         const back = this.back();
-        // Prefers the broad side of the organ, with the touchable surface in view.
+        // Prefers a view of the broad side of the organ, with the touchable surface in front.
         let area = 0;
         for (let v = 0; v < surface.count; v += 3)
           area += Math.max(0, dot(back, row(surface.normal, v))) *
@@ -46,7 +46,8 @@ class Camera {
       right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
       -dot(right, eye), -dot(up, eye), -dot(back, eye), 1
     ];
-    // scale: pixels of the page per tangent of an angle at the eye; middle: pixel of the target.
+    // scale: pixels of the page per unit of the tangent of the angle at the eye. middle: pixel of
+    // the page in which the target appears.
     const scale = part.height / 2 / Math.tan(0.32);
     const middle = [part.left + part.width / 2, part.top + part.height / 2];
     const aside = [2 * middle[0] / whole.width - 1, 1 - 2 * middle[1] / whole.height];
@@ -60,11 +61,11 @@ class Camera {
         for (let k = 0; k < 4; ++k) matrix[4 * c + r] += project[4 * k + r] * view[4 * c + k];
     Object.assign(this, {eye, right, up, away, scale, middle, matrix});
   }
-  // Direction of the view ray through a pixel of the page.
+  // Returns the direction of the view ray through a pixel of the page.
   ray(x, y) {
     const sx = (x - this.middle[0]) / this.scale, sy = (this.middle[1] - y) / this.scale;
     return unit(add(add(scaled(this.back(), -1), this.right, sx), this.up, sy));
   }
-  // Length at the distance of the organ that corresponds to a pixel of the page.
+  // Returns the length, m, that one pixel of the page covers at the distance of the organ.
   metresPerPixel() { return this.away / this.scale; }
 }

@@ -1,14 +1,16 @@
 // Runs the field in a thread of its own, so that preparing it does not delay the picture.
 //
-// In: {field, organ} once; then questions {touch, triangle, u, v, p, id}, of which only the newest
-// is answered, and {near: {touch, triangle, u, v}}. Out: {organ} once; then answers, with the id of
-// the question. Any of them may be replaced by the contents of a Stop.
+// Messages to the worker: {field, organ} once, then questions {touch, triangle, u, v, p, id} and
+// {near: {touch, triangle, u, v}}, the place of the pointer. Only the newest question is answered.
+// Messages from the worker: {organ} once, then {preparing: id} while the answer to a question is
+// prepared, and answers with the id of the question. At any time, the contents of a Stop may come
+// instead and stop the page.
 
 let field;         // exports of page_field.cpp
 let asked = null;  // the newest question
-let near = null;   // place of the pointer, to prepare ahead
+let near = null;   // last known place of the pointer, prepared ahead
 let working = false;
-let words = '';  // text that the field wrote to standard error: why it ended
+let words = '';  // text that the field wrote to standard error: the reason why it ended
 const nextPiece = new MessageChannel();
 
 // Reason to stop the page: {tooOld}, {damaged: how} or {trouble: sentence}.
@@ -26,7 +28,8 @@ async function unpacked(text, what) {
   }
 }
 
-// fd_write of WASI. pairs: address of `count` pairs of address and length.
+// WASI's fd_write: appends the written text to `words`. pairs: address of `count` pairs of address
+// and length.
 function write(file, pairs, count, written) {
   const view = new DataView(field.memory.buffer);
   let size = 0;
@@ -123,7 +126,8 @@ function work() {
   return near !== null && field.prepare(near.touch, near.triangle, near.u, near.v) === 1;
 }
 
-// Prepares places that may be touched later, with long pauses: the same processor may have to draw.
+// Prepares places that may be touched later. Pauses a quarter of a second after each step, because
+// the same processor may have to draw.
 function workAhead() {
   if (near && !working && !field.prepareAhead(near.touch, near.triangle, near.u, near.v)) return;
   setTimeout(workAhead, 250);

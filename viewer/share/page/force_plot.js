@@ -18,7 +18,7 @@ class ForcePlot {
     this.letters = 0.75 * parseFloat(getComputedStyle(canvas).fontSize);
     this.isDrawn = false;
   }
-  // A flat curve does not change, so it is drawn only once.
+  // A curve without force does not change, so it is drawn only once.
   draw(now) {
     const {pen, samples, ratio, width, height, letters} = this;
     const isFlat = samples.every((s) => s.force === 0);
@@ -29,7 +29,7 @@ class ForcePlot {
     const left = 3 * letters, base = height - 1.5 * letters;
     const most = samples.reduce((top, s) => Math.max(top, s.force + s.bound), 0.4);
     const lines =
-        Math.min(4, Math.floor(base / (1.5 * letters)));  // as many as have room for their numbers
+        Math.min(4, Math.floor(base / (1.5 * letters)));  // as many as leave room for numbers
     const step =
         [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((size) => most / size <= lines) || most / lines;
     const top = Math.ceil(most / step) * step;

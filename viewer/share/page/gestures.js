@@ -1,5 +1,5 @@
-// Mouse and finger gestures on the canvas. One pointer presses the organ, or turns it when it
-// starts beside it; two pointers turn and zoom.
+// Mouse and finger gestures on the canvas. One pointer presses the organ if it starts on the organ,
+// and turns the organ if it starts beside it. Two pointers turn and zoom.
 class Gestures {
   constructor(page) {
     Object.assign(this, {page, pointers: new Map(), over: null});
@@ -35,7 +35,7 @@ class Gestures {
       this.look(event, dx, dy);
     Object.assign(pointer, {x: event.clientX, y: event.clientY});
   }
-  // On a surface the finger moves along; an active node is pulled sideways.
+  // Moves the finger along the surface that it touches, or pulls an active node sideways.
   slide(event, dx, dy) {
     const {hand, camera, touches} = this.page;
     if (touches[hand.place.touch].fingerRadius > 0) {
@@ -46,7 +46,8 @@ class Gestures {
     const metres = camera.metresPerPixel();
     hand.sideways = add(add(hand.sideways, camera.right, dx * metres), camera.up, -dy * metres);
   }
-  // With two fingers, each moves the middle by half of its own motion.
+  // Turns and zooms the view. With two pointers, the view turns with their midpoint, which each
+  // pointer moves by half of its own motion.
   look(event, dx, dy) {
     const {camera} = this.page, count = this.pointers.size;
     camera.orbit(dx / count, dy / count);
@@ -65,7 +66,7 @@ class Gestures {
     page.changed = true;
     if (this.over) page.prepare(hit);
   }
-  // The pointer left the canvas; a finger that presses continues.
+  // Handles a pointer that leaves the canvas. A pointer that presses continues to press.
   leave() {
     this.over = null;
     this.page.canvas.classList.remove('over');

@@ -1,7 +1,7 @@
-// A virtual hand that presses at a place to the wanted depth, and retreats when it lets go, at the
-// pace of `palpate view`.
+// A virtual hand. It presses at a place to the wanted depth and retreats after letting go, as fast
+// as the hand of `palpate view`.
 class Hand {
-  // reach: radius of the workspaces, m.
+  // reach: largest radius of a workspace, m.
   constructor(reach) {
     const wanted = Math.min(facts.hand.usualDepth, facts.hand.usualShare * reach);
     Object.assign(this, {place: null, held: false, depth: 0, wanted, sideways: [0, 0, 0]});

@@ -8,7 +8,7 @@ class Page {
       gl,
       worker,
       reach,
-      step: reach / byId('depth').max,  // half a millimetre if the hand can press 30 mm
+      step: reach / byId('depth').max,  // slider step, m; 0.5 mm if the hand can press 30 mm
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
@@ -42,7 +42,7 @@ class Page {
     byId('depth-shown').textContent = text;
   }
   hit(x, y) { return this.surface.hit(this.camera.eye, this.camera.ray(x, y)); }
-  // Announces that this place may be touched soon.
+  // Tells the field that this place may be touched soon.
   prepare({touch, triangle, u, v}) { this.worker.postMessage({near: {touch, triangle, u, v}}); }
 
   // Returns the question to the field for the current hand.
@@ -50,13 +50,13 @@ class Page {
     const {hand, touches} = this, {touch, triangle, u, v} = hand.place;
     return {touch, triangle, u, v, p: hand.displacement(touches[touch].radius)};
   }
-  // Whether the last answer belongs to this question.
+  // Returns whether the last answer belongs to this question.
   isAnswered({triangle, u, v, p}) {
     const {answer} = this;
     return answer && answer.triangle === triangle && answer.u === u && answer.v === v &&
         answer.p.every((x, i) => x === p[i]);
   }
-  // Asks the field about the current hand, one question at a time.
+  // Asks the field about the current hand, unless the field has not answered the last question yet.
   ask() {
     if (!this.hand.place || this.waiting) return;
     const question = this.question(), {seen, normal} = this.hand.place;
@@ -84,7 +84,7 @@ class Page {
     this.changed = true;
     palpate.touched = this.felt;
   }
-  // The graphics context is back, and has lost all its data.
+  // Handles the return of the graphics context, which has lost all its data.
   restored() {
     this.picture = new Picture(this.gl, this.surface);
     this.changed = true;

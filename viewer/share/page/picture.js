@@ -95,7 +95,8 @@ class Picture {
     this.feed(this.solid, solid, {position: 3, normal: 3});
     gl.drawElements(gl.TRIANGLES, solid.count, gl.UNSIGNED_SHORT, 0);
   }
-  // Draws the tool with its tip at `tip`, in its true size if it has one.
+  // Draws the tool with its tip at `tip`. A finger has its true size; a tool without a size is
+  // thin.
   drawTool({tip, normal, axis, radius}) {
     const middle = add(tip, normal, radius || this.thinRadius);
     if (radius > 0)
@@ -103,8 +104,8 @@ class Picture {
     else
       this.drawSolid(this.thinTool, placed(middle, axis), [0.72, 0.76, 0.79], 0.8);
   }
-  // Draws the arrow of the force in front of everything, including the tool. Blue; amber and dashed
-  // if the force is uncertain.
+  // Draws the arrow of the force in front of everything, including the tool. The arrow is blue, or
+  // amber and dashed if the force is uncertain.
   drawArrow({tip, force, scale, isUncertain}) {
     const size = length(force), {radius} = this.surface;
     if (size < 0.005) return;
@@ -122,8 +123,9 @@ class Picture {
         this.head, placed(add(tip, along, shaft), along, 2.4 * wide, headLong), colour, 0.3);
     this.gl.depthRange(0, 1);
   }
-  // mark: the touched spot of the organ, {point, radius, pressure}; hand: {tip, normal, axis,
-  // radius, force, isUncertain, scale}, with radius 0 if there is no finger; spots: positions.
+  // Draws everything. mark: the touched spot of the organ, {point, radius, pressure}. hand: {tip,
+  // normal, axis, radius, force, isUncertain, scale}; radius is 0 if there is no finger. spots:
+  // positions of the active nodes.
   draw(camera, {mark, hand, spots}) {
     const gl = this.gl, {surface} = this;
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);

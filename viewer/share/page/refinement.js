@@ -1,8 +1,9 @@
 // Refines a triangle mesh by Loop's rules, so that it looks smooth like an organ.
 
-// Returns {sums, faces}. Every fine vertex is a weighted sum of coarse ones, a Map from vertex to
-// weight. Every fine triangle knows its position in a coarse one. Refines `times` times, as long as
-// there are fewer than `most` vertices; each time quadruples them.
+// Returns {sums, faces} of the refined mesh. sums: one Map per fine vertex, from coarse vertices to
+// their weights. faces: fine triangles, each with its position in a coarse triangle. Refines
+// `times` times, or less often if the number of vertices, which each time about quadruples, would
+// reach `most`.
 function refined(vertexCount, triangles, times, most) {
   let mesh = {sums: Array.from({length: vertexCount}, (_, v) => new Map([[v, 1]])), faces: []};
   for (let t = 0; t < triangles.length / 3; ++t)

@@ -1,6 +1,6 @@
-// Shaders of the graphics card. A processor that draws by itself spends most of its time on
+// Shaders of the graphics card. Without a card, the processor draws and spends most of its time on
 // vertices. To save time there, constant data are attributes, and all vertices share one view
-// direction, as for a distant eye.
+// direction, as if the eye were far away.
 
 const tissueVertex = `
 attribute vec3 position, normal, rest, colour;

@@ -1,4 +1,4 @@
-// Solids beside the organ: the tool, the arrow of the force, marks.
+// Solids that are drawn with the organ: the tool, the arrow of the force, marks.
 
 // Returns a solid of revolution about z, with a profile of (radius, height) pairs.
 function turned(profile, around = 14) {
@@ -18,7 +18,7 @@ function turned(profile, around = 14) {
   });
   return {position, normal, index};
 }
-// Profile of a half ball, from a pole at height -radius to the equator at 0.
+// Returns the profile of a half ball, from a pole at height -radius to the equator at 0.
 function halfBall(radius) {
   const profile = [];
   for (let n = 0; n <= 8; ++n) {
@@ -27,12 +27,12 @@ function halfBall(radius) {
   }
   return profile;
 }
-// Profile of the tool if no finger was computed, so that it has no size; the centre of its tip is
-// at 0.
+// Returns the profile of a tool that is not a finger and therefore has no size of its own. The
+// centre of its round tip is at height 0.
 const thinTool = (radius, top) =>
     [...halfBall(radius), [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
-// Profile of a finger of radius 1, with the centre of its tip at 0. `palpate view` draws it with
-// the same length.
+// Returns the profile of a finger of radius 1, with the centre of its round tip at height 0.
+// `palpate view` draws a finger of the same length.
 function finger() {
   const end = halfBall(1), long = 2.2;
   return [...end, ...end.reverse().map(([r, z]) => [r, long - z])];

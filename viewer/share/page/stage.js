@@ -1,6 +1,6 @@
-// Returns the part of the window in which the organ is drawn. It is the whole window if the numbers
-// leave most of the middle free. Otherwise it is the larger of the parts beside and above the
-// numbers, below the words.
+// Returns the part of the window in which the organ is drawn. It is the whole window if the panel
+// of numbers leaves most of the middle free. Otherwise it is the part below the words, either
+// beside or above the numbers, whichever is larger.
 function stageIn(whole) {
   const top = byId('words').getBoundingClientRect().bottom;
   const numbers = byId('numbers').getBoundingClientRect();
@@ -14,9 +14,9 @@ function stageIn(whole) {
   return sizeOf(above) > sizeOf(beside) ? above : beside;
 }
 
-// Returns the pixels of the canvas per pixel of the page: at most two, and in total no more than a
-// large screen has. A processor that draws by itself has time for fewer. The organ is then less
-// sharp in a huge window, but moves.
+// Returns the pixels of the canvas per pixel of the page. It is at most two, and limits the canvas
+// to the pixels of a large screen. Without a graphics card the limit is lower, so that the organ
+// still moves smoothly in a huge window, although it is less sharp.
 function pixelsFor(whole) {
   const most = palpate.onCard ? 5120 * 2880 : 1920 * 1200;
   return Math.min(2, devicePixelRatio || 1, Math.sqrt(most / whole.width / whole.height));

@@ -1,6 +1,7 @@
-// Starts a page, and handles events that stop it.
+// Starts the page, and handles events that stop it.
 
-// Whether a processor draws; it has no time for smooth edges and many triangles.
+// Returns whether the browser draws without a graphics card. There is then no time for smooth edges
+// and many triangles.
 function drawsBySoftware() {
   const gl = document.createElement('canvas').getContext('webgl');
   const named = gl && gl.getExtension('WEBGL_debug_renderer_info');
@@ -54,7 +55,7 @@ function begin() {
         'not in the preview of a mail');
   let isOnlyTrouble = false;
   canvas.addEventListener('webglcontextlost', (event) => {
-    event.preventDefault();  // allows it to come back
+    event.preventDefault();  // allows the context to come back
     isOnlyTrouble = !palpate.trouble;
     palpate.stop(
         'the graphics of this device stopped, as they do when other programs need them: ' +

@@ -1,4 +1,4 @@
-// The drawn surface: the mesh of the field, refined `times` times.
+// The drawn surface: the coarse mesh of the field, refined `times` times.
 
 class Surface {
   constructor({vertices, triangles, touchOfTriangle}, times) {
@@ -45,7 +45,7 @@ class Surface {
       this.radius = Math.max(this.radius, length(sub(row(vertices, v), this.center)));
   }
 
-  // Interpolates values of the coarse vertices, three each, to the fine ones.
+  // Interpolates values, three per vertex, from the coarse vertices to the fine vertices.
   fine(values) {
     const out = new Float32Array(3 * this.count);
     for (let v = 0; v < this.count; ++v)
@@ -58,7 +58,7 @@ class Surface {
     return out;
   }
 
-  // Colours of wet tissue with its blotches; paler where nothing can be felt.
+  // Returns the colours of the vertices: wet tissue with blotches, paler where nothing can be felt.
   colours() {
     const out = new Float32Array(3 * this.count), {sin} = Math;
     for (let v = 0; v < this.count; ++v) {
@@ -97,8 +97,8 @@ class Surface {
   }
   setNormals() { Surface.normalsOf(this.position, this.index, this.normal); }
 
-  // Deforms the surface. shape: displacements of the coarse vertices. The point `seen` under the
-  // tool moves by p, and its surroundings within `reach` follow.
+  // Deforms the surface. shape: displacements of the coarse vertices. The drawn point `seen` under
+  // the tool moves by p; vertices within `reach` of it follow.
   deform(shape, seen, p, reach) {
     const moved = this.fine(shape);
     if (seen) {
@@ -119,8 +119,9 @@ class Surface {
     this.setNormals();
   }
 
-  // Returns the first point of the organ that a ray meets, at rest or at other positions: a point
-  // of the coarse mesh, and the drawn point there.
+  // Returns the first point of the drawn surface that a ray meets; null if there is none. The
+  // result has the corresponding point of the coarse mesh and, as `seen`, the drawn point at rest.
+  // position: positions of the drawn vertices, by default at rest.
   hit(from, along, position = this.rest) {
     let nearest = null, least = Infinity;
     for (let t = 0; t < this.faces.length; ++t) {

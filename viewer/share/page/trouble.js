@@ -1,5 +1,6 @@
-// Shows a sentence when something stops the page. This runs first, in any browser. It is written in
-// the JavaScript of 1999, so that it also works in browsers that cannot parse the rest.
+// Shows a sentence when something stops the page. This script runs first, in any browser. It is
+// written in the JavaScript of 1999, so that it also works in browsers that cannot parse the other
+// scripts.
 var palpate = {};
 
 palpate.tooOld =
@@ -7,7 +8,8 @@ palpate.tooOld =
     'or in something newer.';
 palpate.getAgain = 'get the file again, or make it again with palpate share';
 
-// Stops the page and shows only this sentence: the reason and a remedy. Later troubles are ignored.
+// Stops the page and shows only `sentence`, which states the reason and a remedy. Later calls are
+// ignored.
 palpate.stop = function(sentence) {
   if (palpate.trouble) return;
   palpate.trouble = sentence.charAt(0).toUpperCase() + sentence.substring(1) +
@@ -20,7 +22,7 @@ palpate.goOn = function() {
 };
 palpate.showTrouble = function() {
   var shown = document.getElementById('trouble');
-  if (!shown) return;  // not loaded yet: shown once it is
+  if (!shown) return;  // the document is not loaded yet; the sentence is shown once it is
   shown.innerHTML = '';
   shown.appendChild(document.createTextNode(palpate.trouble));
   document.body.className = palpate.trouble ? 'stopped' : '';

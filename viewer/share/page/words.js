@@ -1,6 +1,6 @@
 // Texts of the page: hints, and the numbers of a touch.
 class Words {
-  // reach: how deep the hand can press, m.
+  // reach: depth to which the hand can press, m.
   constructor(touches, reach) {
     this.touches = touches;
     this.digits = reach < 0.01 ? 2 : 1;

@@ -1,9 +1,9 @@
 #pragma once
 
 // Parts of C++20 that the fields use and the standard library of Emscripten 3.1.6 (libc++ 13)
-// lacks. Included before their sources when they are compiled to WebAssembly. The classical
-// algorithms do the work. If all keys differ, as ours do, the results equal those of any other
-// library.
+// lacks. Included before their sources when they are compiled to WebAssembly. They call the
+// algorithms with iterators. If all sorted keys differ, as ours do, the results are the same as
+// with any other library.
 #include <version>
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
 
@@ -26,7 +26,7 @@ constexpr auto operator<=>(const array<T, n>& a, const array<T, n>& b) {
 
 namespace ranges {
 
-/// Compares two values by a projection of them.
+/// Returns a comparison of two values by their projections.
 template <class Less, class Projection>
 constexpr auto byProjection(Less less, Projection projection) {
   return [=](const auto& a, const auto& b) {

@@ -1,5 +1,5 @@
-// The functions that a page calls: the fields, compiled to WebAssembly. Numbers are doubles in SI,
-// memory belongs to the module, and everything runs on one thread, the page's worker
+// The functions of the WebAssembly module that a page calls. Numbers are doubles in SI units.
+// Returned memory belongs to the module. Everything runs on one thread, the page's worker
 // (page/field_worker.js).
 
 #include <array>
@@ -16,8 +16,9 @@
 
 #ifdef __wasm__
 // Exceptions are not caught here. A throw writes the message to standard error, where the page
-// reads it, and ends the module. Every exception is a std::exception. The linker calls the second
-// function instead of __cxa_throw, which newer libraries of Emscripten define themselves.
+// reads it, and ends the module. Every exception here is a std::exception. The linker replaces
+// __cxa_throw by the second function (--wrap), because newer libraries of Emscripten define
+// __cxa_throw themselves.
 extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
 extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
   std::fputs(static_cast<const std::exception*>(thrown)->what(), stderr);
@@ -32,7 +33,7 @@ extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, v
 namespace palpate {
 
 #ifdef __wasm__
-/// A page has one thread for the field, and prepares in small steps.
+/// Runs the tasks one after another, because a page has only one thread for the field.
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   for (std::size_t n = 0; n < count; ++n) task(n);
 }
@@ -41,8 +42,8 @@ unsigned coreCount() { return 1; }
 
 namespace {
 
-/// The page's organ, valid from openOrgan on. Returned pointers are into it, and valid until the
-/// next call.
+/// The page's organ, set by openOrgan. The functions below return pointers into it, which are valid
+/// until the next call.
 struct OpenOrgan {
   explicit OpenOrgan(CarriedOrgan organ)
       : touched(std::move(organ)), shape(3 * touched.organ().vertices.size()) {}
@@ -64,8 +65,8 @@ std::optional<OpenOrgan> in_page;
 PALPATE_PAGE(allocate)(std::size_t size)->void* { return std::malloc(size); }
 PALPATE_PAGE(release)(void* memory)->void { std::free(memory); }
 
-/// Opens an organ from bytes of encode(), which may be released afterwards. Throws if decode()
-/// does.
+/// Opens an organ from the bytes that encode() returned; they may be released afterwards. Errors as
+/// in decode().
 PALPATE_PAGE(openOrgan)(const char* bytes, std::size_t size)->void {
   in_page.emplace(decode({bytes, size}));
 }
@@ -91,8 +92,9 @@ PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   return in_page->numbers.data();
 }
 
-/// Does one step of the preparation for a touch, or around it. Returns 0 if nothing is left to do.
-/// A place is a triangle and the barycentric weights u, v of its second and third corner.
+/// Does one step of the preparation for a touch at a place (prepare), or at other places
+/// (prepareAhead). Returns 0 if nothing is left to do. A place is a triangle and the barycentric
+/// weights u, v of the triangle's second and third corner.
 PALPATE_PAGE(prepare)(std::size_t touch, std::int32_t triangle, double u, double v)->int {
   return in_page->touched.prepare(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
@@ -100,7 +102,8 @@ PALPATE_PAGE(prepareAhead)(std::size_t touch, std::int32_t triangle, double u, d
   return in_page->touched.prepareAhead(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
 
-/// Returns ten numbers: force, error bound, energy, coverage, inside, and the place in space.
+/// Returns ten numbers: force (3), error bound, energy, coverage, inside, and the position of the
+/// place at rest (3).
 PALPATE_PAGE(evaluate)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const double* {
@@ -120,7 +123,7 @@ PALPATE_PAGE(evaluate)
   return in_page->numbers.data();
 }
 
-/// Returns the displacements of all vertices for this touch.
+/// Returns the displacements of all vertices for this touch, [vertex][axis].
 PALPATE_PAGE(shapeAt)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const float* {
