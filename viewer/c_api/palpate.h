@@ -157,7 +157,7 @@ PALPATE_API palpate_status palpate_dataset_describe(const palpate_dataset* datas
 PALPATE_API palpate_status palpate_dataset_space(const palpate_dataset* dataset, int32_t space,
                                                  palpate_space_info* info);
 /* Finds the number of an active node's space by the node's name. An unknown name is
- * PALPATE_INVALID_ARGUMENT, and the error text lists the known ones. Any thread. */
+ * PALPATE_INVALID_ARGUMENT, and the error text lists the known names. Any thread. */
 PALPATE_API palpate_status palpate_dataset_find_space(const palpate_dataset* dataset,
                                                       const char* name, int32_t* space);
 
@@ -193,7 +193,7 @@ typedef struct palpate_sample {
   double energy;       /* J, stored in the tissue; NaN if the method has none */
   /* N, bound on the error of the force, estimated to hold at 99 % of places; NaN: unknown */
   double error_bound;
-  /* 0..1, share of the interpolation that rests on solved equilibria of one solution branch */
+  /* 0..1. 1: interpolated from solved equilibria of one solution branch only; 0: extrapolated */
   double coverage;
   /* 1: the displacement is in the solved region. 0: the sample is an extrapolation. Beyond the
    * solved region its force is that of a wall that only gets stiffer */
@@ -202,9 +202,9 @@ typedef struct palpate_sample {
 } palpate_sample;
 
 /* Interpolates force and stiffness in one space. displacement: of the space's active node from its
- * rest position, m. Beyond the solved region the force continues from the edge of the region as the
- * gradient of the same energy, and only gets stiffer; the error bound grows with the added force,
- * and inside is 0. A NaN in `displacement` gives zero force and inside = 0; an infinite
+ * rest position, m. Beyond the solved region, inside is 0. The force then continues from the edge
+ * of the region as the gradient of the same energy and only gets stiffer, and the error bound grows
+ * with the added force. A NaN in `displacement` gives zero force and inside = 0; an infinite
  * displacement counts as a very long one. Neither is an error, so that a bad reading does not stop
  * a loop. Any thread, real time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
@@ -250,9 +250,9 @@ typedef struct palpate_area_sample {
   double error_bound; /* as in palpate_sample; so is coverage */
   double coverage;
   /* 1: `at` is a touchable place of the area, near the queried one, and p is within the region
-   * solved there. 0: the sample is computed for `at` all the same, but is not reliable. The queried
-   * place is too far from `at` (see distance), no site is near, the finger rests on fixed nodes, or
-   * the force is a continuation as in palpate_sample */
+   * solved there. 0: the sample is computed for `at` all the same, but is not reliable. The reason
+   * is one of these: the queried place is too far from `at` (see distance), no site is near, the
+   * finger rests on fixed nodes, or the force is a continuation as in palpate_sample */
   int32_t inside;
   /* surface triangle that contains `at`; -1, with `at` zero, if the input was not finite */
   int32_t triangle;
@@ -269,7 +269,7 @@ PALPATE_API palpate_status palpate_dataset_area_count(const palpate_dataset* dat
 PALPATE_API palpate_status palpate_dataset_area(const palpate_dataset* dataset, int32_t area,
                                                 palpate_area_info* info);
 /* Finds the number of an area by its name. An unknown name is PALPATE_INVALID_ARGUMENT, and the
- * error text lists the known ones. Any thread. */
+ * error text lists the known names. Any thread. */
 PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* dataset,
                                                      const char* name, int32_t* area);
 
@@ -429,7 +429,7 @@ typedef struct palpate_profile {
 } palpate_profile;
 
 /* Finds a device by name: "touch", "omni", "falcon", "omega", ... An unknown name is
- * PALPATE_INVALID_ARGUMENT, and the error text lists all. Any thread. */
+ * PALPATE_INVALID_ARGUMENT, and the error text lists all known names. Any thread. */
 PALPATE_API palpate_status palpate_device_profile(const char* name, palpate_profile* device);
 
 /* Limits the force between a contact and a device. A guard limits the magnitude and rate of the

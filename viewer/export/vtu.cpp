@@ -109,7 +109,7 @@ std::string vtuBytes(const Grid& grid) {
   text += "<Points>\n";
   text += arrays.element(" Name=\"Points\" unit=\"m\" NumberOfComponents=\"3\"", grid.points);
   text += "</Points>\n" + cellsOf(grid, arrays) + "</Piece>\n</UnstructuredGrid>\n";
-  // No line break may separate the mark and the bytes.
+  // No line break may separate the mark `_` and the bytes.
   return text + "<AppendedData encoding=\"raw\">_" + arrays.appended() +
          "\n</AppendedData>\n</VTKFile>\n";
 }

@@ -139,7 +139,7 @@ class AreaField {
   };
   /// Edge of the answered region at a place along one direction.
   struct PlacedEdge : RegionEdge {
-    /// Derivatives by the place: m/m and N/m per m.
+    /// m/m and N/m per m, derivatives by the place s.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
   };
   /// A collocation point within reach of a place, with the leaf of its tree that contains a

@@ -14,8 +14,8 @@ inline constexpr int place_quantities = 10;
 struct HermiteWeights {
   /// place_quantities rows; place_quantities columns per site.
   Eigen::MatrixXf coefficients;
-  /// Standard error of the energy at the place, relative to its value without any site: the power
-  /// function of the kernel (Wu and Schaback 1993). 0 at a site.
+  /// Standard error of the interpolated energy at the place, relative to the standard error without
+  /// any site: the power function of the kernel (Wu and Schaback 1993). 0 at a site.
   double power = 0;
 };
 

@@ -29,7 +29,7 @@ struct SiteFits {
 /// and third derivatives by p are exact only if they agree with the points around
 /// (LocalFits::judge). Higher derivatives are fitted.
 struct SiteJets {
-  /// `space`: a finger's. Error if none of its points is solved.
+  /// `space`: the space of a finger. Error if none of its points is solved.
   SiteJets(const SpaceTable& space, SiteFits& fits)
       : SiteJets(CellData(space, fits.energy), space, fits) {}
 

@@ -19,8 +19,9 @@ class TricubicField : public CellField {
   /// Error if no point of the space is solved.
   explicit TricubicField(const SpaceTable& space) : TricubicField(CellData(space)) {}
 
-  /// Derivative (a, b, c) of the force, N / m^(a + b + c), in rows 0 to 2 of column a + 2 b + 4 c.
-  /// Row 3 is zero: it pads columns to the length of a register.
+  /// Derivatives of the force at a slot, N / m^(a + b + c). Column a + 2 b + 4 c has the derivative
+  /// (a, b, c) of the three force components in rows 0 to 2. Row 3 is zero and pads the columns to
+  /// the length of a register.
   using Node = Eigen::Matrix<double, 4, 8>;
 
  protected:

@@ -38,7 +38,7 @@ function finger() {
   return [...end, ...end.reverse().map(([r, z]) => [r, long - z])];
 }
 // Returns a matrix that places a solid at `at`, with its z axis along `direction`. wide, long:
-// scales.
+// scale factors across and along that axis.
 function placed(at, direction, wide = 1, long = 1) {
   const z = unit(direction), x = unit(cross(Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], z)),
         y = cross(z, x);

@@ -82,8 +82,8 @@ PALPATE_PAGE(touchOfTriangle)()->const std::int32_t* {
 }
 PALPATE_PAGE(touchCount)()->std::size_t { return in_page->touched.organ().touches.size(); }
 
-/// Returns five numbers: radius of the finger (0: none), radius of the workspace, and the rest
-/// position.
+/// Returns five numbers, m: radius of the finger (0: none), radius of the workspace, and rest
+/// position (3).
 PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   const CarriedOrgan& organ = in_page->touched.organ();
   const CarriedTouch& carried = organ.touches[touch];
