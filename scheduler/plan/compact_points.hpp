@@ -25,10 +25,9 @@ using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cau
 
 /// The points of one configuration space, stored compactly, with running counts by kind.
 ///
-/// A point takes about 180 bytes, and a finger's point 700 more. A PointRecord takes 800, nearly
-/// all of them for fingers. A build may have ten million points. The counts cost nothing to read.
-///
-/// Copyable, one thread at a time.
+/// A build may have ten million points. A point takes about 180 bytes, and 700 more if the tool is
+/// a finger. A PointRecord always takes 800 bytes, most of them for data that only fingers have.
+/// Reading a count takes constant time.
 class CompactPoints {
  public:
   /// Starts with `uniform` unknown points. Points added later are counted separately (added()).
@@ -41,11 +40,11 @@ class CompactPoints {
   std::int32_t parent(std::int32_t n) const { return at(n).parent; }
   std::int32_t factorizations(std::int32_t n) const { return at(n).factorizations; }
   const ContentId& fields(std::int32_t n) const { return at(n).fields; }
-  /// Without the slopes that only a finger has.
+  /// Returns the equilibrium without the slopes that only a finger has.
   const ToolEquilibrium& equilibrium(std::int32_t n) const { return at(n).equilibrium; }
-  /// The complete record except Cost::seconds.
+  /// Returns the complete record except Cost::seconds.
   PointRecord record(std::int32_t n) const;
-  /// Failed attempts in the order in which they were made.
+  /// Returns the failed attempts in the order in which they were made.
   const std::vector<FailedAttempt>& attempts(std::int32_t n) const;
 
   void solve(std::int32_t n, const PointRecord& found);
@@ -67,7 +66,7 @@ class CompactPoints {
     std::int32_t slopes = -1;  ///< index in slopes_; -1: all zero
     Tag tag = Tag::unknown;
     Cause cause = Cause::none;
-    bool tried = false;  ///< an attempt failed
+    bool tried = false;  ///< at least one attempt failed
   };
   /// Points per page. Pages avoid moving ten million points to add one.
   static constexpr std::int32_t page = 4096;

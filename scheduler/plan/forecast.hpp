@@ -6,24 +6,28 @@
 
 namespace palpate {
 
-/// Estimated number of points and probes still to be tried.
+/// Estimated number of attempts still to be made, at points and probes.
 struct Forecast {
-  double ready = 0;     ///< open transitions: waiting or being solved; exact
-  double expected = 0;  ///< points that will become ready or that refinement adds; estimated
+  double ready = 0;     ///< open transitions, which wait or are being solved; exact
+  double expected = 0;  ///< attempts that will become ready later; estimated
 };
 
 inline constexpr std::int64_t most_forecast = 50000;
 
 /// Estimates the remaining work of a build.
 ///
-/// An unknown lattice point counts with the probability that it is tried, which follows from the
-/// straight path to it from rest. The probability is zero behind a point where solving ended, and
-/// falls with the distance from the last known point. A space is expected to grow by refinement as
-/// the finished ones did (by a fifth while few are finished). Once its own refinement has begun,
-/// the forecast of its cells is used.
+/// Each unknown lattice point is counted with the probability that it will be tried. This
+/// probability follows from the points on the straight line between rest and the point: the
+/// outermost one that was tried decides. If no transition may start from that one, the probability
+/// is zero. Otherwise it falls with the distance from there.
 ///
-/// Costs about 0.2 us per unknown point. With more than most_forecast lattice points an evenly
-/// spaced sample is evaluated, and each sampled point stands for those in between.
+/// A space is expected to grow by refinement as much as the finished spaces did (by a fifth while
+/// few are finished). Once refinement of a space has begun, its own forecast is used
+/// (Refinement::later).
+///
+/// Costs about 0.2 us per unknown point. If there are more than most_forecast lattice points, only
+/// an evenly spaced sample is evaluated; each sampled point then stands for the points up to the
+/// next one.
 Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans);
 
 }  // namespace palpate

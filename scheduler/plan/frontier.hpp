@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// A solve of point `target` that starts from point `parent`; both are lattice numbers. The origin
-/// is its own parent: it is solved from the rest state.
+/// A solve of point `target` that starts from the equilibrium of point `parent`. Both are point
+/// numbers of the lattice. The origin is its own parent, because it is solved from the rest state.
 struct Transition {
   std::int32_t target = -1;
   std::int32_t parent = -1;
@@ -20,13 +20,14 @@ constexpr Tag tagOf(double force, double max_force) {
   return force <= max_force ? Tag::expandable : Tag::terminating;
 }
 
-/// Attempts at a point before it is given up. Round 0 spends half of them, rounded up: its parents
-/// all lie on one side of the point and tend to fail together. Later rounds try parents on any
-/// side. A point has 26 neighbours, and a failing transition costs as much as ten converging ones.
+/// Number of failed attempts after which a point is given up. Round 0 spends half of them, rounded
+/// up, because its parents all lie on one side of the point and tend to fail together. Later rounds
+/// try parents on any side. The limit is lower than the number of neighbours, 26, because a failing
+/// transition costs as much as ten converging ones.
 inline constexpr int max_attempts_per_point = 8;
-/// The same limit for a finger. A point that cannot be reached from three parents mostly lies
-/// behind a fold. A fourth parent reached one in twelve of these points, and the attempts from the
-/// fourth on took a quarter of a build.
+/// The same limit for a finger. A point that cannot be reached from three parents usually lies
+/// behind a fold. A fourth parent reached only one in twelve of these points, while the fourth and
+/// later attempts took a quarter of the time of a build.
 inline constexpr int max_attempts_of_finger = 3;
 
 /// Returns the limit that applies to the points of this patch.
@@ -35,19 +36,22 @@ constexpr int maxAttempts(const ActivePatch& patch) {
 }
 
 /// Decides which transitions of one uniform lattice are ready, from the lattice and the recorded
-/// results of its points alone. It uses no clock, no workers and no order of arrival. Tags, parents
-/// and attempts are therefore a function of the outcomes of the transitions. A restart that records
-/// the known outcomes again continues exactly where the last run stopped.
+/// results of its points alone. Neither time, nor workers, nor the order of arrival has an
+/// influence. Tags, parents and attempts are therefore a function of the outcomes of the
+/// transitions. A restart that records the known outcomes again continues exactly where the last
+/// run stopped.
 ///
 /// - The origin is solved first.
-/// - Round 0: the candidates of point x are its neighbours with a smaller squared norm, in the
-///   order of Lattice::neighbours. An expandable candidate is tried. A candidate that is not
-///   settled yet makes x wait. Terminating, unreached and already tried candidates are skipped.
-///   When no candidate is left, or half of the attempts are spent, x is settled as unreached.
+/// - Round 0: the candidates for the parent of a point x are its neighbours with a smaller squared
+///   norm, in the order of Lattice::neighbours. A transition from the first expandable candidate
+///   becomes ready. If a candidate before it is not settled yet, x waits for that candidate.
+///   Candidates that are terminating, unreached or already tried are skipped. When no candidate is
+///   left, or half of the attempts are spent, x is settled as unreached.
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all
-///   neighbours that were expandable when the round began and that it has not tried. They are tried
-///   one after the other until one succeeds or the attempts are spent.
-/// - The frontier is complete when a round has nothing to try. Unreached points have then failed.
+///   neighbours that were expandable when the round began and from which it has not been tried.
+///   They are tried one after the other until one succeeds or the attempts are spent.
+/// - The frontier is complete when a round has nothing to try. Points that are still unreached have
+///   then failed.
 ///
 /// The caller owns the lattice, tags and attempts and passes them to each call. Copyable value, one
 /// thread at a time.
@@ -70,7 +74,7 @@ class Frontier {
   /// solved or has one more failed attempt. Throws if the transition is not open.
   void record(const Transition& transition, const Known& known);
 
-  /// True when no transition will become ready any more. Points that are still unknown have then
+  /// True when no further transition will become ready. Points that are still unknown have then
   /// failed.
   bool complete() const { return complete_; }
   /// Number of transitions that are ready and not recorded.
@@ -82,7 +86,8 @@ class Frontier {
   struct Point {
     Phase phase = Phase::waiting;
     std::int32_t round_reached = 0;
-    std::int32_t blocker = -1;  ///< open: the parent being tried; waiting: the point it waits for
+    /// Parent from which an open point is tried, or point that a waiting point waits for.
+    std::int32_t blocker = -1;
   };
 
   void makeReady(std::int32_t target, std::int32_t parent);

@@ -35,17 +35,17 @@ inline constexpr int deaths_before_aside = 5;
 /// scheduler.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
-  int suspected = 0;           ///< deaths of workers that had it next in order or named it
+  int suspected = 0;           ///< deaths of workers that named it or had it next in order
   int deaths = 0;              ///< deaths that are attributed to it
   auto operator<=>(const Losses&) const = default;
 };
 
 /// Ready transitions and the workers that solve them.
 ///
-/// A transition waits, is leased to one worker, and is finished. The leases of a lost worker wait
-/// again. A transition that killed several workers is set aside: it is not handed out before
-/// retry(), but its result is still accepted. The grouping into jobs depends on timing; results
-/// must not.
+/// A transition first waits, is then leased to one worker, and is finished when its result arrives.
+/// The transitions of a lost worker wait again. A transition that killed several workers is set
+/// aside: it is not handed out before retry(), but its result is still accepted. The grouping into
+/// jobs depends on timing; results must not.
 ///
 /// A finished transition can be solved again as a check, which only some workers may take.
 ///
@@ -60,11 +60,12 @@ class Leases {
   /// out first.
   void setPriority(std::uint32_t space, std::int32_t priority);
 
-  /// Adds a transition that became ready, with its losses in earlier runs. It must be new.
+  /// Adds a transition that became ready, with its losses in earlier runs. It must not have been
+  /// added before.
   void add(const ResultKey& key, const Losses& before = {});
-  /// Leases the next job to `worker`: targets around one start, highest priority first, then
-  /// nearest to the origin. The job has at most `most` targets, and few enough that all `workers`
-  /// workers get some. Returns none if nothing waits.
+  /// Leases the next job to `worker`: targets with the same start, from the space of highest
+  /// priority, nearest to the origin. The job has at most `most` targets, and few enough that each
+  /// of `workers` workers gets some. Returns none if nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
                                  std::size_t most = max_targets_per_job);
   /// Removes a transition that has an outcome, no matter which worker found it.
@@ -73,21 +74,21 @@ class Leases {
   /// Queues a finished transition to be solved again. It must not be queued already; finish() ends
   /// the check.
   void addCheck(const ResultKey& key);
-  /// Leases a job of one waiting check that `may` accepts to `worker`; none if there is no such
-  /// check.
+  /// Leases one waiting check that `may` accepts to `worker`, as a job of its own. Returns none if
+  /// there is no such check.
   using May = std::function<bool(const ResultKey&)>;
   std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
   const std::set<ResultKey>& waitingChecks() const { return waiting_checks_; }
 
-  /// Ends the leases of a worker without blaming any transition. They wait again.
+  /// Ends the leases of a worker without blaming any transition. Its transitions wait again.
   void giveBack(const std::string& worker);
-  /// The last target in a worker's order; none if the worker holds nothing.
+  /// The target that a worker will solve last. lastOf() returns none if the worker holds nothing.
   struct Last {
     std::uint32_t attempts = 0;  ///< hand-outs so far
     bool is_check = false;
   };
   std::optional<Last> lastOf(const std::string& worker) const;
-  /// True if only checks wait or are being solved.
+  /// True if no transition except checks waits or is being solved.
   bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends the lease that lastOf() describes. The worker must hold one.
   void giveBackLast(const std::string& worker);
@@ -101,8 +102,7 @@ class Leases {
   /// Blames the suspects for a death of a worker, after its leases were ended. Returns the suspects
   /// that are still open, with their updated losses.
   std::vector<std::pair<ResultKey, Losses>> blame(const Suspects& suspects);
-  /// True if only set-aside transitions and waiting checks are left: nothing else waits, and
-  /// nothing is being solved.
+  /// True if only set-aside transitions and waiting checks are left, and nothing is being solved.
   bool stuck() const { return !entries_.empty() && waiting_count_ == 0 && leased_count_ == 0; }
   /// Returns the set-aside transitions, sorted.
   std::vector<ResultKey> aside() const;
@@ -112,7 +112,8 @@ class Leases {
   std::size_t waiting() const { return waiting_count_; }
   /// True if everything that was added is finished.
   bool empty() const { return entries_.empty(); }
-  /// Open transitions by job, in the order in which they are to be solved. No job is empty.
+  /// The open transitions of one worker by job, in the order in which it solves them. No job is
+  /// empty.
   using Jobs = std::map<std::uint64_t, std::vector<ResultKey>>;
   /// Returns the jobs of a worker.
   const Jobs& jobsOf(const std::string& worker) const;
@@ -129,13 +130,14 @@ class Leases {
     std::uint64_t job = 0;
     bool is_check = false;
   };
-  /// Sorts the origin first: points near it make most others ready.
+  /// Orders points by their distance from the origin, because points near it make most others
+  /// ready.
   struct NearestFirst {
     bool operator()(const LatticePoint& a, const LatticePoint& b) const {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
     }
   };
-  /// Key of the waiting transitions; they are handed out in its order.
+  /// The start that a set of waiting transitions have in common. Sets are handed out in this order.
   struct Start {
     std::int32_t below_highest = 0;  ///< the negative priority of the space
     std::int64_t distance = 0;       ///< squared distance of the parent from the origin

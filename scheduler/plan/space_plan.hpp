@@ -10,54 +10,55 @@
 
 namespace palpate {
 
-/// The stage of a plan. A stage begins when the one before it has nothing open.
+/// The stage of a plan. A stage begins when the stage before it has no open transition left.
 enum class Stage : std::uint8_t {
-  lattice,   ///< the uniform lattice, by Frontier
+  lattice,   ///< points of the uniform lattice (Frontier)
   branches,  ///< both ends of inconsistent edges, each solved from the other
   cells,     ///< points that refinement asked for
-  probes,    ///< held-out positions
+  probes,    ///< held-out positions, which measure the error
   complete,
 };
 
 /// Returns "lattice", "branches", "cells", "probes" or "complete".
 std::string_view name(Stage stage);
 
-/// Steps of a transition in the stage branches. Equal small steps follow a branch where one long
-/// step may jump to another.
+/// Number of equal steps into which a transition is divided in the stage branches. Small steps
+/// follow a branch of equilibria where one long step may jump to another branch.
 inline constexpr std::int32_t steps_of_retry = 4;
 /// Limit on the consecutive rounds of the stage branches.
 inline constexpr int max_branch_rounds = 8;
 
-/// Returns the row of a point that was solved from `parent`. `fields` identifies its nodal fields;
-/// `max_force` is the workspace's, N.
+/// Returns the row of a point that was solved from `parent`. `fields` identifies the point's nodal
+/// fields. `max_force` is workspace.max_force, N.
 PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
                         double max_force);
 
-/// Decides which transitions one active node's build solves next, from the scene and the recorded
-/// outcomes alone. It uses no clock, no workers and no order of arrival. The configuration space is
-/// therefore a function of the outcomes of the transitions. A restart that records the known
-/// outcomes again continues exactly where the last run stopped.
+/// Decides which transitions of one active node are solved next, from the scene and the recorded
+/// outcomes alone. Neither time, nor workers, nor the order of arrival has an influence. The
+/// configuration space is therefore a function of the outcomes of the transitions. A restart that
+/// records the known outcomes again continues exactly where the last run stopped.
 ///
 /// - lattice: the uniform lattice (Frontier).
 /// - branches: each end of an inconsistent edge (inconsistentEdges) is solved again from the other
-///   end, in steps_of_retry steps. The equilibrium of least energy found for a point is kept: a
-///   hand that comes from rest ends in that state. This is repeated while a point changes, at most
-///   max_branch_rounds times.
-/// - cells: an adaptive scene asks nextRefinement for points. Each is tried from the nearest
-///   expandable points, one after the other, in at most maxAttempts() attempts. Then branches and
-///   cells follow again, until the accuracy is reached or nothing can improve it.
+///   end, in steps_of_retry steps. A point keeps the equilibrium of least energy that was found for
+///   it, because a hand that comes from rest ends in that state. This is repeated as long as some
+///   point changes, at most max_branch_rounds times.
+/// - cells: only in adaptive scenes. nextRefinement asks for points, and each point is tried from
+///   the nearest expandable points, one after the other, in at most maxAttempts() attempts. Then
+///   branches and cells follow again, until the accuracy is reached or nothing can improve it.
 /// - probes: probesIn() held-out positions of the ball (probePositions), tried like the points of
 ///   cells.
 ///
-/// If a finger's area is measured (ActivePatch::probe), the lattice is the origin alone. The only
-/// probe is reached from the origin in steps of about half a spacing.
+/// A plan with ActivePatch::probe only measures the error at one place of a finger's area. Its
+/// lattice is the origin alone, and its only probe is reached from the origin in steps of about
+/// half a spacing.
 ///
 /// Points are numbered as in the lattice; probes follow. Copyable, one thread at a time.
 class SpacePlan {
  public:
   SpacePlan(const Problem& problem, std::uint32_t space);
 
-  /// Returns a transition of this plan; none if one of its points does not exist (yet).
+  /// Returns a transition of this plan; none if the plan does not have both points (yet).
   std::optional<Transition> find(const ResultKey& key) const;
   ResultKey keyOf(const Transition& transition) const;
 
@@ -74,15 +75,15 @@ class SpacePlan {
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
-  /// Number of stages begun since the lattice; a stage that begins again counts again. Everything
-  /// that was open before a stage began has been recorded.
+  /// Number of stages begun since the lattice; a stage that begins again counts again. Every
+  /// transition that was open before a stage began has been recorded.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Number of transitions that are ready and not recorded.
   std::int32_t openCount() const;
   /// False when refinement will add no more points.
   bool mayGrow() const { return may_grow_; }
-  /// Likely number of points that refinement will ask for after the points of its last request
+  /// Number of points that refinement will probably ask for after its last request
   /// (Refinement::later); none before its first request.
   const std::optional<double>& laterPoints() const { return later_points_; }
 
@@ -91,8 +92,8 @@ class SpacePlan {
   std::int32_t size() const { return positions_.size(); }
   /// Number of the first probe, one past the last point.
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
-  /// Recorded results of points and probes. A point is failed as soon as nothing more will be
-  /// tried.
+  /// Recorded results of points and probes. A point is failed as soon as no further attempt will be
+  /// made.
   const CompactPoints& points() const { return points_; }
   PointRecord point(std::int32_t number) const { return points_.record(number); }
   /// Failed attempts in the order in which they were made.
@@ -102,11 +103,11 @@ class SpacePlan {
 
   const ActivePatch& patch() const { return problem_->active[space_]; }
   const std::vector<LatticeCell>& splits() const { return splits_; }
-  /// Returns a copy of the rows of the dataset as far as they are known (PlanRows).
+  /// Returns a copy of the dataset's rows (PlanRows) as far as they are known.
   SpaceTable table() const;
 
  private:
-  /// The points from which a target is tried.
+  /// The parents from which a target is tried.
   struct Pursuit {
     std::vector<std::int32_t> parents;
     std::size_t tried = 0;
@@ -132,9 +133,10 @@ class SpacePlan {
   std::vector<LatticeCell> splits_;
   CompactPoints points_;
   Frontier frontier_;  ///< for the stage lattice
-  /// Other equilibria of points that this round of branches found.
+  /// Further equilibria that the current round of branches found, by point.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
-  /// Recorded transitions that neither failed nor gave a point its current equilibrium.
+  /// Recorded transitions that converged, but to another equilibrium than their target had, or to
+  /// one that was replaced later by one of less energy.
   std::set<Transition> passed_over_;
   std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; open work after the stage lattice
   std::vector<Transition> ready_;
@@ -175,9 +177,9 @@ SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 /// SpacePlan::find() returns none.
 std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
-/// Returns `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts'
-/// R3). No lattice can have a point there. The coordinates are those of `lattice`, which must have
-/// divisions. With `part`, only positions in that part of the ball.
+/// Returns `count` positions of the workspace ball for probes, from a low-discrepancy sequence
+/// (Roberts' R3). No lattice point can lie at one of them. The coordinates are those of `lattice`,
+/// which must have divisions. With `part`, returns only positions in that part of the ball.
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part = {});
 

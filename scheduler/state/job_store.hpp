@@ -5,18 +5,18 @@
 
 namespace palpate {
 
-/// The state of a build in its directory, for the one scheduler that works there: the journal with
-/// the results, and the tables.
+/// The stored state of one build: the journal, which holds the results, and the tables. Only one
+/// scheduler at a time may open it.
 ///
-/// append() and commit() are the only way to record a result. An acknowledgement promises that
-/// commit() returned: the journal is synced then. Nothing that goes into a dataset is read from the
+/// A result is recorded by append() and then commit(), which syncs the journal. It may be
+/// acknowledged only after commit() has returned. Nothing that goes into a dataset is read from the
 /// tables. Errors of the journal or the tables are fatal for the scheduler, except DamagedRecord.
 /// One thread.
 class JobStore {
  public:
   /// Opens the state in `directory`, which must outlive this object, or creates it. Throws (bad
-  /// input) if it belongs to another version or another build; the message names the scene of that
-  /// build. Damaged records are logged and computed again.
+  /// input) if the state belongs to another version or another build; the message names the scene
+  /// of that build. Logs damaged records; their results are computed again.
   JobStore(const StateDirectory& directory, const Problem& problem,
            std::uint64_t segment_bytes = Journal::default_segment_bytes);
 
@@ -27,16 +27,17 @@ class JobStore {
   /// Returns the results of earlier runs, recorded in plans. Call once.
   Replay takeReplay() { return std::move(found_.replay); }
   std::size_t found() const { return found_.results; }  ///< number of results of earlier runs
-  /// Machines that gave the results of earlier runs: key and host.
+  /// Key and host of each machine that computed results of earlier runs.
   const auto& machines() const { return found_.machines; }
-  double longestSolve() const { return found_.longest_solve; }  ///< in earlier runs, s
+  /// longest solve of earlier runs, s
+  double longestSolve() const { return found_.longest_solve; }
   /// True if part of the results of earlier runs was lost or dropped.
   bool damaged() const { return !found_.recorded.damage.empty(); }
 
   /// Workers, machines and keys whose results are neither accepted nor kept.
   const std::vector<KeptOut>& keptOut() const { return kept_out_; }
-  /// Excludes more workers. Their results are dropped when the directory is opened next, so this
-  /// object must not be used afterwards.
+  /// Excludes more workers. The next JobStore that opens the directory drops their results; do not
+  /// use this one afterwards.
   void keepOut(std::span<const KeptOut> liars) { tables_.keepOut(liars); }
 
   /// Appends a result that is not recorded yet. It is recorded once commit() returns.
@@ -46,13 +47,13 @@ class JobStore {
 
   std::size_t recorded() const { return found_.recorded.where.size(); }  ///< number of results
   bool knows(const ResultKey& key) const { return found_.recorded.where.contains(key); }
-  /// Returns a recorded result; none if there is none with this key. Throws DamagedRecord if it
-  /// cannot be read any more.
+  /// Returns the record of this result; none if the result is not recorded. Throws DamagedRecord if
+  /// the record can no longer be read.
   std::optional<JournalRecord> find(const ResultKey& key) const;
-  /// Returns a recorded result without its payload; none, with a log line, if it cannot be read any
-  /// more.
+  /// Returns a recorded result without its payload. If the record can no longer be read, logs that
+  /// and returns none.
   std::optional<wire::Result> read(const ResultKey& key) const;
-  /// Marks a record that cannot be read. The next scheduler computes it again.
+  /// Marks an unreadable record as dropped. The next scheduler computes its result again.
   void drop(const JournalPosition& damaged);
   /// Removes recorded results, which must then be computed again.
   void drop(const std::vector<ResultKey>& keys);

@@ -35,8 +35,8 @@ struct JournalRecord {
   std::string payload;
 };
 
-/// A record cannot be read back as it was written. Only that record is lost: it can be dropped
-/// (Journal::drop) and computed again. The message names file and offset.
+/// Thrown if a record cannot be read back as it was written. Only that record is lost: it can be
+/// dropped (Journal::drop) and its result computed again. The message names file and offset.
 class DamagedRecord : public Error {
  public:
   DamagedRecord(const JournalPosition& where, const std::string& message)
@@ -52,7 +52,7 @@ struct JournalGap {
   enum class Kind : std::uint8_t {
     damaged,  ///< no record can be read there
     missing,  ///< the whole segment is missing
-    dropped,  ///< was damaged or missing and is marked as such; no record is searched there again
+    dropped,  ///< was damaged or missing, and is now marked so that no scan finds a record there
   };
   Kind kind = Kind::damaged;
   JournalPosition where;  ///< length 0: the whole segment
@@ -65,14 +65,15 @@ struct JournalScan {
     JournalPosition where;
     std::string header;
   };
-  /// Records whose header is whole, in the order of appending. In the last segment the payload is
-  /// whole too. Empty if a visitor receives the records instead.
+  /// Records with an undamaged header, in the order of appending. Payloads are checked only in the
+  /// last segment. Empty if scan() passed the records to a visitor instead.
   std::vector<Found> records;
   /// Gaps between the records. The bytes behind the last record are no gap: a crash may leave them.
   std::vector<JournalGap> gaps;
-  /// Records of the last segment whose header is whole and whose payload is not, with records
-  /// behind them: the disk kept only part of an unsynced write. They must be dropped before the
-  /// next segment is started, because only headers are checked in older segments.
+  /// Records of the last segment that have an undamaged header, a damaged payload, and further
+  /// records behind them. A crash leaves such records if only part of an unsynced write reached the
+  /// disk. They must be dropped before the next segment is started, because in older segments a
+  /// scan checks only the headers.
   std::vector<JournalPosition> torn;
   JournalEnd end;  ///< behind the last record
 };
@@ -90,25 +91,25 @@ class SegmentFile;  // one segment, open for reading
 /// - header;
 /// - payload.
 ///
-/// Reading depends only on these files, and may go on while a scheduler appends. The segment that
-/// was read last stays open. One thread.
+/// Reads only these files, even while a scheduler appends to them. Keeps the segment that it read
+/// last open. One thread.
 class JournalReader {
  public:
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// Finds all records, whatever lies between them. Reads every header, and all of the last
-  /// segment, where a crash may leave half a record. Throws (bad input) if an older Palpate wrote
-  /// the journal.
+  /// Finds all records, even between damaged bytes. Reads the header of every record. In the last
+  /// segment, where a crash may leave a partial record, reads the payloads too. Throws (bad input)
+  /// if an older Palpate wrote the journal.
   JournalScan scan() const;
-  /// The same without keeping the records, which may not fit into memory. `header` is valid only
-  /// during the call.
+  /// Does the same, but passes each record to `visit` instead of storing it, because the records
+  /// may not fit into memory. `header` is valid only during the call of `visit`.
   using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
   JournalScan scan(const Visit& visit) const;
   /// Reads a record. Throws DamagedRecord if it is missing or differs from what was written.
   JournalRecord read(const JournalPosition& position) const;
   /// Reads the header of a record; throws like read().
   std::string readHeader(const JournalPosition& position) const;
-  /// Returns the current total size of the segments with smaller numbers.
+  /// Returns the current total size, in bytes, of the segments with smaller numbers.
   std::uint64_t bytesBefore(std::uint32_t segment) const;
   /// Returns the numbers of the existing segments, sorted.
   std::vector<std::uint32_t> segments() const;
@@ -123,21 +124,21 @@ class JournalReader {
   mutable std::shared_ptr<const SegmentFile> latest_;
 };
 
-/// Appends results to the journal. A record counts once sync() has returned. One thread. After an
-/// error of a write or a sync the journal must not be used: it is unknown which part of the failed
+/// Appends results to the journal. A record is durable once sync() has returned. One thread. After
+/// a failed write or sync the journal must not be used: it is unknown which part of the failed
 /// write the kernel kept.
 class Journal : public JournalReader {
  public:
   static constexpr std::uint64_t default_segment_bytes = 256ull << 20;
 
   /// Opens the journal for appending at `end` (JournalScan::end). Truncates the segment there,
-  /// which removes at most half a record. Syncs all segments, so that records and marks of a killed
-  /// run count from now on.
+  /// which removes at most a partial record. Syncs all segments, so that records and drop marks
+  /// that a killed run left unsynced become durable.
   Journal(std::filesystem::path directory, JournalEnd end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
-  /// Appends a record, which may stay in memory until sync(). A full segment is synced and closed
-  /// first.
+  /// Appends a record. The record may stay in memory until sync(). If the open segment is full,
+  /// syncs and closes it first.
   JournalPosition append(std::string_view header, std::string_view payload);
   /// Writes and syncs (fdatasync) everything that was appended. Everything before end() then
   /// survives a crash. On failure, the bytes appended since the last sync are cut off.
@@ -146,8 +147,8 @@ class Journal : public JournalReader {
   /// Size of all segments up to end().
   std::uint64_t bytes() const { return closed_bytes_ + end_.offset; }
 
-  /// Marks damaged records, and gaps without a readable record, so that no later scan reads a
-  /// result there. Durable on return; each segment is synced once.
+  /// Marks damaged records and unreadable gaps as dropped, so that no later scan finds a record
+  /// there. The marks are durable on return. Syncs each segment once.
   void dropAll(std::vector<JournalPosition> positions);
   void drop(const JournalPosition& position) { dropAll({position}); }
   /// Creates empty files in place of missing segments, which marks those as dropped.
@@ -163,11 +164,11 @@ class Journal : public JournalReader {
 
   std::uint64_t segment_bytes_;
   JournalEnd end_;
-  std::uint64_t closed_bytes_;          ///< of the segments before the open one
+  std::uint64_t closed_bytes_;          ///< total size of the segments before the open one
   std::uint64_t synced_;                ///< bytes of the open segment that survive a crash
   std::vector<std::uint32_t> present_;  ///< segments found at opening or created since
   FileDescriptor file_;                 ///< the open segment
-  /// The last bytes before end_, not in the file yet: one write serves many records.
+  /// Appended bytes that are not in the file yet. One write then covers many records.
   std::string pending_;
 };
 

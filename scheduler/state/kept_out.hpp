@@ -9,17 +9,18 @@
 
 namespace palpate {
 
-/// Workers whose results are no longer accepted or kept, because one of their results was wrong:
-/// other workers agreed on a different one.
+/// Excludes some workers from a build: their results are no longer accepted or kept. The reason is
+/// a wrong result, on a different version of which other workers agreed, or two different results
+/// of one transition.
 struct KeptOut {
-  /// The workers that are excluded.
+  /// The set of workers that is excluded.
   enum class Kind : std::uint8_t {
     process,  ///< one worker, identified by its id
-    machine,  ///< all workers with this host and this key, which may be empty
+    machine,  ///< all workers with this host and this key (the key may be empty)
     key,      ///< all workers with this key
   };
   Kind kind = Kind::process;
-  wire::Provenance who;  ///< giver of the wrong result
+  wire::Provenance who;  ///< worker that gave the wrong result
   std::string reason;    ///< human-readable
 
   bool covers(const wire::Provenance& giver) const {

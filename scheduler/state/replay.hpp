@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Returns the id of a result's nodal fields; all zero for a failure.
+/// Returns the id of a result's nodal fields; all zero for a failed solve.
 ContentId fieldsOf(const wire::Result& result);
 
 /// Position of each recorded result in the journal. About 90 bytes per result; there may be ten
@@ -27,47 +27,54 @@ struct RecordedResults {
   std::vector<std::string> damage;
 };
 
-/// Receives a recorded result: the worker's message, without its lease and with its giver, and the
-/// outcome in it, without fields.
+/// Receives one recorded result. The message is the one that the worker sent, without its lease but
+/// with the worker's provenance. The outcome is decoded from the message and holds no nodal fields.
 using TakeResult = std::function<void(const ResultKey&, const wire::Result&, const Outcome&)>;
-/// Reads the journal in `directory`. Calls `take` with the first result of each key, in the order
-/// of recording, since they may not all fit into memory. `expected` results get room at once; the
-/// index grows by itself. Throws (bad input) if the journal belongs to another build.
+/// Reads the journal in `directory` and calls `take` for each result, in the order of recording.
+/// Results are passed one at a time, because they may not all fit into memory. If a key was
+/// recorded more than once, only its first result is passed. `expected` is the likely number of
+/// results: memory for the index is reserved in advance. Throws (bad input) if the journal belongs
+/// to another build.
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
                             const TakeResult& take, std::size_t expected = 0);
 
-/// Returns a result of the index; none, with a log line, if it cannot be read any more.
+/// Reads the result with this key, which must be in the index. If the record can no longer be read,
+/// logs that and returns none.
 std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key);
 
-/// Returns the start of a plan's transition as jobs and results name it: the id of its parent's
-/// fields, or empty for the rest state.
+/// Returns the start id of a transition, as jobs and results give it: the id of the parent's nodal
+/// fields, or empty if the transition starts from the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
 /// Outcome of recording known results in a plan.
 struct Settled {
-  std::vector<ResultKey> missing;  ///< ready and without a usable result: to be solved
-  /// Recorded results that are unreadable, or were solved from another start than the plan has
-  /// because their parent's result was replaced. They are also in `missing`.
+  std::vector<ResultKey> missing;  ///< ready transitions without a usable result: to be solved
+  /// Recorded results that cannot be used. Either they are unreadable, or they started from fields
+  /// that the parent no longer has, because the parent's result was replaced. They are also in
+  /// `missing`.
   std::vector<ResultKey> outdated;
 };
-/// Recorded results that no plan has asked for yet. Plans ask for them once the lost results before
-/// them are computed again.
+/// Recorded results that no plan has asked for yet. A plan asks for them once the lost results that
+/// they depend on have been computed again.
 using UnclaimedResults = std::set<ResultKey>;
 /// Reads an unclaimed result; none if it cannot be read any more.
 using ReadUnclaimed = std::function<std::optional<wire::Result>(const ResultKey&)>;
-/// Records in the plan every unclaimed result whose transition is ready, then those that become
-/// ready through it, and so on. Recorded results are removed from `unclaimed`.
+/// Records in the plan every unclaimed result whose transition is ready. Repeats this for the
+/// transitions that thereby become ready, until no result is left that fits. Removes the recorded
+/// and the outdated results from `unclaimed`.
 Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read);
 
-/// Records results in fresh plans, one after the other, in the order of recording. In this order
-/// the plan asks for each result when it comes, unless an earlier one was lost.
+/// Rebuilds the plans of a problem from recorded results, which must come in the order of
+/// recording. In this order a plan already waits for each result, unless an earlier result was
+/// lost.
 class Replay {
  public:
   /// `problem` must outlive the plans.
   explicit Replay(const Problem& problem);
 
-  /// Takes a recorded result; each key once.
+  /// Records a result in its plan, or in `unclaimed` if the plan does not wait for it. Call at most
+  /// once per key.
   void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
   /// Call after the last result.
   void finish(const ReadUnclaimed& read);
@@ -77,20 +84,21 @@ class Replay {
   UnclaimedResults unclaimed;
 };
 
-/// A journal whose results are in plans, except the results of excluded workers.
+/// A replayed journal: its index, and the plans with all results except those of excluded workers.
 struct ReplayedJournal {
   explicit ReplayedJournal(const Problem& problem) : replay(problem) {}
   RecordedResults recorded;
   Replay replay;
-  std::vector<ResultKey> of_liars;  ///< results of excluded workers, left out
-  // About the results that were not left out:
+  std::vector<ResultKey> of_liars;  ///< results of excluded workers; not in the plans
+  // Properties of the results that are in `replay`:
   std::size_t results = 0;
-  std::string kernel_family;                               ///< empty if there are none
-  double longest_solve = 0;                                ///< s
-  std::set<std::pair<std::string, std::string>> machines;  ///< givers: key and host
+  std::string kernel_family;  ///< empty if there are none
+  double longest_solve = 0;   ///< s
+  /// key and host of each machine that computed one
+  std::set<std::pair<std::string, std::string>> machines;
 };
-/// Reads the journal in `directory`, which holds about `expected` results. Throws like
-/// readResults().
+/// Replays the journal in `directory`, which holds about `expected` results, without the results of
+/// `liars`. Throws like readResults().
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
                               const ContentId& build, const std::vector<KeptOut>& liars,
                               std::size_t expected = 0);
@@ -102,7 +110,7 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
 /// program, with other transitions, recorded them.
 void refuseUnclaimed(const UnclaimedResults& unclaimed);
 
-/// Returns the rows of a dataset.
+/// Returns a copy of the rows of each plan, as a dataset stores them.
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans);
 
 }  // namespace palpate

@@ -10,17 +10,17 @@ namespace palpate {
 /// Results that wait to become durable together. One sync serves all of them (group commit),
 /// because a sync costs as much as many small solves.
 ///
-/// No result counts before commit() has returned. One thread. `store` must outlive this object.
+/// No result is durable before commit() has returned. One thread. `store` must outlive this object.
 class ResultGroup {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   struct Member {
     wire::Result result;  ///< as it will be recorded
-    Outcome outcome;      ///< contents of `result`, without fields
+    Outcome outcome;      ///< decoded from `result`, without nodal fields
     std::string payload;
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
-    bool is_checked = false;        ///< others solve it again
+    bool is_checked = false;        ///< another worker is to solve it again
     bool is_disputed = false;       ///< another worker found a different result
   };
   using Members = std::map<ResultKey, Member>;

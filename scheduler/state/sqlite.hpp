@@ -15,7 +15,7 @@ struct sqlite3_stmt;
 
 namespace palpate {
 
-/// The file is no database, or its pages contradict each other.
+/// Thrown if the file is not a database, or if its pages are inconsistent.
 class DamagedDatabase : public Error {
  public:
   DamagedDatabase(const std::filesystem::path& file, const std::string& what)
@@ -26,8 +26,8 @@ class DamagedDatabase : public Error {
 /// across fork().
 class Database {
  public:
-  /// read_only also works in a folder without write permission. read_untouched creates and changes
-  /// no file; only for a database that nobody writes.
+  /// read_only also works in a folder without write permission. read_untouched neither creates nor
+  /// changes a file; use it only if no process writes the database.
   enum class Access { read_write_create, read_only, read_untouched };
   Database(const std::filesystem::path& file, Access access);
   ~Database();
@@ -54,8 +54,8 @@ struct Blob {
 };
 
 /// One prepared statement. It can be bound and run any number of times, with reset() in between.
-/// Values belong to the ? of the SQL in order and are copied; columns count from 0. Must be
-/// destroyed before the Database.
+/// Values are bound to the question marks of the SQL text, in order, and are copied. Columns count
+/// from 0. Must be destroyed before the Database.
 class Statement {
  public:
   Statement(Database& database, const std::string& sql);
@@ -63,7 +63,7 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  /// Binds integers, doubles (NaN becomes NULL), strings and Blobs, one per ?.
+  /// Binds integers, doubles (NaN becomes NULL), strings and Blobs, one value per question mark.
   template <class... Values>
   Statement& bind(const Values&... values) {
     expectValues(sizeof...(values));

@@ -22,18 +22,19 @@ struct StoredBuild {
 /// Decodes the problem; none if it is damaged or does not match the build id.
 std::optional<Problem> problemOf(const StoredBuild& build);
 
-/// Progress of a build, as its scheduler writes it now and then.
+/// Progress of a build, which its scheduler stores from time to time.
 struct Progress {
-  std::size_t recorded = 0;  ///< results in the journal, which may hold more by now
-  std::string status;        ///< human-readable: a wire::Status as JSON (progressOf)
+  /// number of results in the journal at that time; it may hold more by now
+  std::size_t recorded = 0;
+  std::string status;  ///< human-readable: a wire::Status as JSON (progressOf)
 };
 
 /// Counters of a build by name (docs/state.md).
 using Counters = std::map<std::string, std::int64_t>;
 
-/// The tables of a build (SQLite, docs/state.md), for reading. Opened by directory, they are a
-/// snapshot taken at construction, even while a scheduler writes them. They hold no results, which
-/// are in the journal; their numbers are only informative. One thread.
+/// Reads the tables of a build (SQLite, docs/state.md). An object made from a directory shows a
+/// snapshot taken at construction, even while a scheduler writes the tables. Results are not in the
+/// tables but in the journal; counts in the tables only inform users. One thread.
 class StoredTables {
  public:
   static constexpr int schema_version = 6;
@@ -44,26 +45,25 @@ class StoredTables {
                         Database::Access access = Database::Access::read_only);
 
   const StoredBuild& build() const { return build_; }
-  /// Throws DamagedDatabase if the contents of the file contradict each other. Reads the whole
-  /// file.
+  /// Reads the whole file. Throws DamagedDatabase if its contents are inconsistent.
   void verify();
-  /// Returns the latest progress; none if a record was dropped from the journal since.
+  /// Returns the latest progress; none if a record was dropped from the journal since then.
   std::optional<Progress> progress();
   /// Returns the workers, each with its full id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
-  /// True if no work is handed out before `palpate resume`.
+  /// True if the build is paused: its scheduler hands out no work until `palpate resume`.
   bool paused();
-  /// Returns the priorities that were set, by name of the row in a status.
+  /// Returns the priorities that users have set, keyed by the name of a status row (rowNameOf).
   std::map<std::string, std::int32_t> priorities();
   std::vector<KeptOut> keptOut();
-  /// Returns the results that other workers solve again, now or once they are recorded. The value
-  /// is true if two results differ.
+  /// Returns the results that other workers are to solve again. They may not be recorded yet. The
+  /// value is true if two results of the transition differ.
   std::map<ResultKey, bool> checks();
 
  protected:
   explicit StoredTables(Database database) : database_(std::move(database)) {}
-  /// Reads the identity of the build. Throws (bad input) if the tables are not Palpate's, or of
+  /// Reads the identity of the build. Throws (bad input) if the tables are not Palpate's, or are of
   /// another version.
   void readBuild();
 
@@ -71,9 +71,9 @@ class StoredTables {
   StoredBuild build_;
 };
 
-/// The same tables for their only writer, which owns the StateDirectory. No acknowledgement depends
-/// on them, so they are not synced with every group: after a power cut they show an earlier moment.
-/// Errors of the database are fatal for the scheduler. One thread.
+/// Writes the tables. Their only writer owns the StateDirectory. No acknowledgement depends on the
+/// tables, so most changes are not synced at once: after a power cut, the tables may show an
+/// earlier state. Errors of the database are fatal for the scheduler. One thread.
 class Tables : public StoredTables {
  public:
   /// Opens the tables in `directory`, or creates them. Throws (bad input) if they belong to another
@@ -85,17 +85,21 @@ class Tables : public StoredTables {
   explicit Tables(const StateDirectory& directory);
 
   void writeProgress(const Progress& progress);
-  /// Removes the progress. Call before a record is dropped from the journal. Synced on return.
+  /// Removes the stored progress. Call before a record is dropped from the journal. Synced on
+  /// return.
   void forgetProgress();
 
-  /// Rows kept for departed workers without a result: the latest ones.
+  /// Limit on the rows of workers that left without having delivered a result. The latest rows are
+  /// kept.
   static constexpr std::int64_t most_idle_departed = 1000;
-  /// Replaces the rows of these workers. Their heard_seconds_ago counts back from now.
+  /// Replaces the rows of these workers. Each heard_seconds_ago counts back from the time of the
+  /// call.
   void writeServers(std::span<const wire::WorkerStatus> servers);
   void writeCounters(const Counters& counters);
 
-  /// Hand-outs and deaths recorded for a transition; kept across runs. The tables identify it by
-  /// its space and the numbers of its plan.
+  /// A transition as the tables identify it: its space, and the point numbers in the plan of that
+  /// space. The losses of a transition (its hand-outs and the deaths of workers) are kept across
+  /// runs.
   using NumberedTransition = std::pair<std::uint32_t, Transition>;
   void writeLosses(const NumberedTransition& which, const Losses& losses);
   std::map<NumberedTransition, Losses> losses();
@@ -105,23 +109,23 @@ class Tables : public StoredTables {
   /// Excludes workers in this and all later runs. Synced on return.
   void keepOut(std::span<const KeptOut> liars);
 
-  /// Synced on return.
+  /// Both changes are synced on return.
   void writePaused(bool paused);
   void writePriority(const std::string& name, std::int32_t priority);
 
-  /// Records a check, which is kept across runs. A disputed check is synced on return, so it also
+  /// Stores a check, which is kept across runs. A disputed check is synced on return, so it also
   /// survives a power cut.
   void writeCheck(const ResultKey& key, bool disputed);
   void forgetCheck(const ResultKey& key);
-  /// Returns 32 secret bytes, which only this scheduler knows. They are replaced if damaged tables
-  /// lost them.
+  /// Returns 32 secret bytes, which only this scheduler knows. If the tables were damaged and lost
+  /// the secret, makes a new one.
   std::string secret();
 
  private:
   Tables(const StateDirectory& directory, const Problem& problem, const ContentId& wanted);
   void create(const Problem& problem, const ContentId& build);
-  /// Runs `change` in a transaction that is synced on return. Other changes may be lost in a power
-  /// cut.
+  /// Runs `change` in a transaction that is synced on return. A power cut may undo changes that are
+  /// made in any other way.
   void durably(const std::function<void()>& change);
 };
 
