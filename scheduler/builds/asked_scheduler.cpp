@@ -134,7 +134,7 @@ wire::Status statusAt(const Asked& asked) {
     try {
       return askStatus(*scheduler, asked.where);
     } catch (const Error&) {
-      // If the scheduler has ended meanwhile, read its directory instead.
+      // If the scheduler has ended meanwhile, go on and read its directory.
       if (schedulerOf(asked)) throw;
     }
   }

@@ -47,7 +47,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool re
   try {
     const Dataset dataset(file);
     if (dataset.buildId() == build) {
-      // Verify now: damage would otherwise be found only when the dataset is used.
+      // Verify the file now: damage would otherwise be found only when the dataset is used.
       dataset.verifyAll();
       return !dataset.isPartial() && dataset.scene().storage == problem.scene.storage;
     }

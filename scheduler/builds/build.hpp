@@ -50,8 +50,8 @@ class Build {
 };
 
 /// Returns true if `file` already is the complete dataset of this build. Returns false if the file
-/// does not exist, or is a partial dataset of this build or one with another Storage. Otherwise
-/// throws Error (bad input), or with `replace` returns false.
+/// does not exist, or if it is a dataset of this build that is partial or has another Storage.
+/// Otherwise throws Error (bad input), or with `replace` returns false.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
 /// Writes the dataset of these plans, with the results that `find` returns; returns its rows.

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Read-only snapshot of the build in a state directory, whether or not a scheduler runs there.
-/// Omits results of excluded workers. Includes every open check of the results in the snapshot,
-/// even while a scheduler writes. One thread.
+/// Read-only snapshot of the build in a state directory. A scheduler may be running there. The
+/// snapshot omits results of excluded workers, and includes every open check of its results. One
+/// thread.
 class RecordedBuild {
  public:
   /// Throws Error (bad input) if this is not a state directory of this version. Logs any damage.
@@ -31,7 +31,7 @@ class RecordedBuild {
 
   const std::filesystem::path directory_;
   JournalReader journal_;
-  std::optional<StoredTables> tables_;  ///< opened after the journal
+  std::optional<StoredTables> tables_;  ///< opened after the journal was read
   const Problem problem_;
   std::optional<ReplayedJournal> found_;
 };

@@ -17,7 +17,7 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view event_file_prefix = "events-", event_file_suffix = ".jsonl";
-/// Most bytes that wait for a flush(), however long a turn lasts.
+/// Limit on the bytes that wait for a flush(), however long a turn lasts.
 constexpr std::size_t most_waiting = 64 << 10;
 
 /// Returns the number in the name of an event file; nothing for other files.

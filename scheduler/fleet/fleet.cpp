@@ -21,7 +21,7 @@ std::optional<wire::Status> FleetWatch::look() {
     told_.clear();
     return status;
   } catch (const Error& error) {
-    // After an earlier answer, the directory was moved or removed, and may come back.
+    // If the scheduler answered before, its directory was moved or removed and may come back.
     if (error.exitCode() == ExitCode::usage && !answered_) throw;
     if (error.exitCode() == ExitCode::interrupted) return std::nullopt;
     if (told_ != error.what()) spdlog::warn("{}", error.what());
@@ -34,7 +34,7 @@ int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   PALPATE_ASSERT(view.queued >= 0 && view.running >= 0 && limits.transitions_each > 0,
                  "counts of jobs, and a command line that was checked");
   std::int64_t worth = view.hands_out ? view.ready / limits.transitions_each : 0;
-  // A single ready transition, as at the start of a build, also needs a worker.
+  // One ready transition, as at the start of a build, needs a worker too.
   if (view.hands_out && view.ready > 0) worth = std::max<std::int64_t>(worth, 1);
   const int wanted = static_cast<int>(std::min<std::int64_t>(worth, limits.most));
   const int missing = wanted - view.running - view.queued;

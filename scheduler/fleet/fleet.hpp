@@ -41,7 +41,7 @@ class FleetWatch {
   std::string told_;
 };
 
-/// The numbers that a fleet's decision depends on.
+/// The input of moreWorkers().
 struct FleetView {
   std::int64_t ready = 0;  ///< transitions that could be solved now
   int queued = 0;          ///< workers requested from the engine and not started
@@ -51,7 +51,7 @@ struct FleetView {
 
 struct FleetLimits {
   int most = 64;             ///< workers, including queued ones
-  int most_queued = 16;      ///< at a time: a longer queue gains nothing
+  int most_queued = 16;      ///< limit on queued workers: a longer queue gains nothing
   int transitions_each = 2;  ///< ready transitions that justify one more worker
 };
 

@@ -31,7 +31,8 @@ Launches::Change Launches::see(const std::vector<Ended>& ended, const std::vecto
   return change;
 }
 
-/// Counts the new ends. Returns true if a job failed early on a node that is not excluded.
+/// Counts the jobs that ended since the last call. Returns true if one failed early on a node that
+/// is not excluded.
 bool Launches::countNew(const std::vector<Ended>& ended, Time now) {
   std::set<std::string> seen;
   bool failed = false;
@@ -62,7 +63,8 @@ bool Launches::works(const Running& job) const {
   return job.age >= early && !bad_nodes_.contains(job.node);
 }
 
-/// Resets the failures if a job that started after the last one survives: the cause is fixed.
+/// Forgets the failures if a job that started after the last failure survives: the cause is then
+/// gone.
 void Launches::believe(const std::vector<Running>& running, Time now) {
   for (const Running& job : running) {
     if (!works(job) || now - job.age <= last_failure_) continue;

@@ -32,17 +32,17 @@ class Backoff {
 
 /// Decides, from the outcome of earlier jobs, how many more to request and on which nodes.
 ///
-/// A job that fails within seconds of its start would be replaced for ever. Its program or a
+/// A job that fails within seconds of its start would be replaced for ever: its program or a
 /// library may be missing, its CPU too old, or its key not allowed. After several such failures in
-/// a row, one job at a time is tried, with growing pauses, until one survives (HyperQueue pauses
-/// such a queue). A node that fails jobs while others work is idle soonest and would attract every
-/// job, so it is excluded.
+/// a row, one job at a time is tried, with growing pauses, until one survives. (HyperQueue pauses a
+/// queue in such a case.) A node that fails jobs while other nodes work would be idle soonest and
+/// attract every job, so it is excluded.
 ///
 /// Independent of the engine; time comes from the caller. One thread.
 class Launches {
  public:
   using Time = Backoff::Time;
-  /// A job that fails sooner never worked; one that is older counts as working.
+  /// A job that fails earlier than this after its start never worked; a job that is older works.
   static constexpr std::chrono::seconds early{30};
   static constexpr int most_in_a_row = 5, most_on_a_node = 3;
 
@@ -56,12 +56,12 @@ class Launches {
     How how{};
     std::string words;           ///< "exit code 127"
     std::chrono::seconds age{};  ///< at its end
-    std::string when;            ///< on the engine's clock; only compared with its other times
+    std::string when;  ///< end time on the engine's clock; compared only with other such times
   };
-  /// The changes that a call of see() made.
+  /// What a call of see() changed.
   struct Change {
-    bool held = false;                  ///< newly or again on hold, for pause()
-    std::vector<std::string> left_out;  ///< nodes
+    bool held = false;                  ///< requests are now, or once more, on hold for pause()
+    std::vector<std::string> left_out;  ///< nodes that are now excluded
   };
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
@@ -71,7 +71,7 @@ class Launches {
 
   /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.
   bool held() const { return in_a_row_ >= most_in_a_row; }
-  /// Returns the number of jobs that may be queued or younger than `early` at a time.
+  /// Returns the limit on the number of jobs that are queued or younger than `early`.
   int mostUnproven(Time now) const;
   std::chrono::seconds pause() const { return backoff_.pause(); }
   /// The last early failures in a row, at most most_in_a_row, oldest first.
@@ -85,7 +85,8 @@ class Launches {
   std::vector<std::string> leaveOut(const std::vector<Running>& running);
 
   Backoff backoff_;
-  std::set<std::string> seen_;            ///< ends that the engine still lists
+  /// ended jobs that are counted already and that the engine still lists
+  std::set<std::string> seen_;
   int in_a_row_ = 0;                      ///< early failures, except on bad nodes
   std::map<std::string, int> on_a_node_;  ///< early failures of each node
   std::set<std::string> bad_nodes_;

@@ -23,8 +23,8 @@ constexpr std::size_t cancelled_at_once = 500;
 /// Prefix of the endpoint in the comment of a job.
 constexpr std::string_view comment_prefix = "palpate at ";
 
-/// Returns how long before the time limit SIGTERM is sent. Slurm may send it up to a minute early,
-/// and short jobs need time to work too.
+/// Returns the time between SIGTERM and the time limit, s. Slurm may send SIGTERM up to a minute
+/// early, and short jobs need time to work too.
 int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
 /// Returns true if sbatch will refuse again until an option is changed.
@@ -35,7 +35,7 @@ bool isLasting(const Ran& refusal) {
   return refusal.exit_code == not_understood || (says("nvalid") && !passes);
 }
 
-/// Runs a command and returns its output. Throws Error if it refuses.
+/// Runs a command and returns its output. Throws Error if the command refuses.
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
   Ran ran = runToItsEnd({.words = words, .package = "slurm-client", .input = input});
   if (ran.exit_code == 0) return std::move(ran.out);
@@ -53,7 +53,7 @@ std::string quoted(const std::string& word) {
 
 // ---- Output of squeue ----
 
-/// A column of the output. squeue cuts off longer values.
+/// A column of squeue's output. squeue cuts off values that are longer than the width.
 struct Column {
   const char* name;
   std::size_t width;
@@ -108,7 +108,7 @@ constexpr std::array running_states = {"RUNNING",  "CONFIGURING", "SUSPENDED", "
 constexpr std::array failed_states = {"FAILED", "BOOT_FAIL", "OUT_OF_MEMORY"};
 constexpr std::array well_states = {"COMPLETED", "TIMEOUT"};
 
-/// Classifies the end of a job. `status` is an exit status as of wait().
+/// Classifies the end of a job. `status` is an exit status in the form of wait().
 Launches::Ended endOf(const std::string& state, std::string_view status,
                       const std::string& reason) {
   using How = Launches::Ended::How;
@@ -171,13 +171,13 @@ std::string Slurm::script(int workers, const std::set<std::string>& but_on) cons
   option(fmt::format("--array=1-{}", workers));
   option("--ntasks=1 --cpus-per-task=1");
   option(fmt::format("--time={}", options_.minutes));
-  // B: signals the batch shell, which the worker replaces by exec.
+  // B: sends the signal to the batch shell, whose place the worker has taken by exec.
   option(fmt::format("--signal=B:TERM@{}", secondsToLeave(options_.minutes)));
   option("--requeue --open-mode=append");
   option("--output=" + options_.log);
   option(fmt::format("--comment=\"{}{}\"", comment_prefix, options_.endpoint));
   if (!options_.constraint.empty()) option("--constraint=" + options_.constraint);
-  // The later of two --exclude options wins, so merge them.
+  // sbatch uses only the last --exclude option, so merge them.
   std::vector<std::string> excluded(but_on.begin(), but_on.end());
   for (const std::string& words : options_.more) {
     constexpr std::string_view exclude = "--exclude=";

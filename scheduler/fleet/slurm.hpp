@@ -14,15 +14,15 @@ struct SlurmOptions {
   std::string name;  ///< name of the jobs, derived from the build so that they are found again
   std::vector<std::string> command;  ///< command of one worker on a node
   std::string endpoint;              ///< address of its scheduler
-  /// Time limit of each job. It gets SIGTERM one minute before, or, if the job is short, a quarter
-  /// of the limit before.
+  /// Time limit of each job. Slurm sends SIGTERM one minute before the limit, or, if the limit is
+  /// shorter than four minutes, when a quarter of it is left.
   int minutes = 60;
   std::string constraint;         ///< features of nodes; empty: any
   std::string log = "/dev/null";  ///< file name, in the syntax of sbatch --output
   std::vector<std::string> more;  ///< further options of sbatch, unchanged
 };
 
-/// Slurm's jobs of one name. Excludes jobs that have ended and that Slurm still cleans up.
+/// The jobs of one name that Slurm has. Excludes ended jobs that Slurm is still cleaning up.
 struct SlurmJobs {
   struct Queued {
     std::string id, reason;  ///< reason in Slurm's words
@@ -40,18 +40,18 @@ struct SlurmJobs {
 };
 
 /// Runs workers as elements of array jobs of one name, through sbatch, squeue and scancel. Keeps no
-/// essential state: a new object of the same name takes over its jobs. Functions throw Error, with
-/// the program's message, if a program cannot run or refuses; bad input if it would refuse until an
-/// option is changed.
+/// essential state: a new object with the same name takes over the jobs. Functions throw Error,
+/// with the program's message, if a program cannot run or refuses. The error is of kind bad input
+/// if the program would refuse until an option is changed.
 class Slurm {
  public:
   explicit Slurm(SlurmOptions options) : options_(std::move(options)) {}
 
   SlurmJobs jobs() const;
-  /// Submits workers of one core each, on no node of `but_on`. Uses the longest arrays that Slurm
-  /// accepts.
+  /// Submits workers of one core each, but not on the nodes in `but_on`. Uses the longest arrays
+  /// that Slurm accepts.
   void submit(int workers, const std::set<std::string>& but_on = {});
-  /// Cancels these array elements. Running ones get SIGTERM and their time to finish.
+  /// Cancels these array elements. Running elements get SIGTERM and their time to finish.
   void cancel(const std::vector<std::string>& ids) const;
   /// Cancels all jobs of this name.
   void cancelAll() const;

@@ -16,7 +16,7 @@ namespace {
 
 using std::chrono::seconds;
 
-/// A job older than this without a connected worker probably cannot reach the scheduler.
+/// If a job is older than this and no worker is connected, it probably cannot reach the scheduler.
 constexpr seconds long_unheard{60};
 
 /// Returns the number of jobs that are queued or have just started.
@@ -51,7 +51,7 @@ std::string lastLineOf(const std::string& path) {
   return printable(last, longest_reason);
 }
 
-/// Describes where the log is, and quotes its last line.
+/// Says where the log is, and quotes its last line.
 std::string wroteOf(const std::string& log) {
   if (log == "/dev/null") return "--log FILE keeps what they write";
   const std::string line = lastLineOf(log);
@@ -94,9 +94,9 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   taken_ = taken_ || !jobs.queued.empty() || !jobs.running.empty();
   const Launches::Change change = launches_.see(jobs.ended, jobs.running, Clock::now());
   tellLaunches(change);
-  // The next turn sees the remaining jobs.
+  // After cancelling, do no more in this turn: the next turn sees which jobs remain.
   if (!options_.dry_run && cancelUnwanted(jobs, !change.left_out.empty())) return;
-  // The scheduler may soon be back, so keep running and queued jobs.
+  // Keep running and queued jobs, because the scheduler may soon be back.
   if (!status) return tell(jobs, 0, "the scheduler does not answer");
   const int more = moreFor(jobs, *status);
   tell(jobs, more, fmt::format("{} transitions could be solved now", status->ready()));
@@ -112,7 +112,8 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   spdlog::warn("{}", error.what());
 }
 
-/// Returns true if the error is permanent and no job would be left behind.
+/// Returns true if the error is permanent and Slurm has no job of the build that would be left
+/// behind.
 bool SlurmFleet::endsIt(const Error& error) const {
   return error.exitCode() == ExitCode::usage && !taken_;
 }
@@ -154,8 +155,8 @@ bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
   return unheard;
 }
 
-/// Cancels jobs for another endpoint. Also cancels the queued jobs if nodes were excluded since, or
-/// if no job may start now. Returns false if there was nothing to cancel.
+/// Cancels jobs for another endpoint. Also cancels the queued jobs if nodes were excluded since
+/// they were submitted, or if no job may start now. Returns false if there was nothing to cancel.
 bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
   std::vector<std::string> ids = jobs.elsewhere;
   if (!ids.empty())
@@ -210,7 +211,7 @@ void SlurmFleet::end() {
   const auto until = Clock::now() + seconds(options_.give_up_s);
   for (std::string told;;) {
     std::string left;
-    bool refused = false;  // permanently
+    bool refused = false;  // refused until an option is changed
     try {
       engine_.cancelAll();
       const SlurmJobs jobs = engine_.jobs();

@@ -47,7 +47,7 @@ class SlurmFleet {
   FleetWatch watch_;
   Launches launches_;
   Backoff refused_;
-  bool taken_ = false;  ///< Slurm has accepted a job or has some
+  bool taken_ = false;  ///< Slurm has accepted a job, or has jobs of this name
   std::string told_;
   bool told_unheard_ = false;
 };

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// A connection that lasted this long counts as a success.
+/// A connection that lasted at least this long counts as a success.
 constexpr std::chrono::minutes long_enough{2};
 
 struct HostWords {
@@ -29,7 +29,7 @@ HostWords parsed(const std::string& host) {
       throw badInput("{}: behind the colon stands the number of workers", host);
     words = {host.substr(0, colon), number};
   }
-  // ssh would take a word that begins with a dash as an option.
+  // Refuse a name that begins with a dash, because ssh would take it as an option.
   if (words.name.empty() || words.name.front() == '-')
     throw badInput("\"{}\" is no machine: give HOST, USER@HOST or HOST:WORKERS", host);
   return words;
@@ -37,7 +37,7 @@ HostWords parsed(const std::string& host) {
 
 std::vector<std::string> wordsFor(const SshOptions& options, const std::string& host) {
   const HostWords words = parsed(host);
-  // -tt: with a terminal, the remote programs get a signal when the connection is lost.
+  // -tt forces a terminal, so that the remote programs get a signal when the connection is lost.
   std::vector<std::string> command = {
       "/usr/bin/env", "ssh", "-n", "-tt", "-o", "BatchMode=yes", "-o", "ServerAliveInterval=15"};
   command.insert(command.end(), options.more.begin(), options.more.end());

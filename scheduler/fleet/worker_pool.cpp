@@ -22,7 +22,8 @@ std::string describeStatus(int status) {
 /// Runs in the child between fork and exec, so it makes only async-signal-safe calls.
 [[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  // Keep Ctrl-C from the workers: the scheduler handles it and lets them finish their jobs.
+  // A process group of its own keeps Ctrl-C from the worker: the scheduler handles Ctrl-C and lets
+  // workers finish their jobs.
   setpgid(0, 0);
   execv(arguments[0], arguments);
   _exit(127);
@@ -32,7 +33,7 @@ std::string describeStatus(int status) {
 
 void WorkerPool::start() {
   PALPATE_ASSERT(!command_.empty(), "the first word is the program");
-  // Allocate before fork(): the child must not.
+  // Allocate now, because the child must not allocate between fork() and exec.
   std::vector<char*> arguments;
   for (std::string& argument : command_) arguments.push_back(argument.data());
   arguments.push_back(nullptr);

@@ -6,15 +6,15 @@
 namespace palpate {
 namespace {
 
-/// `usual_growth` is the expected growth by refinement while little is known, as a share of a
-/// uniform lattice. In the mean it always has the weight of `worth` (a share) of all points,
-/// because the spaces that finish early grow most.
+/// `usual_growth` is the growth by refinement that is expected while few spaces are finished, as a
+/// fraction of the uniform lattice. In the mean over spaces, it always has the weight of a fraction
+/// `worth` of all lattice points, because the spaces that finish early grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
-/// Outcomes at the points of all uniform lattices so far.
+/// Numbers of points of all uniform lattices by outcome, and of attempts, so far.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
-  /// Attempts per tried point: a point that fails from one neighbour is tried from others.
+  /// Expected attempts per tried point: a point that fails from one neighbour is tried from others.
   double triesEach() const { return (attempts + 1) / (tried + 1); }
   /// Probability that solving continues beyond a point.
   double share() const { return (went_on + 1) / (went_on + ended + 1); }
@@ -35,8 +35,8 @@ void count(const SpacePlan& plan, Fates& fates) {
   fates.attempts += static_cast<double>(points.attempts) + points.solved();
 }
 
-/// Probability that an unknown point of the lattice is tried, judged by the points between rest and
-/// it.
+/// Probability that an unknown point of the lattice is tried, judged by the points on the straight
+/// line between rest and it.
 double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   const Lattice& positions = plan.positions();
   const LatticePoint& point = positions.point(target);
@@ -88,8 +88,8 @@ double grown(const SpacePlan& plan) {
   return plan.positions().size() - plan.positions().uniformSize();
 }
 
-/// Growth by refinement, as a share of a uniform lattice: the mean of the spaces that have finished
-/// growing and of the usual growth.
+/// Expected growth by refinement, as a fraction of a uniform lattice: the weighted mean of
+/// usual_growth and of the growth of the spaces that have finished growing.
 double growthOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
   double more = 0, lattice = 0, all = 1;
   for (std::size_t space = 0; space < plans.size(); ++space) {
@@ -117,7 +117,7 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
     if (plan.complete()) continue;
     forecast.ready += plan.openCount();
     if (problem.active[space].probe) {
-      // The rest position and one probe.
+      // Such a space consists of the rest position, which is ready at once, and of one probe.
       forecast.expected += plan.stage() < Stage::probes ? 1 : 0;
       continue;
     }

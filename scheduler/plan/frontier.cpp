@@ -58,7 +58,8 @@ void Frontier::settle(std::int32_t point) {
 
 void Frontier::advance(std::int32_t point, const Known& known) {
   Point& p = points_[point];
-  // Round 0 has parents on one side only, which tend to fail together. Save half for other sides.
+  // The parents of round 0 lie on one side and tend to fail together. Save half of the attempts for
+  // parents on other sides.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   const std::int64_t norm = squaredNorm(known.lattice.point(point));
   const std::vector<FailedAttempt>& failed = known.points.attempts(point);
@@ -67,7 +68,8 @@ void Frontier::advance(std::int32_t point, const Known& known) {
   for (const std::int32_t candidate : candidates) {
     const Point& c = points_[candidate];
     if (round_ == 0) {
-      // Only parents strictly nearer to the origin, so that two points never wait for each other.
+      // Use only parents strictly nearer to the origin, so that two points never wait for each
+      // other.
       if (squaredNorm(known.lattice.point(candidate)) >= norm) continue;
       if (c.phase == Phase::waiting || c.phase == Phase::open) {
         p.phase = Phase::waiting;
@@ -75,7 +77,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
         return;
       }
     } else if (c.round_reached == round_) {
-      continue;  // not a parent in this round: which point came first would depend on timing
+      continue;  // reached in this round, so its order of arrival would matter
     }
     const bool tried = std::ranges::find(failed, candidate, &FailedAttempt::parent) != failed.end();
     if (known.points.tag(candidate) != Tag::expandable || tried) continue;
@@ -101,13 +103,13 @@ void Frontier::releaseWaiting(const Known& known) {
 void Frontier::beginRound(const Known& known) {
   ++round_;
   for (std::int32_t n = 0; n < std::ssize(points_); ++n) {
-    // Try unreached points again, from the points that were reached in the meantime.
+    // Try each unreached point again, from points that were reached in the meantime.
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
     advance(n, known);
   }
   complete_ = open_count_ == 0;
-  if (complete_) points_ = {};  // large when a lattice has ten million points
+  if (complete_) points_ = {};  // frees memory: a lattice may have ten million points
 }
 
 }  // namespace palpate

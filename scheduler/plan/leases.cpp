@@ -30,7 +30,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   PALPATE_ASSERT(most > 0, "a job without targets would be none");
   if (waiting_count_ == 0) return std::nullopt;
   const std::size_t share = 2 * std::max<std::size_t>(workers, 1);
-  // Half of an even share, so that the last jobs of a stage are small and end together.
+  // Hand out half of an even share, so that the last jobs of a stage are small and end together.
   const std::size_t limit = std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1,
                                                     std::min(most, max_targets_per_job));
 
@@ -135,8 +135,8 @@ Leases::Suspects Leases::suspectsOf(const std::string& worker,
 
 std::vector<std::pair<ResultKey, Losses>> Leases::blame(const Suspects& suspects) {
   std::vector<std::pair<ResultKey, Losses>> known;
-  // One end is one death. It counts for the transition that the worker named, unless that has its
-  // outcome by now.
+  // The end of one process is one death. It is attributed to the transition that the worker named,
+  // if that one is still open, or else to a `next` that was handed out alone.
   const bool is_named = suspects.named && entries_.contains(*suspects.named);
   for (const auto& key : std::set{suspects.named, suspects.next}) {
     const auto found = key ? entries_.find(*key) : entries_.end();
@@ -197,7 +197,7 @@ void Leases::putBack(const ResultKey& key, Entry& entry) {
 void Leases::takeFromWaiting(const ResultKey& key) {
   if (waiting_checks_.erase(key) == 1) return;
   const auto group = waiting_.find(startOf(key.space, key.parent));
-  // Set-aside transitions do not wait.
+  // A set-aside transition is not among the waiting ones.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
   if (group->second.empty()) waiting_.erase(group);
   --waiting_count_;

@@ -17,24 +17,27 @@ namespace {
 /// Positions per axis at which a leaf's error is sampled.
 constexpr int samples = 5;
 
-/// Likely error as a share of the bound of field_error.hpp. The bound holds at 99 % of positions;
-/// in the median it is then 6 to 10 times the error. With 0.2, 83 configurations keep 3 % or 10 mN
-/// at 99.5 % of 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm). A value of 0.25 needs 108
-/// for 100 %, and 0.15 stops at 98.8 %.
+/// Likely error as a fraction of the bound of field_error.hpp. The bound holds at 99 % of
+/// positions; in the median it is then 6 to 10 times the error.
+///
+/// Measured at 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm), for an accuracy of 3 % or 10
+/// mN: with 0.2, refinement makes 83 configurations, which meet the accuracy at 99.5 % of the
+/// positions. With 0.25 it needs 108 configurations for 100 %, and with 0.15 it stops at 98.8 %.
 constexpr double likely_share = 0.2;
 
-/// Share of the ball in which the likely error must meet the accuracy. The rest are spots beside
-/// jumps between branches, which no number of points would remove.
+/// Fraction of the ball in which the likely error must meet the accuracy. The remaining positions
+/// lie next to jumps between branches, where no number of points would be enough.
 constexpr double enough = 0.998;
-/// The same share for a finger. Neighbouring sites share its error.
+/// The same fraction for a finger. A lower one is enough, because a place of the area is answered
+/// from several neighbouring sites (docs/thresholds.md).
 constexpr double enough_of_finger = 0.99;
 
-/// Corners are solved up to this many edge lengths of their leaf outside the ball. Farther corners
-/// stay ghosts: pressing deeper than asked leads across folds that the ball does not have, and
-/// splitting the leaf serves as well.
+/// A corner outside the ball is solved if it is at most this many edge lengths of its leaf outside.
+/// Farther corners stay unsolved (ghosts): pressing deeper than asked leads across folds that the
+/// ball does not have, and splitting the leaf serves as well.
 constexpr double reach_outside = 0.25;
 
-/// Average number of points that a halved cell adds: seven amid other cells, fewer at the rim of
+/// Average number of points that halving a cell adds: seven amid other cells, fewer at the rim of
 /// the ball.
 constexpr double points_of_cell = 5;
 
@@ -108,16 +111,16 @@ class CellInspection {
     if (worst > 1 || endsBesideRest(leaf)) poor_.emplace_back(leaf, worst);
   }
 
-  /// True where the accuracy is promised. For a finger this excludes displacements that it is not
-  /// pushed to, and forces above max_force.
+  /// True at positions where the accuracy is promised. For a finger this excludes displacements
+  /// that contact cannot reach, and forces above max_force.
   bool isPromised(const Eigen::Vector3d& displacement, double force) const {
     const auto& finger = space_.patch.finger;
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
-  /// Estimates how many cells are halved until a leaf meets the accuracy, the leaf included. A
-  /// finger's leaf with a failed corner is halved once (isAtEnd), or as often as levels allow
-  /// (endsBesideRest).
+  /// Estimates how many cells, including this leaf, must be halved until the leaf meets the
+  /// accuracy. A leaf with a failed corner is halved as often as levels allow. For a finger it is
+  /// halved only once (isAtEnd), unless endsBesideRest() is true.
   double halvedIn(std::int32_t leaf, double ratio) const {
     const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
     if (!hasFailedCorner(leaf)) return cellsHalved(ratio, left);
@@ -138,10 +141,13 @@ class CellInspection {
     return any;
   }
 
-  /// True if halving the leaf is useless because a jump between branches crosses it: the jump stays
-  /// where it is. A suspect edge is halved once, since half the length tells a jump from a smooth
-  /// branch. For a finger, edges that look like jumps get that chance too: along a coarse edge
-  /// tissue can stiffen and soften again, which neither end shows.
+  /// True if halving the leaf is useless because a jump between branches crosses it: the jump would
+  /// stay where it is.
+  ///
+  /// On the coarsest level, inconsistent edges count as jumps. On finer levels, suspect edges count
+  /// too: halving a suspect edge once tells a jump from a smooth branch. For a finger, both begin
+  /// one level later: along a coarse edge, tissue can stiffen and soften again, which looks like a
+  /// jump because neither end shows it.
   bool isAtJump(std::int32_t leaf) const {
     const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
     if (level < first) return false;
@@ -156,18 +162,20 @@ class CellInspection {
     return false;
   }
 
-  /// True if a finger has no answers beyond this leaf, behind a fold or above the forces that
-  /// matter, and the leaf has been halved once. Smaller cells would trace the border of that
-  /// region, at many failing transitions each, and stay empty beyond it. One halving locates the
-  /// border. Only for fingers: at sharp rims up to half of the ball lies in such a region.
+  /// True if the leaf of a finger has a failed corner and has been halved once. The finger then has
+  /// no solved positions beyond this leaf: they lie behind a fold, or above the forces that matter.
+  /// Smaller cells would trace the border of that region, at many failing transitions each, and
+  /// stay empty beyond it. One halving locates the border. Applies only to fingers: at sharp rims
+  /// up to half of the ball lies in such a region.
   bool isAtEnd(std::int32_t leaf) const {
     return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
            !endsBesideRest(leaf);
   }
 
-  /// True if a finger's answers end on the first edge from rest, because the tissue is stiff
-  /// relative to the spacing. Nearly everything a hand feels there lies within this leaf, and rest
-  /// may be its only solved corner. Such a leaf is halved as often as levels allow.
+  /// True if the leaf of a finger has an edge from the rest position to a failed corner, because
+  /// the tissue is stiff relative to the spacing. Nearly everything that a hand feels there lies
+  /// within this leaf, although rest may be its only solved corner. Such a leaf is halved as often
+  /// as levels allow.
   bool endsBesideRest(std::int32_t leaf) const {
     if (!space_.patch.finger) return false;
     const LeafCorners& corners = tree_.corners(leaf);
@@ -198,7 +206,8 @@ class CellInspection {
     return untried;
   }
 
-  /// Adds the corners of the future leaves that lie in the ball, do not hang and were never tried.
+  /// Adds the corners that the leaves will have after these splits, if they lie in the ball, are
+  /// not hanging vertices, and were never tried.
   void addNewCorners(const std::vector<LatticeCell>& splits, std::set<LatticePoint>& points) const {
     if (splits.empty()) return;
     SpaceTable after = space_;
@@ -219,8 +228,8 @@ class CellInspection {
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
-  /// Leaves that miss the accuracy or end beside rest, each with its worst ratio of likely to
-  /// allowed error.
+  /// Leaves that are not accurate enough, or for which endsBesideRest() is true, each with its
+  /// largest ratio of the likely error to the allowed error.
   std::vector<std::pair<std::int32_t, double>> poor_;
   double kept_ = 0, samples_ = 0;
 };

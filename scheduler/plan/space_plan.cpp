@@ -13,10 +13,11 @@
 namespace palpate {
 namespace {
 
-/// In spacings. Farther points are no parents: the transition would not join neighbours.
+/// Largest distance of a parent from its target, in spacings. A transition from farther away would
+/// not join neighbours.
 constexpr double farthest_parent = 2;
 
-/// Two equilibria whose relative energy difference is smaller are the same one, within the
+/// Two equilibria with a relative energy difference below this are the same equilibrium, within the
 /// tolerance of Newton's method.
 constexpr double same_energy = 1e-7;
 
@@ -43,7 +44,8 @@ void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, co
       }
 }
 
-/// Rounds towards rest, so the result never leaves the ball.
+/// Returns the lattice position of a displacement. Rounds towards rest, so the position never
+/// leaves the ball.
 LatticePoint positionOf(const Eigen::Vector3d& displacement, double unit) {
   LatticePoint position{};
   for (int axis = 0; axis < 3; ++axis)
@@ -134,7 +136,7 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
     throw failure(
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
-  // Failed retries of solved points are recorded too: they say something about the branch.
+  // Record failed retries of solved points too, because they say something about the branch.
   if (!outcome.converged())
     points_.addAttempt({transition.target, transition.parent, outcome.failure()});
   PointRecord found;
@@ -154,7 +156,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
   Pursuit& pursuit = place->second;
   PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(), "a pursuit ends with its last parent");
   ++pursuit.tried;
-  // Alternatives are compared when the round ends, so the order of arrival has no influence.
+  // Compare alternatives only when the round ends, so that the order of arrival has no influence.
   if (converged && pursuit.every_parent) {
     alternatives_[transition.target].push_back(std::move(found));
     passed_over_.insert(transition);
@@ -174,8 +176,8 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
   pursuits_[target] = {std::move(parents), 0, every_parent};
 }
 
-/// Marks a point as failed. Its cause is taken from the attempt that got furthest (the first, if
-/// several did), which says most about the obstacle.
+/// Marks a point as failed. Its cause is that of the attempt that got furthest (the first such
+/// attempt), because that one says most about the obstacle.
 void SpacePlan::giveUp(std::int32_t target) {
   PALPATE_ASSERT(!isSolved(points_.tag(target)), "a point that was reached keeps its equilibrium");
   const std::vector<FailedAttempt>& tries = attempts(target);
@@ -193,8 +195,8 @@ std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   return positions_.size() - 1;
 }
 
-/// Returns the nearest expandable points, maxAttempts() at most; among equally near ones those
-/// nearest to the origin first, then by number.
+/// Returns the nearest expandable points, at most maxAttempts() of them. Of equally near points,
+/// those nearest to the origin come first, then those with lower numbers.
 std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) const {
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();
@@ -206,7 +208,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
   };
   forEachUniformNear(positions_, position, consider);
-  // Probes are no parents: the space must not depend on its measurement.
+  // Probes are never parents: the space must not depend on the measurement of its error.
   for (std::int32_t n = positions_.uniformSize(); n < endOfPoints(); ++n) consider(n);
   const auto wanted =
       std::min<std::ptrdiff_t>(std::ssize(candidates), maxAttempts(problem_->active[space_]));
@@ -216,7 +218,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   return parents;
 }
 
-/// Moves on from a stage with nothing open. The next stage may have nothing to do either.
+/// Moves on from a stage that has no open transition. The next stage may have nothing to do either.
 void SpacePlan::advanceStage() {
   ++stages_begun_;
   switch (stage_) {
@@ -247,7 +249,8 @@ void SpacePlan::beginBranches() {
     if (points_.tag(parent) == Tag::expandable && !isRecorded({target, parent}))
       retries[target].push_back(parent);
   };
-  // Either end may lie on the branch of higher energy; only solving in both directions tells which.
+  // Either end may lie on the branch of higher energy. Only solving from each end to the other
+  // tells which.
   const auto equilibriumOf = [this](std::int32_t n) {
     return isSolved(points_.tag(n)) ? &points_.equilibrium(n) : nullptr;
   };
@@ -264,7 +267,8 @@ bool SpacePlan::keepLeastEnergy() {
   for (auto& [target, found] : std::exchange(alternatives_, {}))
     for (PointRecord& alternative : found) {
       const double energy = points_.equilibrium(target).energy;
-      // Keep ties: the point would alternate between two roundings of one equilibrium.
+      // If the energies are equal, keep the old equilibrium: otherwise the point could alternate
+      // between two roundings of the same equilibrium.
       if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
       passed_over_.insert({target, points_.parent(target)});
       points_.solve(target, alternative);

@@ -24,8 +24,8 @@ void follow(double& mean, double latest, double weight) {
 std::size_t Allotment::limitOf(const Worker& worker, Time now) const {
   if (worker.overdue_until && now < *worker.overdue_until) return 0;
   std::size_t most = workers_hold;
-  // A worker that is slow, or delivers only now and then, would finish last with as many targets as
-  // others.
+  // A worker that is slow, or delivers only from time to time, gets fewer targets than others,
+  // because it would otherwise finish last.
   if (between_results_ > 0 && worker.between_results > between_results_)
     most = static_cast<std::size_t>(static_cast<double>(most) * between_results_ /
                                     worker.between_results);
@@ -45,8 +45,8 @@ void Allotment::noteDelivery(Worker& worker, Time now) {
 bool Allotment::isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const {
   const auto held = now - worker.moved;
   if (between_results_ <= 0) return held >= settings_.overdue_without_any;
-  // A target that others were slow with may be the cause: allow twice the time for each earlier
-  // hand-out.
+  // The target may be the cause, if other workers were slow with it too: allow twice the time for
+  // each earlier hand-out.
   constexpr std::uint32_t most_doubled = 3;
   const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
   return held >= times * std::max<Seconds>(settings_.overdue_at_least,

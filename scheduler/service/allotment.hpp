@@ -5,41 +5,43 @@
 namespace palpate {
 
 struct AllotmentSettings {
-  /// A worker is overdue if it delivered nothing for overdue_factor times the usual time between
-  /// two results of a worker, and for overdue_at_least. Before the first result the limit is
-  /// overdue_without_any. Workers without work are then given some of its targets.
+  /// A worker is overdue if it has delivered nothing for overdue_factor times the mean time between
+  /// two results of a worker, and for at least overdue_at_least. Before the first result of any
+  /// worker, the limit is overdue_without_any. Targets of an overdue worker are given to workers
+  /// without work.
   double overdue_factor = 8;
   std::chrono::seconds overdue_at_least{2}, overdue_without_any{30};
-  /// Time without new work for an overdue worker that delivers nothing.
+  /// For this time an overdue worker gets no new work, unless it delivers a result.
   std::chrono::seconds overdue_pause{30};
 };
 
-/// Limits the targets that each worker may hold, and decides when it has held them for too long. A
-/// worker that does little or none of its work thus keeps little from others. The leases themselves
-/// are in Leases. One thread.
+/// Limits the number of targets that each worker may hold, and decides when a worker has held its
+/// targets for too long. A slow or broken worker thus keeps few targets from other workers. The
+/// leases themselves are in Leases. One thread.
 class Allotment {
  public:
   using Time = Worker::Time;
   explicit Allotment(const AllotmentSettings& settings = {}) : settings_(settings) {}
 
-  /// Returns the number of targets that a worker may hold in all: the number that it delivered, two
-  /// at first. The upper limit is its work in the time in which the usual worker does two jobs.
-  /// Returns 0 while an overdue worker gets no work.
+  /// Returns the number of targets that a worker may hold at a time: as many as it has delivered
+  /// (Worker::earned), and at least two. The upper limit is two full jobs; for a worker slower than
+  /// the mean it is reduced in proportion. Returns 0 while an overdue worker gets no work.
   std::size_t limitOf(const Worker& worker, Time now) const;
-  /// Notes that a worker without targets is given some.
+  /// Call when a worker without targets is given some. The time to its next result counts from
+  /// then.
   void noteFirst(Worker& worker, Time now) const { worker.moved = now; }
-  /// Notes the delivery of a result that the worker was asked for.
+  /// Call when a worker delivers a result that it was asked for.
   void noteDelivery(Worker& worker, Time now);
   /// Returns true if the worker delivered nothing for so long that its last target may go to
   /// another worker. `attempts` is the number of hand-outs of that target.
   bool isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const;
-  /// Notes that its last target went to another worker. It gets no work for a while, and then
-  /// starts like a new worker.
+  /// Call when the last target of an overdue worker goes to another worker. The overdue worker gets
+  /// no work for overdue_pause, and then starts with the limit of a new worker.
   void noteOverdue(Worker& worker, Time now) const;
 
  private:
   AllotmentSettings settings_;
-  double between_results_ = 0;  ///< s, recent mean over all workers; 0 before the first
+  double between_results_ = 0;  ///< recent mean over all workers, s; 0 before the first result
 };
 
 }  // namespace palpate

@@ -3,7 +3,7 @@
 namespace palpate {
 namespace {
 
-/// The short id that status shows.
+/// Returns the short id that a status shows.
 std::string shortIdOf(std::string_view id) { return hexOfId(id).substr(0, 8); }
 
 std::string nameOf(const wire::Provenance& worker) {

@@ -10,9 +10,8 @@
 
 namespace palpate {
 
-/// Reports the events of a coordinator to people: log lines and events (docs/commands.md), with the
-/// fields that each event has. Reports that workers cause by coming and going stay within a budget.
-/// One thread.
+/// Reports what happens in a coordinator to users, as log lines and as events (docs/commands.md).
+/// Limits the reports that workers cause by joining and leaving (LineBudget). One thread.
 class Chronicle {
  public:
   using Time = LineBudget::Time;
@@ -21,7 +20,7 @@ class Chronicle {
   Chronicle(const Problem& problem, EventLog* log, const Time& clock)
       : problem_(&problem), log_(log), clock_(clock), budget_(clock), lines_(clock) {}
 
-  // Log lines that peers cause and that are not events.
+  // Log lines that peers cause and that have no event. They count against the limit.
   template <class... Args>
   void info(spdlog::format_string_t<Args...> text, Args&&... args) {
     if (mayLog()) spdlog::info(text, std::forward<Args>(args)...);
@@ -34,7 +33,7 @@ class Chronicle {
   // Workers.
   void joined(const Worker& worker);
   void left(const Worker& worker, const std::string& reason);
-  /// `how` is "silent" or "unreachable". The worker held this number of targets.
+  /// `how` is "silent" or "unreachable"; `targets` is the number of targets that the worker held.
   void lost(const Worker& worker, const char* how, std::size_t targets);
   void ended(const Worker& worker, std::size_t targets);
   void refused(const std::string& host, std::uint32_t pid, const std::string& reason);
@@ -46,7 +45,7 @@ class Chronicle {
   void wentOn(std::uint32_t space, const SpacePlan& plan);
   void failed(const ResultKey& key, const Failure& failure, const wire::Provenance& giver);
   void setAside(const ResultKey& key, int deaths);
-  /// `cause` of the failures that are tried again; empty for set-aside transitions.
+  /// `cause` is that of the failures that are tried again; empty for set-aside transitions.
   void retried(std::int64_t transitions, const std::string& cause = "");
   void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);
@@ -54,13 +53,13 @@ class Chronicle {
   void keptOut(const KeptOut& liar);
   void completed(std::int64_t recorded, double seconds);
 
-  /// Writes the events so far, if possible.
+  /// Writes the events that were added so far, if possible.
   void flush();
 
  private:
   void add(const Event& event);
-  /// Returns true if the budget allows another report that workers cause at will. Reports first how
-  /// many were left out.
+  /// Returns true if the limit allows another report that a peer caused. If earlier reports were
+  /// left out, first reports how many.
   bool mayTell();
   /// The same for log lines that are not events. They have a budget of their own, so that they
   /// never displace events.

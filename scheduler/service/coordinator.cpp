@@ -25,12 +25,12 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
 void Coordinator::receive(Incoming incoming, Time now) {
   if (next() == Next::anew) return;
   noteOwnGap(now);
-  // Workers repeat their messages to the next coordinator.
+  // A new Build is about to start, so answer only users; workers repeat their messages to it.
   if (state_.turns_since_retry) return void(answer(incoming));
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   if (message.has_hello()) {
-    // There is a second machine now, which may solve the results of the first one again.
+    // If this worker brought a second machine, results of the first one can now be checked.
     if (workers_.hello(incoming)) seconds_.openDue();
     return;
   }
@@ -39,8 +39,8 @@ void Coordinator::receive(Incoming incoming, Time now) {
   if (worker == nullptr) {
     if (message.body_case() == wire::Message::BODY_NOT_SET)
       return workers_.badMessage(peer, "it cannot be read");
-    // An empty epoch never matches the worker's, so it says hello and then sends its unacknowledged
-    // results again.
+    // An empty epoch never matches the worker's own, so the worker says hello and then sends its
+    // unacknowledged results again.
     state_.send(peer).mutable_heartbeat_reply();
     return;
   }
@@ -61,7 +61,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
   }
 }
 
-/// Answers a request of people. Returns false if the message is no such request.
+/// Answers a request of an operator or observer. Returns false if the message is no such request.
 bool Coordinator::answer(const Incoming& incoming) {
   if (!incoming.message.has_stop_request()) return people_.answer(incoming);
   state_.send(incoming.peer).mutable_stop_reply()->set_stopping(true);
@@ -69,7 +69,7 @@ bool Coordinator::answer(const Incoming& incoming) {
   return true;
 }
 
-/// Returns true if the peer has not read earlier large answers. It will ask again.
+/// Returns true if the peer has not read earlier large answers. The peer will ask again.
 bool Coordinator::readsTooSlowly(const Incoming& incoming) {
   constexpr int large_in_a_turn = 2;
   const wire::Message& message = incoming.message;
@@ -98,7 +98,7 @@ void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
   for (const std::string& why : closed.why) state_.chronicle.warn("{}", why);
 }
 
-/// Detects that this scheduler itself did nothing for a while; workers are not blamed for silence
+/// Detects that this scheduler itself did nothing for a while. Workers are not blamed for silence
 /// in that time.
 void Coordinator::noteOwnGap(Time now) {
   state_.now = now;
@@ -138,13 +138,13 @@ Coordinator::Time Coordinator::nextDeadline() const {
   return std::min({people_.serversDue(), intake_.deadline(), workers_.nextSweep()});
 }
 
-/// Makes the waiting results durable and continues from them.
+/// Makes the waiting results durable and moves the build on.
 void Coordinator::commit() {
-  // Plans that hold dropped results must not complete.
+  // After a retry, plans still hold the dropped results, so they must not complete.
   if (state_.group.size() == 0 || state_.turns_since_retry) return;
   intake_.commit();
   goOn();
-  // These may be the last results of this run.
+  // Store the progress: these may be the last results of this run.
   if (state_.stopping) people_.writeProgress();
 }
 

@@ -11,25 +11,26 @@ enum class Next : std::uint8_t {
   stop,      ///< an operator asked for it
   complete,  ///< every space is complete and recorded
   stuck,     ///< Coordinator::stuck()
-  /// Recorded results must be computed again: an operator wants failures tried again, or
-  /// Coordinator::liars() gave them. Another Build continues in the directory (Build::keepOut).
+  /// Some recorded results must be computed again: an operator wants failures tried again, or
+  /// Coordinator::liars() gave the results. A new Build continues in the directory
+  /// (Build::keepOut).
   anew,
 };
 
-/// Handles every message of the service. Takes messages and the time, passes them to its parts
-/// (Workers, Handouts, Intake, SecondSolves, People), decides the order in which these act, and
-/// leaves messages to be sent. Has no sockets and no clock of its own. One thread.
+/// Handles every message of the scheduler. The caller passes in messages and the time, and takes
+/// out the messages to be sent: a coordinator has no sockets and no clock of its own. The work is
+/// done by its parts (Workers, Handouts, Intake, SecondSolves, People); the coordinator decides in
+/// which order they act. One thread.
 ///
-/// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
-/// on. The constructor replays the recorded results, so a restart continues where the last run
-/// stopped.
+/// A result is acknowledged, and its plan moves on, only after ResultGroup::commit (docs/state.md).
+/// The constructor replays the recorded results, so a restart continues where the last run stopped.
 ///
-/// Some results are solved again by other machines (SpotChecks) as soon as there are two machines.
-/// Plans do not wait for these checks; the end of the build does.
+/// As soon as there are two machines, some results are solved again by another machine
+/// (SpotChecks). Plans do not wait for these checks, but the build is complete only after them.
 ///
-/// Errors of the journal or the tables leave as exceptions. So does DamagedRecord, if a result that
-/// is needed cannot be read any more. After an exception, and after Next::anew, the object must not
-/// be used; nothing was acknowledged that is not on disk.
+/// Throws if the journal or the tables fail, and DamagedRecord if a result that is needed can no
+/// longer be read. After an exception, and after Next::anew, the object must not be used. Only
+/// results that are on disk have been acknowledged.
 class Coordinator {
  public:
   using Time = ServiceState::Time;
@@ -38,14 +39,15 @@ class Coordinator {
   Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Time now,
               const CoordinatorSettings& settings = {});
 
-  /// Handles a message. Taken by value, because its contents may be kept.
+  /// Handles a message. Takes it by value, because its contents may be moved into the records.
   void receive(Incoming incoming, Time now);
-  /// Handles a message that its sender's role does not allow. The sender is told why. If it was a
-  /// worker, it is removed.
+  /// Refuses a message that its sender's role does not allow. The sender is told why. If the sender
+  /// is a worker, it is removed.
   void refuse(const Incoming& incoming, Time now);
   /// Does the work that is due: commits a group, takes back the leases of silent workers, hands out
-  /// jobs. Call after every batch of messages and at nextDeadline(). `all_read`: no unread message
-  /// could show that a silent worker is alive. Returns next().
+  /// jobs. Call after every batch of messages and at nextDeadline(). With `all_read`, every
+  /// received message has been read; otherwise no worker is judged to be silent, because its
+  /// messages may be unread. Returns next().
   Next advance(Time now, bool all_read = true);
   /// Returns how to continue after the messages so far and the last turn.
   Next next() const;
@@ -62,10 +64,10 @@ class Coordinator {
     state_.now = now;
     workers_.unreachable(peer);
   }
-  /// Call with the connections that were closed because they cost too much.
+  /// Call with the connections that were closed because of the limits of Connections.
   void noteClosed(const Connections::Closed& closed, Time now);
-  /// Call when the local process `pid` ended by itself: the target it was solving may have killed
-  /// it.
+  /// Call when the local process `pid` ended by itself. The target that it was solving may have
+  /// killed it.
   void workerProcessEnded(std::uint32_t pid, Time now) {
     state_.now = now;
     workers_.processEnded(pid);
@@ -74,19 +76,20 @@ class Coordinator {
   /// Stops handing out jobs, commits the waiting results and tells workers to leave.
   void stop(Time now);
   bool stopping() const { return state_.stopping; }
-  /// Stops or resumes handing out jobs, in this run and the next ones. Workers finish their leases
-  /// and stay.
+  /// Stops or resumes handing out jobs, in this run and the next ones. While paused, workers finish
+  /// their leases and stay.
   void pause(bool paused) { people_.pause(paused); }
   bool paused() const { return state_.paused; }
   /// True if every space is complete and recorded.
   bool complete() const { return state_.complete; }
-  /// True if only transitions are left that cannot proceed: those set aside because workers died on
-  /// them, and disputed ones without another worker to ask.
+  /// True if only transitions are left that cannot proceed: transitions that are set aside because
+  /// workers died on them, and disputed ones that no other worker is there to solve.
   bool stuck() const {
     return !state_.complete && state_.group.size() == 0 && workers_.leases.stuck() &&
            seconds_.stuck();
   }
-  /// Workers that gave wrong results. Call Build::keepOut() before making another Build.
+  /// Workers that are to be excluded because they gave wrong results. Pass them to Build::keepOut()
+  /// before making another Build.
   const std::vector<KeptOut>& liars() const { return state_.liars; }
   std::size_t asideCount() const { return workers_.leases.aside().size(); }
   /// True if the recorded result is being solved again by another worker, or will be.
@@ -100,7 +103,8 @@ class Coordinator {
   }
   /// Number of workers that said hello and neither left nor were lost.
   std::size_t workers() const { return workers_.registry.all().size(); }
-  /// True if no worker sent anything for three heartbeats. After a Drain all have then left.
+  /// True if no worker has sent anything for three heartbeat intervals. If the workers were told to
+  /// leave before, all of them are then gone.
   bool deserted(Time now) const { return workers_.deserted(now); }
   /// Number of results from earlier runs.
   std::size_t found() const { return intake_.found(); }
@@ -125,7 +129,8 @@ class Coordinator {
   Handouts handouts_;
   Intake intake_;
   People people_;
-  std::map<std::string, int> large_answers_;  ///< asked for since takeOutbox(), by peer
+  /// number of large answers asked for since takeOutbox(), by peer
+  std::map<std::string, int> large_answers_;
   Time last_turn_;
 };
 

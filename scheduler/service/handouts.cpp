@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Order of workers when jobs are handed out, smallest first.
+/// A worker that may get a job, ordered by the fields below: the smallest gets the next job.
 struct Load {
   bool busy, newcomer;
   std::size_t held;     ///< targets
@@ -48,7 +48,8 @@ void Handouts::handOut() {
   };
   workers_.registry.eachAsking([&](Worker& worker) {
     add(worker);
-    // The others would not come before these workers. A check, however, is not for every worker.
+    // Stop once enough workers are idle and proven, because no other worker would come before them.
+    // Go on if checks wait, because not every worker may take a check.
     return checks_wait || free_hands < workers_.leases.waiting();
   });
   std::ranges::make_heap(heap, std::greater());
@@ -59,7 +60,7 @@ void Handouts::handOut() {
     const std::string& id = worker.id;
     const std::size_t room = workers_.roomOf(worker);
     if (workers_.leases.leasedTo(id) == 0) workers_.allotment.noteFirst(worker, state_.now);
-    // Checks first: they are few, and should find errors before much depends on them.
+    // Try checks first: they are few, and should find errors before much depends on the result.
     auto handout = workers_.leases.handOutCheck(
         id, [&](const ResultKey& key) { return seconds_.mayTake(worker, key, wanted.at(key)); });
     if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
@@ -82,7 +83,8 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(first.space);
   *job.mutable_start() = toWire(first.parent);
-  // The rest state always has its own job, so the first target decides for all.
+  // All targets of a job have the same start, so the first target gives its id. The solve from the
+  // rest state is alone in its job, because no other transition is ready before it ends.
   const bool is_check = checks.isOpen(first);
   job.set_start_id(is_check ? checks.startOf(first).id : startIdOf(plan, *plan.find(first)));
   for (const ResultKey& key : handout.targets) {
@@ -99,7 +101,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
 std::chrono::seconds Handouts::hungAfter() const {
   if (state_.settings.hung_after) return *state_.settings.hung_after;
   if (longest_solve_ <= 0) return state_.settings.hung_without_any;
-  // At most a week, since a worker may claim any cost.
+  // Limit this to a week, because a worker may claim any duration.
   constexpr double most = 7 * 24 * 3600;
   const double seconds = std::min(state_.settings.hung_factor * longest_solve_, most);
   return std::max(state_.settings.hung_at_least, std::chrono::seconds(std::llround(seconds)));
@@ -131,7 +133,7 @@ void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& reque
   if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
 }
 
-/// Returns the recorded result with these fields.
+/// Returns the recorded result that holds the requested fields.
 std::optional<ResultKey> Handouts::solverOf(const wire::FieldsRequest& request) const {
   const LatticePoint at = fromWire(request.point());
   if (const auto point = findIn(state_.plans, {request.space(), at, at})) {

@@ -15,16 +15,17 @@ class Handouts {
            std::string problem_bytes);
 
   /// Hands out waiting transitions and checks to the workers that ask and have room. Idle workers
-  /// come first, then proven workers before new ones, then the least loaded: the second job of one
-  /// worker could be the first of another.
+  /// come first, because the second job of one worker could be the first job of another. Next come
+  /// proven workers before new ones, then the least loaded.
   void handOut();
   void sendProblem(const Worker& worker);
-  /// Sends the fields of a start. Sends nothing if too many of them lie unread; the worker asks
-  /// again.
+  /// Sends the nodal fields that a job starts from. If workers have left too many such messages
+  /// unread, sends nothing; the worker asks again.
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
-  /// Returns true if this worker was asked for this result.
+  /// Returns true if the result carries the seal of a lease to this worker (LeaseSeal).
   bool asked(const Worker& worker, const wire::Result& result) const;
-  /// Notes the duration of a solve, s. Solves that take far longer than the longest are hung.
+  /// Notes the duration of a solve, s. A solve that takes far longer than the longest one so far
+  /// counts as hung.
   void noteSolve(double seconds) { longest_solve_ = std::max(longest_solve_, seconds); }
 
  private:

@@ -13,7 +13,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
   Replay replayed = state_.store.takeReplay();
   state_.plans = std::move(replayed.plans);
   unclaimed_ = std::move(replayed.unclaimed);
-  // After a loss, the plans ask for the unclaimed results later.
+  // If results were lost, the plans ask for the unclaimed results later.
   if (!state_.store.damaged() && replayed.settled.outdated.empty()) refuseUnclaimed(unclaimed_);
   PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
                  "every active node has its plan");
@@ -35,7 +35,8 @@ bool Intake::take(Worker& worker, Incoming& incoming) {
   const std::optional<Transition> transition = findIn(state_.plans, key);
   if (!transition) return drop("a result for a point that does not exist");
   if (!handouts_.asked(worker, message)) {
-    // If our secret was lost with the tables, results leased under it are solved again.
+    // If the secret was lost with the tables, this also concerns honest results that were leased
+    // under it. They are solved again.
     refuseUnwanted(worker, message);
     return drop("a result that it was not asked for");
   }
@@ -74,8 +75,8 @@ bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   return false;
 }
 
-/// Tells a worker that its result is not wanted: its transition depended on a lost result, or was
-/// invented. Without an answer an honest worker would keep the result and never leave.
+/// Tells a worker that its result is not wanted: the transition depended on a lost result, or the
+/// worker invented it. Without an answer, an honest worker would keep the result and never leave.
 void Intake::refuseUnwanted(const Worker& worker, const wire::Result& result) {
   ++state_.counters["unwanted_results"];
   state_.acknowledge(worker.peer, result).set_unwanted(true);
@@ -119,7 +120,7 @@ bool Intake::isDue(bool all_read) {
   const auto age = state_.now - *state_.group.since();
   if (age >= state_.settings.group_age || (all_read && age >= state_.settings.group_age_all_read))
     return true;
-  // A worker waits for work that these results may make ready.
+  // Commit now if a worker waits for work that these results may make ready.
   return workers_.leases.waiting() == 0 && workers_.registry.someoneAsks();
 }
 
@@ -129,11 +130,12 @@ ServiceState::Time Intake::deadline() const {
 }
 
 void Intake::commit() {
-  // Note the checks first: a scheduler that is killed in between would otherwise never check these
-  // results.
+  // Note the checks first: otherwise, if the scheduler is killed between the two, these results are
+  // never checked.
   for (const auto& [key, member] : state_.group.members())
     if (member.is_checked) seconds_.note(key, member.is_disputed);
-  // Plans move on only after this: their next transitions may start from results of the group.
+  // Move plans on only after this, because their next transitions may start from results of the
+  // group.
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;

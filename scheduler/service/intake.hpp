@@ -5,22 +5,24 @@
 
 namespace palpate {
 
-/// Takes results to the plans, recorded results of earlier runs first. A new result waits in the
-/// group of ServiceState until commit() makes the group durable, and is then acknowledged
-/// (docs/state.md). One thread; the references must outlive it.
+/// Records results in the plans, first the results of earlier runs. A new result waits in
+/// ServiceState::group until commit() makes the group durable, and is then acknowledged
+/// (docs/state.md). One thread; the references must outlive this object.
 class Intake {
  public:
-  /// Records the known results in the plans and queues the missing ones.
+  /// Takes over the plans with the results of earlier runs, and queues the transitions whose
+  /// results are missing.
   Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts);
 
-  /// Handles a result that came in; the contents to be recorded are moved out of it. Returns true
-  /// if a check ended with it (SecondSolves::compare).
+  /// Handles a received result. Moves the contents to be recorded out of the message. Returns true
+  /// if the result ended a check (SecondSolves::compare).
   bool take(Worker& worker, Incoming& incoming);
   /// True if the group has reached its size limit.
   bool isFull() const;
-  /// True if the group has waited long enough. `all_read`: no unread message is left.
+  /// True if the group has waited long enough, or if a worker waits for work. `all_read`: no
+  /// received message is left unread.
   bool isDue(bool all_read);
-  /// Latest time at which the group is due once all messages are read.
+  /// Time at which the group becomes due if all messages are read by then.
   ServiceState::Time deadline() const;
   /// Makes the group durable, acknowledges its results and moves the plans on, since their next
   /// transitions may start from them. Throws like JobStore; nothing of the group is then
@@ -28,7 +30,7 @@ class Intake {
   void commit();
 
   std::size_t found() const { return state_.store.found(); }  ///< results of earlier runs
-  // In this run: all results, and the equilibria among them.
+  // Numbers of results and of equilibria recorded in this run.
   std::int64_t recorded() const { return recorded_; }
   std::int64_t converged() const { return converged_; }
 

@@ -36,8 +36,8 @@ LeaseSeal::LeaseSeal(std::string secret) : secret_(std::move(secret)) { startSod
 
 std::string LeaseSeal::sealOf(const Leased& leased) const {
   const auto& [worker, transition, start_id] = leased;
-  // Unambiguous: only the worker's id and the last part vary in length, and the length of the id is
-  // included.
+  // The text is unambiguous: only the worker's id and the last part vary in length, and the text
+  // includes the length of the id.
   std::string text = bytesOfNumber(std::ssize(worker));
   text.append(worker).append(bytesOf(transition)).append(start_id);
   return keyedHash(text, secret_);

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Returns a keyed BLAKE2b hash of 16 bytes. Without the secret, of 16 to 64 bytes, nobody can
-/// compute or predict it.
+/// Returns the BLAKE2b hash of `text`, 16 bytes, keyed with `secret` of 16 to 64 bytes. Nobody can
+/// compute or predict it without the secret.
 std::string keyedHash(std::string_view text, std::string_view secret);
 /// Returns a transition as text for keyedHash(), 8 bytes per number.
 std::string bytesOf(const ResultKey& key);
@@ -20,9 +20,10 @@ struct Leased {
   std::string_view start_id;  ///< wire::Job.start_id
 };
 
-/// Proves that this build leased a transition to a worker, even after a restart of the scheduler,
-/// which stores no list of its leases. The proof is a message authentication code (keyed BLAKE2b)
-/// over worker, transition and start. It cannot be made without the secret. One thread at a time.
+/// Proves that this build leased a transition to a worker. The proof also holds after a restart of
+/// the scheduler, which stores no list of its leases. It is a message authentication code (keyed
+/// BLAKE2b) over worker, transition and start; nobody can make it without the secret. One thread at
+/// a time.
 class LeaseSeal {
  public:
   /// `secret` has 16 to 64 bytes.

@@ -12,7 +12,7 @@ class LineBudget {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Enough for a thousand workers that start at once, then for a line per second.
+  /// A thousand workers may start at once; after that, one line per second is allowed.
   static constexpr std::int64_t burst = 1000;
   static constexpr std::chrono::seconds interval{1};
 

@@ -10,9 +10,9 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::seconds servers_written_every{5};
-/// Delay after a worker joined: short, because people look for the worker that they just started.
-/// It grows with the number of workers, or a flood of newcomers would have all rows written again
-/// for each of them.
+/// Delay of the table of servers after a worker joined, per workers_per_wait workers. It is short,
+/// because users look for the worker that they just started. It grows with the number of workers:
+/// otherwise, in a flood of new workers, each of them would cause all rows to be written again.
 constexpr std::chrono::milliseconds newcomers_written_after{1};  // per workers_per_wait workers
 constexpr std::size_t workers_per_wait = 8;
 
@@ -66,10 +66,10 @@ void People::measure() {
   const Time now = state_.now;
   pace_.note(now, intake_.converged());
   work_pace_.note(now, intake_.recorded());
-  // A forecast looks at many points.
+  // Limit the rate of forecasts, because each looks at many points.
   constexpr std::chrono::milliseconds at_least{500};
   if (state_.complete || now - forecast_made_ < at_least) return;
-  // A forecast costs 0.2 us per point; every 20 us per point is 1 % of a core.
+  // A forecast costs 0.2 us per point, so one every 20 us per point takes 1 % of a core.
   double points = 0;
   for (const SpacePlan& plan : state_.plans) points += plan.size();
   points = std::min(points, double{most_forecast});
@@ -86,7 +86,8 @@ std::int32_t People::retry() {
   return aside;
 }
 
-/// The plans are made again without these results, and then ask for them.
+/// Drops the recorded failures with this cause. A new Build then makes its plans without them and
+/// tries these transitions again. Returns the number of dropped failures.
 std::int32_t People::retryFailed(const std::string& cause) {
   const auto which = causeNamed(cause);
   if (!which || state_.turns_since_retry || state_.complete) return 0;
@@ -152,7 +153,8 @@ void People::writeProgress() {
 }
 
 const std::string& People::recentStatus() {
-  // Measured, in seconds. With these numbers, endless requests cost 5 % of a core.
+  // Measured costs of making a status, s per space and per worker. A status is reused for `times`
+  // its cost, so that endless requests take 5 % of a core.
   constexpr double by_space = 3e-6, by_worker = 3e-6, times = 20;
   const double cost = by_worker * static_cast<double>(workers_.registry.all().size()) +
                       by_space * static_cast<double>(state_.plans.size());
@@ -171,7 +173,7 @@ void People::addTimeLeft(wire::Status& status, Time now) const {
   }
   const double rate = work_pace_.perSecond(now, intake_.recorded());
   if (rate <= 0 || state_.paused) return;
-  // The results since then were among the ready transitions.
+  // The results recorded since the forecast were among its ready transitions.
   const double ready =
       std::max(1.0, forecast_.ready - static_cast<double>(intake_.recorded() - recorded_then_));
   status.set_eta_seconds((ready + forecast_.expected) / rate);

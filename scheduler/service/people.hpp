@@ -13,17 +13,17 @@ class People {
   using Time = ServiceState::Time;
   People(ServiceState& state, Workers& workers, const SecondSolves& seconds, const Intake& intake);
 
-  /// Handles a request. Returns false if the message is none.
+  /// Handles a request of an operator or observer. Returns false if the message is no such request.
   bool answer(const Incoming& incoming);
   void pause(bool paused);
   wire::Status status(Time now) const;
 
-  /// Measures the rate, and updates the forecast now and then.
+  /// Updates the measured rate of results and, from time to time, the forecast of remaining work.
   void measure();
   /// Time when the table of servers is written next.
   Time serversDue() const;
   void writeServers();
-  /// Writes the progress, which is shown when no scheduler works in the directory.
+  /// Stores the progress in the tables, for users who ask when no scheduler runs.
   void writeProgress();
 
  private:

@@ -15,10 +15,11 @@ namespace {
 /// The solver stops at 1e-9 of the force on the tool, and 1e-10 of the force that shears an element
 /// (NewtonOptions). A result with a thousand times the error does not come from this solver.
 constexpr double largest_residual = 1e-6;
-/// Fields are float32, and a weighted tool is at its position only on average over its nodes.
+/// Tolerance of a displacement, relative to its size. Fields are float32, and the nodes of a
+/// weighted tool have the prescribed displacement only on average.
 constexpr double place_tolerance = 1e-4;
 constexpr double odd_force = 0.05, odd_energy = 0.003;
-/// Far more than any transition needs.
+/// Limit on iterations and steps: far more than any transition needs.
 constexpr std::int32_t most_steps = 1'000'000;
 
 bool isPlausible(const Cost& cost) {
@@ -88,7 +89,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (!isPlausible(outcome.cost)) return "a result with impossible costs";
   if (!outcome.converged()) {
     if (!payload.empty() || !result.fields_id().empty()) return "a failure with fields";
-    // Its step is shown to people and decides which cause a point gets.
+    // Check the failure's step: it is shown to users and decides which cause the point gets.
     return objectionToFailure(outcome.failure(), problem_->mesh);
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
@@ -118,7 +119,8 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   for (const std::int32_t node : problem_->fixed)
     if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";
 
-  // Under gravity the tool is displaced from a rest position that only solvers know.
+  // Under gravity, the tool starts from a rest position that only solvers know, so its displacement
+  // cannot be checked here.
   if (!scene.gravity.isZero()) return "";
   const Eigen::Vector3d p = lattice_.displacementOf(fromWire(result.target()));
   const double tolerance = place_tolerance * std::max(p.norm(), 1e-3 * scene.workspace.spacing);
@@ -130,15 +132,15 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
                                                })
                          : isThere(displacementOf(fields, patch));
   if (!there) return "a tool that is elsewhere";
-  // An origin that was reached from a neighbour is at rest only up to rounding.
+  // An origin that was solved from a neighbour is at rest only up to rounding.
   if (fromWire(result.target()) != fromWire(result.parent())) return "";
   if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a rest that is none";
   return holdsBack(e.stiffness) ? "" : "a rest that is not stable";
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {
-  // The worker that was asked and the time it took depend on timing; everything else follows from
-  // the scene. Unknown fields (job and attempt) come from older records and depend on timing too.
+  // Lease, giver and duration depend on timing; everything else follows from the scene. Unknown
+  // fields (job and attempt) come from older records and depend on timing too.
   result.GetReflection()->MutableUnknownFields(&result)->Clear();
   result.clear_lease();
   result.clear_given_by();
@@ -162,7 +164,7 @@ double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found
       std::abs(found.energy - parent.energy - work) / (odd_energy * force * way.norm() / 2);
   const double by_force = (found.force - parent.force - rise).norm() / (odd_force * force);
   const double oddness = std::max(by_energy, by_force);
-  // Without any force the ratios say nothing.
+  // Without any force both ratios are 0/0. Such a result counts as odd.
   return std::isnan(oddness) ? std::numeric_limits<double>::infinity() : oddness;
 }
 

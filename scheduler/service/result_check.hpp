@@ -7,28 +7,29 @@
 
 namespace palpate {
 
-/// Checks results that came over a socket before they are used: could a solver of this program have
-/// found them? Errors that it cannot see are found by another worker's solve (SpotChecks).
-/// `problem` must outlive it; `build` is its problemId.
+/// Decides whether a received result could have been computed by a solver of this program. Other
+/// errors are found only when another worker solves the transition again (SpotChecks). `problem`
+/// must outlive this object; `build` is its problemId.
 class ResultCheck {
  public:
   ResultCheck(const Problem& problem, const ContentId& build);
 
   struct Judged {
-    std::string objection;  ///< reason why it is no result of this build; empty if it may be one
-    Outcome outcome;        ///< contents without fields; valid without objection
+    std::string objection;  ///< reason why this is no result of the build; empty if it may be one
+    Outcome outcome;        ///< decoded, without nodal fields; valid if there is no objection
   };
-  /// Judges a result that must be computed with `kernel_family`. The plans tell whether the
-  /// transition was asked for, and LeaseSeal which worker was asked.
+  /// Judges a result, which must have been computed with `kernel_family`. Does not judge whether
+  /// the transition was asked for (the plans know) or from which worker (LeaseSeal knows).
   ///
   /// An equilibrium must satisfy:
   /// - all numbers are finite;
   /// - det F > 0 if the scene requires it;
-  /// - the residual is as small as the solver leaves it;
+  /// - the residual is not far above the tolerance of the solver;
   /// - the derivatives are symmetric;
   /// - only a finger has a drive (configurational force);
-  /// - the fixed nodes and the tool are at their positions;
-  /// - at rest, displacement, energy and force are zero, and the stiffness holds the tool back.
+  /// - fixed nodes have not moved, and the tool has its prescribed displacement;
+  /// - at rest, displacement, energy and force are zero, and the stiffness resists every
+  ///   displacement of the tool.
   Judged judge(const wire::Result& result, const std::string& payload,
                const std::string& kernel_family) const;
 
@@ -50,15 +51,17 @@ class ResultCheck {
   double diameter_;  ///< of the body, m
 };
 
-/// Returns how badly an equilibrium fits the one that it was reached from; `way` leads to it,
-/// metres. Force and stiffness are derivatives of the energy. Two positions that are not far apart
-/// therefore satisfy (Hermite quadrature)
+/// Returns how badly the equilibrium `found` fits its `parent`, from which it was solved. `way` is
+/// the tool's displacement from the parent's position to that of `found`, metres.
+///
+/// Force f and stiffness K are derivatives of the energy E. With w = `way`, 0 for the parent and 1
+/// for `found`, nearby positions therefore satisfy (Hermite quadrature)
 ///
 ///   E1 - E0 = -(f0 + f1).w / 2 + w.(K1 - K0) w / 12 + O(w^5),  f1 - f0 = (K0 + K1) w / 2 + O(w^3).
 ///
-/// A value of 1 is the worst of 666 honest results on the shipped liver: an error of 0.3 % of the
-/// work or 5 % of the force. Honest results may exceed it if the tissue snaps to another branch or
-/// the way is long.
+/// The value is 1 if these equations are violated by 0.3 % of the work or by 5 % of the force, the
+/// worst of 666 correct results on the shipped liver. A correct result may exceed 1 if the tissue
+/// snaps to another branch, or if w is large.
 double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found,
                      const Eigen::Vector3d& way);
 

@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the recorded result whose fields a result started from. The result must have a start.
+/// Returns the key of the recorded result that holds the fields from which this result started. The
+/// result must not have started from the rest state.
 ResultKey solverOfStart(const wire::Result& header) {
   return {header.space(), fromWire(header.parent()), fromWire(header.start_parent())};
 }
@@ -23,7 +24,7 @@ SecondSolves::SecondSolves(ServiceState& state, Workers& workers)
 
 bool SecondSolves::pick(const ResultKey& key, const Outcome& outcome) {
   SpotChecks::Look look = {.failed = !outcome.converged()};
-  // ResultCheck has judged the rest state by itself.
+  // The rest state has no parent to compare with. ResultCheck has judged it.
   if (outcome.converged() && key.target != key.parent) {
     const SpacePlan& plan = state_.plans[key.space];
     const Lattice& positions = plan.positions();
@@ -42,8 +43,8 @@ void SecondSolves::note(const ResultKey& key, bool disputed) {
 void SecondSolves::openDue() {
   std::erase_if(due_, [&](const auto& due) {
     const auto& [key, disputed] = due;
-    // Disputed checks need no room and no second machine: they are few, the end waits for them, and
-    // one machine may settle them.
+    // Disputed checks need neither room nor a second machine: they are few, the end of the build
+    // waits for them, and one machine may settle them.
     return (disputed || (!workers_.isOneMachine() && checks_.hasRoom())) && open(key, disputed);
   });
 }
@@ -56,7 +57,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   try {
     record = state_.store.find(key);
   } catch (const DamagedRecord&) {
-    // The damage is found, and the result computed again, before the end.
+    // Before the build ends, the damage is found and the result computed again.
   }
   wire::Result first;
   if (!record || !first.ParseFromString(record->header)) return false;
@@ -70,7 +71,8 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
 
 bool SecondSolves::isRecordedInPlan(const ResultKey& key) const {
   const std::optional<Transition> known = findIn(state_.plans, key);
-  // A result in the group is being recorded again after a loss. It is checked afterwards.
+  // If the result is in the group, it is being recorded again after a loss, and is checked only
+  // then.
   return known && state_.plans[key.space].isRecorded(*known) && !state_.group.has(key);
 }
 
@@ -90,7 +92,8 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
   const bool was_open = checks_.isOpen(key);
   if (!was_open || checks_.apart(key, worker.provenance) == Apart::same_process) {
     if (isSame(worker, first, second)) {
-      // Other workers were given the target meanwhile.
+      // If another worker gave the first result, the target was handed out again because this
+      // worker was overdue. It has delivered now.
       if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
       return false;
     }
@@ -116,8 +119,9 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
     state_.tables.forgetCheck(key);
     return true;
   }
-  // The check stays in the tables. It covers the result that is computed again. If this process is
-  // killed before the workers are excluded, it also lets them be found once more.
+  // Keep the check in the tables. It covers the result that is computed again. Also, if this
+  // process is killed before the wrong workers are excluded, the check lets them be found once
+  // more.
   findLiars(*verdict, fmt::format("its result of {} differs from what {} others found", textOf(key),
                                   verdict->right.size()));
   return false;
@@ -139,7 +143,8 @@ void SecondSolves::differs(const Worker& worker, const wire::Result& first,
 
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
   const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
-  // Other workers of its machine, or with its key, may not be involved.
+  // Count the rest of its machine as right, so that at first only this process is excluded: other
+  // workers on the machine, or with the key, may not be involved.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
   findLiars({.right = {neighbour}, .wrong = {worker.provenance}}, reason);
@@ -153,8 +158,8 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
   for (const KeptOut& liar : state_.liars) state_.chronicle.keptOut(liar);
 }
 
-/// Returns true while machines that were here may come back: until only checks have been left for
-/// checks_wait.
+/// Returns true if machines that were here before may still come back: until only checks have been
+/// left for checks_wait.
 bool SecondSolves::othersMayCome() const {
   return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
 }

@@ -4,36 +4,38 @@
 
 namespace palpate {
 
-/// Results that other workers solve again. Decides which results, when, by which workers, and
-/// handles the outcome. Plans do not wait for these checks; the end of the build does. One thread;
-/// `state` and `workers` must outlive it.
+/// Decides which results other workers solve again, when, and which workers may do it, and handles
+/// the outcome of these checks. Plans do not wait for the checks, but the build is complete only
+/// after them. One thread; `state` and `workers` must outlive this object.
 class SecondSolves {
  public:
   using Time = ServiceState::Time;
   SecondSolves(ServiceState& state, Workers& workers);
 
-  /// Decides whether the first result of a transition is solved again. Call once per transition.
+  /// Decides whether the first result of a transition is to be solved again. Call once per
+  /// transition.
   bool pick(const ResultKey& key, const Outcome& outcome);
-  /// Remembers, also across runs, that a result is solved again once it is recorded.
+  /// Stores, also for later runs, that a result is to be solved again once it is recorded.
   void note(const ResultKey& key, bool disputed);
-  /// Opens the checks of recorded results for which there is room.
+  /// Opens noted checks whose result is recorded, as far as there is room.
   void openDue();
-  /// Call when everything is solved. Drops checks of results that no plan asked for in the end, and
-  /// all undisputed ones if no second machine ever came. Damaged results keep their check: they are
-  /// found before the seal and checked when they are computed again.
+  /// Call when all plans are complete. Drops the checks of results that no plan asked for, and all
+  /// undisputed checks if no second machine ever came. A damaged result keeps its check in the
+  /// tables: the damage is found before the dataset is written, and the result is checked after it
+  /// has been computed again.
   void forgetUnneeded();
   /// Number of checks that are open or still to be opened.
   std::size_t left() const { return checks_.openCount() + due_.size(); }
 
-  /// Handles a second result of a recorded transition. It was asked for as a check, its
-  /// acknowledgement was lost, or a worker taken for dead finished after all. Returns true if a
-  /// check ended with nobody found wrong.
+  /// Handles a second result of a recorded transition. It may be the answer to a check, a
+  /// repetition because its acknowledgement was lost, or the late result of a worker that was
+  /// believed dead. Returns true if it ended a check in which no worker was wrong.
   bool compare(Worker& worker, const wire::Result& first, const wire::Result& second);
-  /// Counts a second result of a transition and reports it if it differs. Returns true if it is the
-  /// same.
+  /// Counts a second result of a transition, and reports it if it differs from the first. Returns
+  /// true if both are the same.
   bool isSame(const Worker& worker, const wire::Result& first, const wire::Result& second);
-  /// Excludes a worker that gave two different results of one transition; no other opinion is
-  /// needed.
+  /// Excludes a worker that gave two different results of one transition. No other worker's result
+  /// is needed for that.
   void contradict(const Worker& worker, const wire::Result& result);
 
   /// Returns, for each waiting check, how independent the next worker must be.
@@ -42,12 +44,13 @@ class SecondSolves {
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
-  /// Notes how long only checks have been left. After checks_wait, overdue checks go to other
-  /// workers; after worker_lost, no worker is expected for the waiting ones.
+  /// Call in every turn. Measures how long only checks have been left. After checks_wait, overdue
+  /// checks go to other workers. After worker_lost, no worker is expected to come for the waiting
+  /// checks.
   void watch();
-  /// Gives up the checks that no worker can do. Returns true if there were any.
+  /// Gives up the checks that no worker can do. Returns true if any was given up.
   bool giveUp();
-  /// True if no check waits, or if no worker is expected for the waiting ones.
+  /// True if no check waits, or if no worker is expected to come for the waiting checks.
   bool stuck() const { return workers_.leases.waitingChecks().empty() || hopeless_; }
   void forgiveGap(std::chrono::nanoseconds gap) {
     if (only_these_left_) *only_these_left_ += gap;
@@ -68,7 +71,7 @@ class SecondSolves {
   /// result is disputed.
   std::map<ResultKey, bool> due_;
   std::optional<Time> only_these_left_;  ///< time from which on only checks were left
-  bool hopeless_ = false;                ///< only checks have been left for worker_lost
+  bool hopeless_ = false;                ///< only checks have been left for longer than worker_lost
 };
 
 }  // namespace palpate

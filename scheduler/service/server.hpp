@@ -10,9 +10,9 @@ namespace palpate {
 /// The ROUTER socket in front of a Coordinator. One thread; only turn() blocks.
 class Server : private Transport {
  public:
-  /// Binds `endpoint` (tcp://127.0.0.1:* lets the system choose a port). Accepts the peers that
-  /// `keys` allows, or everybody without keys. Disconnects peers that send more than a result of
-  /// this problem can take. Throws if the endpoint is in use.
+  /// Binds `endpoint` (tcp://127.0.0.1:* lets the system choose a port). With `keys`, accepts only
+  /// the peers that the keys allow; without, accepts everybody. Disconnects a peer that sends a
+  /// message longer than any result of this problem. Throws if the endpoint is in use.
   Server(zmq::context_t& context, const Problem& problem, const std::string& endpoint,
          const std::optional<KeyFolder>& keys = std::nullopt);
 
@@ -29,16 +29,17 @@ class Server : private Transport {
   Connections::Closed takeClosed() override { return connections_.takeClosed(); }
   /// Returns why the sender may not send this message; empty if it may.
   std::string refusalOf(const Incoming& incoming);
-  /// Returns a token for a large answer. It counts against the peer while anybody holds it.
+  /// Returns a token for one large answer to a peer. The answer counts as unread until the token is
+  /// destroyed.
   std::shared_ptr<const void> countedFor(const std::string& peer);
 
-  /// None: everybody may send every message. Declared before the socket, so that it is destroyed
-  /// after it.
+  /// Without a handler, everybody may send every message. Declared before the socket, so that the
+  /// handler is destroyed after the socket.
   std::optional<ZapHandler> zap_handler_;
   zmq::socket_t socket_;
   Inbox inbox_;
   Connections connections_;
-  /// By peer: a token, held once for each large answer that libzmq still has.
+  /// A token of each peer. It is shared by the peer's large answers that libzmq still has.
   std::map<std::string, std::weak_ptr<const void>> unread_;
   std::string endpoint_;
 };

@@ -17,50 +17,52 @@ struct Outgoing {
 };
 
 struct CoordinatorSettings {
-  /// Interval of the workers' heartbeats. Cheap. A heartbeat also names the target in work, in case
-  /// its solve kills the worker.
+  /// Interval of the workers' heartbeats, which cost little. A heartbeat also names the target that
+  /// the worker is solving, in case the solve kills the worker.
   std::chrono::milliseconds heartbeat{1000};
-  /// Silence after which a worker's leases are handed out again. If it is shorter than network
-  /// outages, work is done twice.
+  /// Silence after which a worker's leases are handed out again. If network outages last longer,
+  /// work is done twice.
   std::chrono::milliseconds worker_lost{60000};
-  /// Heartbeats of silence after which a worker is sent a message: a broken connection shows only
-  /// when something is sent.
+  /// Number of missed heartbeats after which a silent worker is sent a message, because a broken
+  /// connection is noticed only when something is sent.
   int silent_heartbeats = 3;
-  /// A scheduler that did nothing for this long was stopped, or had no processor time. The messages
-  /// of its workers lie unread, so silence in that time does not count.
+  /// A scheduler that did nothing for this long was stopped, or had no processor time. Messages of
+  /// its workers may then lie unread, so their silence in that time does not count.
   std::chrono::milliseconds own_gap{3000};
-  /// A worker whose heartbeats report no solve for this long, although it holds leases, never got
-  /// them or forgot them.
+  /// If a worker holds leases but its heartbeats report no solve for this long, it never received
+  /// them or has forgotten them.
   std::chrono::milliseconds idle_with_leases{30000};
   AllotmentSettings allotment;
   /// A solve is hung if it takes hung_factor times the longest recorded one, and at least
   /// hung_at_least. Before the first result the limit is hung_without_any.
   double hung_factor = 30;
   std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
-  std::optional<std::chrono::seconds> hung_after;  ///< replaces these limits
-  /// Group commit. Results wait for others at most group_age, or group_age_all_read if nothing more
-  /// is to be read. They wait less while a worker waits for work that they may make ready. At most
-  /// group_results of at most group_bytes share one sync.
+  std::optional<std::chrono::seconds> hung_after;  ///< if set, used instead of these limits
+  /// Group commit: results wait for others, so that one sync serves many. They wait at most
+  /// group_age, or at most group_age_all_read once no received message is left unread. They do not
+  /// wait if a worker waits for work that they may make ready. A group is also committed when it
+  /// has group_results results or group_bytes of payload.
   std::chrono::milliseconds group_age{20}, group_age_all_read{5};
   std::size_t group_results = 256, group_bytes = std::size_t{16} << 20;
-  /// Bytes of start configurations that may lie unread with workers. Beyond this limit no request
-  /// is answered, and workers ask again.
+  /// Limit on the bytes of start configurations that were sent to workers but not read yet. Beyond
+  /// it, requests for start configurations are not answered; the workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
-  /// Time that checks wait, when all else is done, for another machine that was here to come back.
+  /// When only checks are left, they wait this long for a machine that was here before to come
+  /// back.
   std::chrono::milliseconds checks_wait{15000};
-  /// Keys identify people and machines, and not just this run.
+  /// True if keys identify people and machines; false if they were made for this run only.
   bool keys_tell_who = true;
-  /// Kernel family that computes all results (arithmeticOf). If empty, the first result decides. In
-  /// a build with results, their kernel family counts instead.
+  /// Kernel family that computes all results (arithmeticOf). If empty, the first result decides. If
+  /// the build already has results, their kernel family is used instead.
   std::string kernel_family;
-  /// Receives the events; null: there are none. Must outlive the coordinator.
+  /// Log that receives the events; may be null. Must outlive the coordinator.
   EventLog* events = nullptr;
 };
 
 /// The state that the parts of a coordinator share: the build with its records and plans, the
-/// messages to be sent, the reports, and the decisions. The referenced objects must outlive it. One
-/// thread.
+/// messages to be sent, the reports, and the decisions. The referenced objects must outlive this
+/// one. One thread.
 struct ServiceState {
   using Time = std::chrono::steady_clock::time_point;
 
@@ -78,17 +80,20 @@ struct ServiceState {
   Chronicle chronicle = Chronicle(problem, settings.events, now);
 
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
-  std::vector<KeptOut> liars = {};  ///< once there are any, another Build begins
-  /// Turns since recorded failures were dropped. In the second turn the answer has been sent.
+  std::vector<KeptOut> liars = {};  ///< if not empty, another Build must replace this one
+  /// Turns since an operator's retry dropped recorded failures; none if there was no retry. In the
+  /// second turn, the operator has got the answer.
   std::optional<int> turns_since_retry = std::nullopt;
 
   bool handsOut() const { return !stopping && !paused && !complete; }
-  /// True if all workers were told to leave. A worker that is then gone does not count as lost.
+  /// True if all workers were told to leave. A worker that disappears after that does not count as
+  /// lost.
   bool everybodyIsToLeave() const { return stopping || dismissed; }
 
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
-  /// Sends an acknowledgement, which says that the result is recorded unless the caller adds to it.
+  /// Sends and returns an acknowledgement. It says that the result is recorded, unless the caller
+  /// adds to it.
   wire::ResultAck& acknowledge(const std::string& peer, const wire::Result& result);
   /// Tells a worker to leave.
   void drain(const std::string& peer) { send(peer).mutable_drain()->set_finished(complete); }

@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-/// Number of remembered oddnesses, number needed to judge by them, and results between two updates
-/// of the threshold.
+/// Number of results whose oddness is remembered, number that is needed to set the threshold, and
+/// number between two updates of the threshold.
 constexpr std::size_t remembered_looks = 2048, looks_to_judge_by = 32, looks_between = 16;
-/// Threshold before there are enough: three times the worst measured (oddnessBeside).
+/// Threshold until then: three times the largest oddness that was measured (oddnessBeside).
 constexpr double odd_at_first = 3;
 
 Apart apartFrom(const wire::Provenance& a, const wire::Provenance& b) {
@@ -30,7 +30,7 @@ bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenan
   return std::ranges::any_of(others, [&](const auto& other) { return other.key() == who.key(); });
 }
 
-/// Returns a number in [0, 1) that depends only on the secret and the transition.
+/// Returns a random number in [0, 1) that depends only on the secret and the transition.
 double lotOf(const ResultKey& key, const std::string& secret) {
   std::uint64_t number = 0;
   std::memcpy(&number, keyedHash(bytesOf(key), secret).data(), sizeof number);
@@ -45,8 +45,8 @@ Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver) {
 }
 
 SpotChecks::SpotChecks(const SpotCheckSettings& settings, std::string secret)
-    // The secret also serves other purposes. The prefix keeps their outputs from revealing the
-    // lots.
+    // The secret also serves other purposes. With the prefix, their outputs do not reveal which
+    // results are drawn by lot.
     : settings_(settings), secret_("spot checks" + std::move(secret)), odd_from_(odd_at_first) {}
 
 bool SpotChecks::pick(const ResultKey& key, const Look& look) {
@@ -55,13 +55,15 @@ bool SpotChecks::pick(const ResultKey& key, const Look& look) {
   if (isSuspect(look)) return true;
   const auto results = static_cast<double>(results_);
   const auto suspects = static_cast<double>(failed_picked_ + odd_picked_);
-  // The lots get the part of the share that suspects leave, and half of the share in any case.
+  // The lot gets the part of the share that failures and odd results leave, and at least half of
+  // the share.
   const double left = (settings_.share * results - suspects) / (results - suspects);
   return lotOf(key, secret_) < std::max(settings_.share / 2, left);
 }
 
-/// Returns true for a failure or odd result while its kind has room. So a body with many failures
-/// or odd results is not solved twice, and failures leave room for odd results.
+/// Returns true for a failure or an odd result, unless enough results of its kind were picked.
+/// Without this limit, a body with many failures or odd results would be solved twice, and failures
+/// would leave no room for odd results.
 bool SpotChecks::isSuspect(const Look& look) {
   if (!look.failed && !isOdd(look.oddness)) return false;
   std::int64_t& picked = look.failed ? failed_picked_ : odd_picked_;
@@ -72,9 +74,9 @@ bool SpotChecks::isSuspect(const Look& look) {
   return true;
 }
 
-/// Compares with the latest results of this build, since organs differ in what is odd. The
-/// threshold is exceeded by half as many results as may be picked, which leaves room if somebody
-/// lies.
+/// Compares an oddness with those of the latest results, because organs differ in how odd their
+/// results are. Half as many results exceed the threshold as may be picked. That leaves room for
+/// the results of a worker that lies.
 bool SpotChecks::isOdd(double oddness) {
   const bool odd = oddness > odd_from_;
   if (oddness_.size() < remembered_looks)

@@ -31,8 +31,8 @@ void addCauses(google::protobuf::Map<std::string, std::int32_t>& causes,
           static_cast<std::int32_t>(counts[cause]);
 }
 
-/// Returns the row for an active node. All places where an area is measured share one row, in which
-/// each counts as one point.
+/// Returns the row that counts an active node. All places where an area is measured share one row,
+/// in which each place counts as one point.
 wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
   const std::string name = rowNameOf(active);
   if (active.isProbe())
@@ -85,8 +85,8 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     wire::SpaceStatus& row = rowFor(status, active);
     setStage(row, plan.stage());
     const CompactPoints& points = plan.points();
-    // The rest position of a place where an area is measured is not one of its points. The place
-    // counts even before it has its probe.
+    // A place where an area is measured counts as one point, its probe. Its rest position does not
+    // count. Before its probe exists, the place counts as an unknown point.
     if (active.isProbe() && plan.size() == 1)
       addPoint(status, row, {});
     else if (!active.isProbe())
@@ -118,7 +118,7 @@ void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& ser
   for (const wire::WorkerStatus& row : servers) {
     wire::WorkerStatus& worker = *status.add_workers();
     worker = row;
-    // Enough digits for people to tell workers apart.
+    // Shorten the id to as many digits as users need to tell workers apart.
     worker.set_worker(row.worker().substr(0, 8));
   }
   for (const auto& [name, value] : counters)
@@ -147,7 +147,7 @@ void addDisk(wire::Status& status, const std::filesystem::path& directory,
 void Pace::note(Time now, std::int64_t found) {
   if (now - samples_.back().when < between_samples) return;
   samples_.push_back({now, found});
-  // The oldest sample may lie outside the window, so that the samples cover all of it.
+  // Keep one sample outside the window, so that the samples cover all of it.
   while (samples_.size() > 2 && now - samples_[1].when >= pace_window) samples_.pop_front();
 }
 
@@ -159,7 +159,7 @@ double Pace::perSecond(Time now, std::int64_t found) const {
 
 std::string toJson(const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
-  // Scripts then need not know which fields may be missing.
+  // Print every field: scripts then need not know which fields may be missing.
   options.always_print_primitive_fields = true;
   options.preserve_proto_field_names = true;
   std::string json;
@@ -187,9 +187,9 @@ bool countsMakeSense(const wire::Status& status) {
   return sum <= std::numeric_limits<std::int32_t>::max();
 }
 
-/// Removes the parts that protobuf keeps of an unknown object without a name, as fields with a
-/// known number. Message::DiscardUnknownFields is not used: it goes through the library to maps,
-/// which have another layout under the thread sanitizer.
+/// Removes unknown fields. Protobuf's JSON parser leaves some for an unknown object without a name.
+/// Message::DiscardUnknownFields is not used: it goes through the library to maps, which have
+/// another layout under the thread sanitizer.
 void discardUnknownFields(wire::Status& status) {
   const auto discard = [](google::protobuf::Message& message) {
     message.GetReflection()->MutableUnknownFields(&message)->Clear();
@@ -205,7 +205,7 @@ void discardUnknownFields(wire::Status& status) {
 wire::Status statusFromJson(const std::string& json) {
   wire::Status status;
   google::protobuf::util::JsonParseOptions options;
-  // A newer scheduler may send more fields.
+  // A newer scheduler may have more fields.
   options.ignore_unknown_fields = true;
   if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
       !result.ok())

@@ -18,14 +18,14 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
 /// Adds the workers (`servers`) and the counters.
 void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
                 const Counters& counters);
-/// Returns the status that is stored for the time when no scheduler works there (Progress): points
-/// and attempts, `build`, `kernel_family`, and "complete" or "stopped" as `state`.
+/// Returns the status that is stored in the tables (Progress) and shown when no scheduler runs. It
+/// holds points and attempts, `build`, `kernel_family`, and "complete" or "stopped" as `state`.
 wire::Status progressOf(const Problem& problem, const ContentId& build,
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         bool complete);
 
-/// Returns the name of the row of a status that counts a space: its own, or the shared row of all
-/// places where an area is measured.
+/// Returns the name of the status row that counts a space. All places where a finger's area is
+/// measured share one row; every other space has its own.
 std::string rowNameOf(const ActiveSelection& active);
 void setPriorities(wire::Status& status, const std::map<std::string, std::int32_t>& priorities);
 
@@ -35,7 +35,8 @@ void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out);
 void addDisk(wire::Status& status, const std::filesystem::path& directory,
              std::uint64_t journal_bytes);
 
-/// Returns one line of JSON with the field names of proto/palpate.proto and every field.
+/// Formats a message as one line of JSON, with the field names of proto/palpate.proto. Includes
+/// fields that have their default value.
 std::string toJson(const google::protobuf::Message& message);
 /// Reads a status written by toJson(); unknown fields are ignored. Throws if the text is not a
 /// status, or if its numbers of points are impossible.
@@ -47,7 +48,7 @@ class Pace {
   using Time = std::chrono::steady_clock::time_point;
   explicit Pace(Time now) : samples_{{now, 0}} {}
 
-  /// `found` counts from construction on. Cheap; call it often.
+  /// `found` is the number of results since construction. Cheap; call it often.
   void note(Time now, std::int64_t found);
   /// Returns 0 while nothing was found.
   double perSecond(Time now, std::int64_t found) const;

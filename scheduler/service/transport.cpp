@@ -9,7 +9,7 @@ namespace {
 
 constexpr int messages_per_turn = 256;
 
-/// Bundles the messages to each peer, in their order.
+/// Joins the messages to each peer into bundles, in their order.
 std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
   std::vector<Outgoing> leaving;
   std::unordered_map<std::string, Bundler> bundlers;
@@ -23,7 +23,7 @@ std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
       bundler.add(std::move(outgoing.message));
       continue;
     }
-    // Not bundled: a payload may be shared by many messages and is not copied.
+    // Do not bundle payloads: many messages may share one, and it must not be copied.
     close(outgoing.peer, bundler);
     leaving.push_back(std::move(outgoing));
   }
@@ -44,7 +44,7 @@ Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
     if (coordinator.next() == Next::anew) return Next::anew;
   }
   coordinator.noteClosed(transport.takeClosed(), now);
-  // After all messages that are there, so that their results share a group.
+  // Act only after the received messages are handled, so that their results share a group.
   if (coordinator.advance(now, all_read) == Next::anew) return Next::anew;
   // A peer that is gone or does not read loses its leases, which may cause new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())

@@ -16,14 +16,15 @@ class Transport {
   /// Returns the next message that came in; none if there is none.
   virtual std::optional<Incoming> receive() = 0;
   virtual Sent send(const Outgoing& message) = 0;
-  /// Returns the connections that cost too much and were closed since the last call.
+  /// Returns the connections that were closed, because of the limits of Connections, since the last
+  /// call.
   virtual Connections::Closed takeClosed() { return {}; }
 };
 
 /// Runs one turn of a scheduler: passes the received messages to the coordinator, lets it act, and
-/// sends its messages. In a flood only some messages are read, so that deadlines and answers do not
-/// wait. Returns how to continue. Returns Next::anew as soon as that is known, without sending
-/// anything.
+/// sends its messages. Reads only a limited number of messages, so that a flood does not delay
+/// deadlines and answers. Returns how the scheduler continues. If a new Build is needed
+/// (Next::anew), returns at once and sends nothing.
 Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now);
 
 }  // namespace palpate

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// Counts the bytes of sent payloads that peers have not read. A payload counts until the library
-/// releases it, in whatever thread. Shared payloads (the problem) take no extra memory and do not
-/// count.
+/// Counts the bytes of sent payloads that peers have not read. A payload counts until the messaging
+/// library releases it, which may happen in any thread. Shared payloads (the problem) take no extra
+/// memory and do not count.
 class UnreadPayloads {
  public:
   /// Returns the payload, which counts until its last holder releases it.

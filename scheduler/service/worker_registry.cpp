@@ -70,7 +70,7 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
         "this scheduler speaks protocol {}, the worker protocol {}: "
         "install the same Palpate on both",
         protocol_version, hello.protocol());
-  // Solves of two builds may differ in the last bits.
+  // Results of two builds of the program may differ in the last bits.
   if (!isSameBuild(hello.version(), buildName()))
     return fmt::format(
         "this scheduler is palpate {}, the worker palpate {}: "
@@ -136,7 +136,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
   PALPATE_ASSERT(workers_.contains(worker.id), "a worker goes once");
-  // Keep a row: the tables would otherwise show it at work until it comes back.
+  // Keep a row of the worker: otherwise the tables would show it at work until it comes back.
   if (worker.results > 0 || std::ssize(departed_) < Tables::most_idle_departed)
     departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);

@@ -17,8 +17,8 @@ struct Worker {
   std::string id;                ///< from its Hello, 1 to 64 bytes; kept over reconnections
   std::string peer;              ///< address for messages to it
   wire::Provenance provenance;   ///< as recorded in its results
-  std::optional<PublicKey> key;  ///< with which it said Hello
-  std::string host;              ///< printable, like kernel_family: people see them
+  std::optional<PublicKey> key;  ///< key with which it said Hello
+  std::string host;              ///< made printable for users, like kernel_family
   std::uint32_t pid = 0;
   std::string kernel_family;
   std::uint32_t credit = 0;  ///< jobs it can take now; only WorkerRegistry::addCredit() adds to it
@@ -27,26 +27,26 @@ struct Worker {
   std::optional<ResultKey> solving;
   /// Time when it was last sent a message because it was silent.
   std::optional<Time> probed;
-  /// Start of the time in which its heartbeats report no solve although it holds leases.
+  /// Time since when its heartbeats have reported no solve although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded in this run
-  /// Results since it joined, or since its leases last went to other workers. It may hold the same
-  /// number of targets.
+  /// Number of results since it joined, or since a lease of it last went to another worker. It may
+  /// hold as many targets (Allotment::limitOf).
   std::uint32_t earned = 0;
   /// Recent mean time between its results, s; 0 before the first.
   double between_results = 0;
   /// Time when it last delivered a result, or was given work while it had none.
   Time moved{};
-  /// Set when its leases went to other workers. It gets no work before this time, or before it
-  /// delivers.
+  /// Set when a lease of this worker goes to another worker because it is overdue. Until this time
+  /// it gets no work, unless it delivers a result before.
   std::optional<Time> overdue_until;
 };
 
 /// Returns a worker's id as people see it.
 std::string hexOfId(std::string_view id);
 
-/// Returns true if two programs are the same build, given by buildName: the same version, and the
-/// same commit if both know theirs.
+/// Returns true if two programs, given by their buildName, are the same build: they have the same
+/// version, and the same commit if both know their commit.
 bool isSameBuild(std::string_view a, std::string_view b);
 
 /// The workers that said Hello and neither left nor were lost, by id and by peer. Their leases are
@@ -55,12 +55,13 @@ class WorkerRegistry {
  public:
   using Time = Worker::Time;
   using Workers = std::map<std::string, Worker>;  ///< by id
-  /// Further workers are refused. About ten times the most that one scheduler was seen to keep
-  /// busy.
+  /// Limit on the number of workers; further workers are refused. About ten times the largest
+  /// number that one scheduler was seen to keep busy.
   static constexpr std::size_t most_workers = 10000;
 
-  /// `kernel_family` is that of the recorded results, or else the chosen one. If it is empty, the
-  /// first result decides. `kept_out`: workers, machines and keys that may not join.
+  /// `kernel_family` is that of the recorded results, or else the one that the user chose. If it is
+  /// empty, the first result decides. `kept_out` holds the workers, machines and keys that may not
+  /// join.
   explicit WorkerRegistry(std::string kernel_family, std::vector<KeptOut> kept_out = {})
       : kernel_family_(std::move(kernel_family)), kept_out_(std::move(kept_out)) {}
 
@@ -69,13 +70,13 @@ class WorkerRegistry {
   /// Sets the kernel family, with the first result.
   void setKernelFamily(const std::string& family) { kernel_family_ = family; }
 
-  /// Returns why this worker may not join, as a clause with the remedy; empty if it may. All
-  /// workers must give the same bits: they need the same protocol, build and kernels.
+  /// Returns why this worker may not join, as a clause with the remedy; empty if it may. Workers
+  /// need the same protocol, build and kernels, because all must give the same bits.
   std::string objectionTo(const wire::Hello& hello, const std::optional<PublicKey>& key) const;
-  /// Returns true if the worker may join with other kernels that it also has.
+  /// Returns true if the worker must first change to the kernels of this build, which it supports.
   bool wouldChangeKernels(const wire::Hello& hello) const;
-  /// Adds a worker without objection. A known worker starts again without credit and without work
-  /// in progress. The peer must not belong to another worker.
+  /// Adds a worker to which there is no objection. A worker that is known already starts again
+  /// without credit and without work in progress. The peer must not belong to another worker.
   Worker& admit(const std::string& peer, const wire::Hello& hello,
                 const std::optional<PublicKey>& key, Time now);
   /// Removes a worker. `state` is "left" or "lost", for the tables.
@@ -88,12 +89,12 @@ class WorkerRegistry {
   /// Returns null if there is none.
   Worker* find(const std::string& id);
   Worker& at(const std::string& id) { return workers_.at(id); }
-  /// Raises the number of jobs that a worker can take, up to most_credit: a worker that hoards jobs
-  /// keeps them from others.
+  /// Raises the number of jobs that a worker can take, up to most_credit. The limit prevents a
+  /// worker from hoarding jobs.
   void addCredit(Worker& worker, std::uint64_t jobs);
   static constexpr std::uint32_t most_credit = 64;
-  /// Calls visit(worker) for the workers with credit, by id, while it returns true. The cost grows
-  /// with the number of these workers, not of all.
+  /// Calls visit(worker) for each worker with credit, in the order of ids, until `visit` returns
+  /// false. The cost grows with the number of these workers, not of all workers.
   template <class Visit>
   void eachAsking(Visit visit) {
     for (auto entry = asking_.begin(); entry != asking_.end();) {
@@ -109,11 +110,11 @@ class WorkerRegistry {
   Workers& all() { return workers_; }
   const Workers& all() const { return workers_; }
 
-  /// Returns the rows of the table of servers, with full ids, for the present workers. A worker is
-  /// busy if it has `leases`.
+  /// Returns the rows of the present workers for the table of servers, with full ids. A worker that
+  /// holds some of `leases` is busy.
   std::vector<wire::WorkerStatus> rows(const Leases& leases, Time now) const;
-  /// Returns the rows of the workers that left since the last call. Rows without a result are
-  /// limited to the number that the table keeps.
+  /// Returns the rows of the workers that left since the last call. Limits the rows of workers
+  /// without a result to the number that the table keeps.
   std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }
 
  private:
@@ -123,7 +124,8 @@ class WorkerRegistry {
   std::vector<KeptOut> kept_out_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;
-  std::map<std::string, Worker*> asking_;  ///< includes some without credit
+  /// workers that may have credit; eachAsking() removes others
+  std::map<std::string, Worker*> asking_;
   std::vector<wire::WorkerStatus> departed_;
 };
 

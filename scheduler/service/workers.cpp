@@ -9,11 +9,11 @@
 namespace palpate {
 namespace {
 
-/// Bad messages that are logged; in a flood the first ones show the problem.
+/// Number of bad messages that are logged. In a flood, the first ones show the problem.
 constexpr std::int64_t bad_messages_logged = 20;
-/// Limit of departed_.
+/// Limit on the size of departed_.
 constexpr std::size_t most_departed = 4096;
-/// Ended workers that are read from one Hello; a supervisor reports one.
+/// Limit on the number of ended workers that one Hello may name. A supervisor names one.
 constexpr int most_ended = 64;
 /// Scanning all workers costs 0.33 us each; at this interval that is 5 % of a core.
 constexpr std::chrono::microseconds looked_at_every{6};  // times the number of workers
@@ -30,7 +30,7 @@ Workers::Workers(ServiceState& state)
       state_(state),
       epoch_(randomBytes(16)),
       losses_(state.tables.losses()) {
-  // Their workers may come back at any moment.
+  // The workers of earlier runs may come back at any moment, so their machines count.
   for (const auto& [key, host] : state.store.machines()) heard.add(key, host);
 }
 
@@ -57,7 +57,7 @@ bool Workers::hello(const Incoming& incoming) {
   }
   // A worker that says hello again has forgotten its leases.
   leases.giveBack(hello.worker());
-  // It is alive, so its leases when it was lost did not kill it.
+  // The worker is alive, so the leases that it had when it was lost did not kill it.
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
   const Worker& worker = registry.admit(peer, hello, key, state_.now);
   silence_due_ = std::min(silence_due_, state_.now + state_.settings.worker_lost);
@@ -75,7 +75,7 @@ bool Workers::hello(const Incoming& incoming) {
 }
 
 void Workers::request(Worker& worker, const wire::Request& request) {
-  // It may have missed the first Drain.
+  // The worker may have missed the first Drain.
   if (state_.everybodyIsToLeave()) return state_.drain(worker.peer);
   if (request.afresh()) worker.credit = 0;
   registry.addCredit(worker, request.credit());
@@ -137,8 +137,8 @@ bool Workers::asksForWork(const Worker& worker) const {
   return held + roomOf(worker) > 0 && (worker.credit > 0 || held > 0);
 }
 
-/// If nothing waits and a proven worker is idle, gives it the last targets of overdue workers. As
-/// always, the first result counts.
+/// If no transition waits and a proven worker is idle, hands out the last targets of overdue
+/// workers again. As always, the first result counts.
 void Workers::reassignOverdue() {
   if (!state_.handsOut() || leases.waiting() > 0) return;
   const bool all_are_new = std::ranges::none_of(
@@ -198,7 +198,7 @@ void Workers::reclaimFromIdle() {
 }
 
 void Workers::loseSilent() {
-  // Collected first: the registry must not change during iteration.
+  // Collect the workers first, because the registry must not change during the iteration.
   std::vector<const Worker*> silent;
   for (const auto& [id, worker] : registry.all())
     if (state_.now - worker.heard >= state_.settings.worker_lost) silent.push_back(&worker);
@@ -211,7 +211,7 @@ void Workers::loseSilent() {
 void Workers::probeSilent() {
   const auto patience = state_.settings.silent_heartbeats * state_.settings.heartbeat;
   for (auto& [id, worker] : registry.all()) {
-    // Or it had leases, which went to other workers.
+    // A worker without leases counts too if it was overdue and its leases went to other workers.
     const bool at_work = leases.leasedTo(id) > 0 || worker.overdue_until;
     if (state_.now - worker.heard < patience || !at_work) continue;
     if (worker.probed && state_.now - *worker.probed < state_.settings.heartbeat) continue;
@@ -235,7 +235,7 @@ void Workers::remove(const Worker& worker, const char* how) {
 void Workers::unreachable(const std::string& peer) {
   const Worker* worker = registry.ofPeer(peer);
   if (worker == nullptr) return;
-  // Its goodbye may wait unread behind the message that could not be sent.
+  // The worker has probably left as it was told. Its goodbye may still lie unread.
   if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
     state_.chronicle.left(*worker, "it was told to");
     return lose(*worker);
@@ -255,7 +255,7 @@ void Workers::processEnded(const std::string& worker_id) {
   }
   const auto departed =
       std::ranges::find(departed_, worker_id, [](const auto& entry) { return entry.first; });
-  // It said goodbye, or only an earlier run of this scheduler knew it.
+  // Nothing to blame: the worker said goodbye, or only an earlier run of this scheduler knew it.
   if (departed == departed_.end()) return;
   blame(departed->second);
   departed_.erase(departed);

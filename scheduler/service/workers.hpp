@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// The workers and their leases. Workers join, leave, fall silent, fall behind with their leases,
-/// or die while they solve. One thread; `state` must outlive it.
+/// The workers and their leases. Handles workers that join, leave, fall silent, fall behind with
+/// their leases, or die while they solve. One thread; `state` must outlive this object.
 class Workers {
  public:
   using Time = Worker::Time;
@@ -18,24 +18,24 @@ class Workers {
   WorkerRegistry registry;
   Leases leases;
   Allotment allotment;
-  Crowd heard;             ///< workers of this run, and givers of recorded results
-  bool newcomers = false;  ///< joined since the table of servers was written
+  Crowd heard;             ///< workers of this run, and of the recorded results
+  bool newcomers = false;  ///< one joined since the table of servers was written
 
-  // Messages of workers. hello() returns true if the worker brings a second machine.
+  // Messages of workers. hello() returns true if the worker is the first one on a second machine.
   bool hello(const Incoming& incoming);
   void request(Worker& worker, const wire::Request& request);
   void heartbeat(Worker& worker, const wire::Heartbeat& heartbeat);
   void goodbye(const Worker& worker, const wire::Goodbye& goodbye);
-  /// Logs a message that is dropped.
+  /// Counts a message that is dropped, and logs the first ones.
   void badMessage(const std::string& peer, const std::string& why);
 
-  /// Scans all workers, at intervals. Leases that a worker does not get to are handed out again. A
-  /// silent worker is sent a message, and after a longer silence it is lost. The cost grows with
-  /// the number of workers.
+  /// Scans all workers, but returns at once if the last scan was only just done. Hands out again
+  /// the leases that a worker does not work on. Sends a message to workers that are silent, and
+  /// removes workers that have been silent for too long. The cost grows with the number of workers.
   void sweep();
   /// Time when sweep() next has work.
   Time nextSweep() const { return std::max(silence_due_, look_round_at_); }
-  /// Hands out the last target of a worker again, because it delivers nothing.
+  /// Hands out the last target of a worker again, because the worker delivers nothing.
   void reassignLast(Worker& worker);
   /// Call when the scheduler itself did nothing for this long: silence in that time does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
@@ -45,8 +45,8 @@ class Workers {
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
   void processEnded(std::uint32_t pid);
-  /// Sets the kernels of the first result. Workers with other kernels are asked to say hello again;
-  /// they are then told to use these kernels, or why they may not stay.
+  /// Sets the kernel family to that of the first result. Workers with other kernels are made to say
+  /// hello again; they are then told to use these kernels, or why they may not stay.
   void settleKernels(const std::string& family);
   /// Tells all workers to leave.
   void drainAll();
@@ -59,9 +59,9 @@ class Workers {
   bool isOneMachine() const { return heard.machines.size() < 2; }
   /// Number of targets that a worker may be given in addition to its leases.
   std::size_t roomOf(const Worker& worker) const;
-  /// True if a worker asks for work or, as far as is known, is solving its leases.
+  /// True if a worker asks for work or holds leases, unless it is overdue and holds nothing.
   bool asksForWork(const Worker& worker) const;
-  /// True if no worker sent anything for three heartbeats.
+  /// True if no worker has sent anything for three heartbeat intervals.
   bool deserted(Time now) const;
 
  private:

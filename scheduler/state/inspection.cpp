@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the problem in a database that may be damaged elsewhere.
+/// Returns the problem that a database stores; none if it cannot be read. Other parts of the
+/// database may be damaged.
 std::optional<Problem> problemIn(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
@@ -29,8 +30,8 @@ class Inspector {
   }
 
   Inspection look() {
-    // Tables before the journal: a scheduler writes them after it, so the journal must then hold at
-    // least as many results as they count.
+    // Read the tables before the journal. A scheduler writes them after the journal, so the journal
+    // must then hold at least as many results as the tables count.
     readTables();
     readJournal();
     if (found_.segments == 0 && found_.tables != Inspection::TableState::whole)
@@ -54,7 +55,8 @@ class Inspector {
       return;
     }
     try {
-      // A running scheduler has created the index of the log already.
+      // A running scheduler has already created SQLite's index of its log, so read_only changes
+      // nothing.
       StoredTables tables(directory_, found_.scheduler ? Database::Access::read_only
                                                        : Database::Access::read_untouched);
       tables.verify();
@@ -103,7 +105,7 @@ class Inspector {
           result.ParseFromString(journal_.readHeader(gap.where)))
         damage.key = keyOf(result);
     } catch (const DamagedRecord&) {
-      // The gap is not a record of which only the payload is damaged.
+      // Not even a header can be read in this gap, so the key of the lost result stays unknown.
     }
     found_.damage.push_back(std::move(damage));
   }
@@ -136,8 +138,8 @@ class Inspector {
     if (recorded_.emplace(key, where).second) in_order_.push_back(key);
   }
 
-  /// Returns the objection to the fields that later transitions would start from; empty if there is
-  /// none.
+  /// Checks the solved fields of a result, because later transitions start from them. Returns what
+  /// is wrong with them, or an empty string.
   std::string objectionToFields(const wire::Result& result, const std::string& payload) const {
     if (payload.size() != result.payload_bytes())
       return "its payload has another length than its header says";
@@ -154,7 +156,8 @@ class Inspector {
     }
   }
 
-  /// Takes the problem from tables that are damaged elsewhere or were put aside.
+  /// Reads the problem from the tables although other parts of them are damaged, or else from
+  /// damaged tables that were renamed to state.db.damaged.
   void salvageProblem() {
     for (const char* part : {"", ".damaged"}) {
       std::optional<Problem> problem =
@@ -195,7 +198,7 @@ class Inspector {
 
   std::filesystem::path directory_;
   JournalReader journal_;
-  std::size_t told_ = 0;  ///< results according to the tables
+  std::size_t told_ = 0;  ///< number of results according to the tables
   ResultIndex recorded_;
   std::vector<ResultKey> in_order_;  ///< in the order of recording
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
@@ -223,7 +226,7 @@ Inspection inspect(const std::filesystem::path& directory) {
     throw badInput("{}: is not a state directory of Palpate: no directory", directory.string());
   const auto scheduler = StateDirectory::holder(directory);
   Inspection found = Inspector(directory, scheduler).look();
-  // A scheduler that started in the meantime changed the files that were being read.
+  // A scheduler that started in the meantime changed the files that were being read: inspect again.
   if (const auto begun = StateDirectory::holder(directory); !scheduler && begun)
     found = Inspector(directory, begun).look();
   return found;

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// Limit of six digits; at default_segment_bytes, 256 TB.
+/// The largest number of six digits. At default_segment_bytes, the limit is 256 TB.
 constexpr std::uint32_t most_segments = 999999;
 
 /// Start of a record; its header and payload follow.
@@ -47,14 +47,14 @@ std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
   return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
 }
 
-/// `place` is placeCrcOf(), or 0 for the older format, which leaves it out.
+/// `place` is placeCrcOf(), or 0 for the older format, which does not cover the place.
 std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
   return crcOf(header, crcOf(lengths, place));
 }
 
-/// Covering the place makes a copy of a record invalid, for instance one in the payload of another
-/// record.
+/// Returns the checksum of a record's place. It is part of the header's checksum, so a copy of a
+/// record is invalid at any other place, for instance in the payload of another record.
 std::uint32_t placeCrcOf(std::uint32_t segment, std::uint64_t offset) {
   const std::array<std::uint32_t, 3> place = {segment, static_cast<std::uint32_t>(offset),
                                               static_cast<std::uint32_t>(offset >> 32)};
@@ -76,15 +76,15 @@ class SegmentFile {
   }
 
   bool exists() const { return static_cast<bool>(file_); }
-  /// Discards the read buffer, so that later reads see the bytes now on disk. size() stays that of
-  /// the opening.
+  /// Discards the read buffer, so that later reads see the bytes now on disk. size() remains the
+  /// size at opening.
   void lookAgain() const { window_.clear(); }
   std::uint64_t size() const { return bytes_; }
   const std::filesystem::path& path() const { return path_; }
   std::uint32_t number() const { return number_; }
 
-  /// Returns up to `length` bytes at `offset`; fewer at the end of the file, or before a sector
-  /// that the disk cannot read, which counts as damage.
+  /// Returns up to `length` bytes at `offset`. Returns fewer bytes at the end of the file, or
+  /// before a sector that the disk cannot read, which counts as damage.
   std::string read(std::uint64_t offset, std::uint64_t length) const {
     length = offset < bytes_ ? std::min(length, bytes_ - offset) : 0;
     std::string bytes(length, '\0');
@@ -120,12 +120,13 @@ class SegmentFile {
     constexpr std::uint64_t window = 1u << 20;
     constexpr std::string_view common_part = Head::whole.substr(0, 3);
     while (offset < bytes_) {
-      // Windows overlap by one byte less than the searched text.
+      // Windows overlap by one byte less than the searched text, so that none is missed between
+      // them.
       const std::string bytes = read(offset, window);
       for (std::size_t at = bytes.find(common_part); at != std::string::npos;
            at = bytes.find(common_part, at + 1))
         if (headAt(offset + at)) return offset + at;
-      // Skip unreadable data in pages, the unit that disks lose.
+      // Skip unreadable data page by page: disks lose data in whole pages.
       constexpr std::uint64_t page = 4096;
       const bool whole = bytes.size() == std::min(window, bytes_ - offset);
       offset = whole ? offset + window - (common_part.size() - 1)
@@ -149,8 +150,9 @@ class SegmentFile {
     return std::pair(head, std::string(header));
   }
 
-  /// Like read(), valid until the next call. Sequential reads are buffered, so small records need
-  /// no system call each, and for large ones little more than the heads is read.
+  /// Does the same as read(), but the bytes are valid only until the next call. Buffers sequential
+  /// reads: small records then need no system call each, and for large records little more than the
+  /// head is read.
   std::string_view peek(std::uint64_t offset, std::uint64_t length) const {
     constexpr std::uint64_t page = 4096, most_ahead = 64 * page;
     const std::uint64_t end = window_at_ + window_.size();
@@ -159,7 +161,8 @@ class SegmentFile {
       ahead_ = goes_on ? std::clamp(2 * ahead_, page, most_ahead) : page;
       window_at_ = offset;
       window_ = read(offset, std::max(length, ahead_));
-      // An unreadable sector in the read-ahead must not cost requested bytes.
+      // An unreadable sector behind the requested bytes must not cost them: read without the extra
+      // bytes.
       if (window_.size() < std::min(length, bytes_ - std::min(offset, bytes_)))
         window_ = read(offset, length);
     }
@@ -178,9 +181,9 @@ namespace {
 
 std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
 
-/// Returns the numbers of the segments in a directory, sorted. Only names in our own spelling
-/// count. Another spelling would be a second file with the same number, and a number with more
-/// digits would imply as many missing segments.
+/// Returns the numbers of the segments in a directory, sorted. Counts only names exactly as
+/// segmentName() writes them: another spelling would be a second file with the same number, and a
+/// number with more digits would imply that as many segments are missing.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   constexpr std::string_view prefix = "segment-", suffix = ".dat";
   std::vector<std::uint32_t> numbers;
@@ -201,7 +204,8 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
 
 constexpr const char* no_record = "no record can be read there";
 
-/// True if the gap is shorter than a head but begins with the mark of a dropped record (markFor).
+/// True if the gap is shorter than a record's head but begins with the mark of a dropped record
+/// (markFor).
 bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
   return to - from < sizeof(Head) &&
          file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
@@ -254,15 +258,18 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
   // An empty segment before the last one stands in for a missing segment.
   if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "a segment that was missing");
   found.end = {number, behind_last};
-  // The bytes behind the last record are cut off.
+  // Torn records behind the last whole record need not be dropped: their bytes are cut off.
   std::erase_if(found.torn,
                 [&](const JournalPosition& torn) { return torn.offset >= behind_last; });
 }
 
-/// Returns the bytes that mark a dropped record, to be written over its head. If the lengths can be
-/// read, that is the magic word alone, so the rest of the head stays. Otherwise it is a head whose
-/// record spans the whole gap. In a gap shorter than a head it is the part of the magic word that
-/// fits, because a whole record follows.
+/// Returns the bytes that mark a record as dropped, to be written over its head.
+///
+/// - If the lengths in the head can be read, only the magic word is replaced; the rest of the head
+///   stays.
+/// - Otherwise the bytes are a new head, whose record spans the whole gap.
+/// - In a gap shorter than a head, they are the part of the magic word that fits, because a whole
+///   record follows.
 std::string markFor(const SegmentFile& file, const JournalPosition& position) {
   const auto there = file.headAt(position.offset);
   const bool lengths_known = there && there->first.recordBytes() == position.length;
@@ -316,9 +323,9 @@ JournalScan JournalReader::scan(const Visit& visit) const {
   return found;
 }
 
-/// Returns the segment of a record; the segment used last stays open. Most records lie in the
-/// segment of the one before, because they are read in the order of points and were recorded from
-/// rest outward.
+/// Returns the segment of a record, and keeps it open for the next call. Records are read in the
+/// order of points and were recorded from rest outward, so most lie in the same segment as the
+/// record before.
 const SegmentFile& JournalReader::fileWith(const JournalPosition& position) const {
   const std::uint64_t end = position.offset + position.length;
   if (!latest_ || latest_->number() != position.segment || latest_->size() < end)
@@ -372,7 +379,7 @@ Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t 
 JournalPosition Journal::append(std::string_view header, std::string_view payload) {
   if (end_.offset >= segment_bytes_) {
     sync();
-    // The full segment is synced now, because later syncs reach only the open one.
+    // The sync above is needed now, because later syncs reach only the open segment.
     if (end_.segment == most_segments)
       throw failure("{}: there is no number for another segment: use another --state directory",
                     segmentPath(end_.segment).string());
@@ -406,8 +413,8 @@ void Journal::sync() {
     return;
   }
   const std::string reason = errnoText();
-  // No retry: the kernel may treat the lost pages as written from now on. It would show them to the
-  // next run too, which would rely on them.
+  // Do not try again: the kernel may treat the lost pages as written from now on. The next run
+  // would see them too and rely on them, so they are cut off.
   const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
   throw failure(
       "{}: fdatasync: {}: the disk does not keep what is written; nothing since the last "
@@ -480,7 +487,8 @@ void Journal::openSegment() {
   if (std::ranges::find(present_, end_.segment) == present_.end()) present_.push_back(end_.segment);
 }
 
-/// Syncs the marks that a killed run may have left unsynced: the next power cut could undo them.
+/// Syncs the segments before the open one. A killed run may have left drop marks there unsynced,
+/// which the next power cut could undo.
 void Journal::syncOthers() const {
   for (const std::uint32_t segment : present_) {
     if (segment == end_.segment) continue;

@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the messages of a journal's gaps. Dropped records are listed up to a limit: all results
-/// of an excluded worker may be among them.
+/// Returns the messages of a journal's gaps. The number of listed dropped records is limited,
+/// because all results of an excluded worker may be among them.
 std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   constexpr std::size_t most_told = 8;
   std::vector<std::string> damage;
@@ -25,8 +25,8 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   return damage;
 }
 
-/// A count from the tables is believed only up to the number of records that the journal has room
-/// for.
+/// Limits `expected`, which comes from tables that may be damaged, to the number of records that
+/// the journal has room for.
 std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
   constexpr std::uint64_t smallest_record = 100;
   constexpr std::uint64_t most = 1 << 26;  // 0.5 GB of buckets; a damaged count may say anything
@@ -35,7 +35,8 @@ std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expecte
   return std::min<std::size_t>(expected, std::min(most, bytes / smallest_record));
 }
 
-/// Records the result and returns true, unless it was solved from another start than the plan has.
+/// Records a result in the plan. Returns false, and does not record it, if it was solved from other
+/// fields than the plan's parent point has.
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
   PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition),
@@ -59,7 +60,7 @@ ContentId fieldsOf(const wire::Result& result) {
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
                             const TakeResult& take, std::size_t expected) {
   RecordedResults recorded;
-  // Growing would hash and link all entries again, several times.
+  // Reserve now: growth would rehash all entries several times.
   recorded.where.reserve(atMostIn(directory, expected));
   std::vector<std::string> senseless;
   wire::Result result;  // reused, so its strings keep their memory
@@ -67,8 +68,8 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
     const bool readable = result.ParseFromArray(header.data(), static_cast<int>(header.size()));
     const std::optional<Outcome> outcome = readable ? fromWire(result) : std::nullopt;
     if (!outcome) {
-      // The checksum is right, so another version of the program wrote it, or this one made an
-      // error.
+      // The checksum is right, so another version of the program wrote the record, or this version
+      // has a bug.
       senseless.push_back(fmt::format("segment {}, byte {}: a result that makes no sense",
                                       where.segment, where.offset));
       return;
@@ -115,7 +116,7 @@ Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
-      // Recorded since takeReady().
+      // The transition was recorded since takeReady().
       if (!plan.isOpen(transition)) continue;
       const ResultKey key = plan.keyOf(transition);
       const bool known = unclaimed.erase(key) > 0;

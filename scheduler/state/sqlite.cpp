@@ -12,15 +12,17 @@ namespace palpate {
 
 namespace {
 
-/// Returns the URI with which SQLite changes no file. To read a database that was left in WAL mode,
-/// SQLite otherwise creates an index of the log beside it or writes into the existing one.
+/// Returns a URI that keeps SQLite from changing files. Otherwise, to read a database that was left
+/// in WAL mode, SQLite creates an index of its log beside the database or writes into the existing
+/// one.
 std::string untouched(const std::filesystem::path& file) {
   std::string uri = "file://";
   for (const char c : std::filesystem::absolute(file).string())
     uri += std::string_view("%?#").find(c) == std::string_view::npos
                ? std::string(1, c)
                : fmt::format("%{:02x}", static_cast<int>(c));
-  // Without a log the file is complete: the last connection moved the log into it and removed it.
+  // Without a log the file is complete: the last connection copied the log into it and removed the
+  // log.
   std::error_code none;
   const auto log_size = std::filesystem::file_size(file.string() + "-wal", none);
   if (none || log_size == 0) return uri + "?immutable=1";
@@ -137,7 +139,7 @@ std::int64_t Statement::integerIn(int column) const {
 double Statement::real(int column) const { return sqlite3_column_double(handle_, column); }
 
 std::string Statement::text(int column) const {
-  // In this order: asking for the length first could convert the value and move it.
+  // Ask for the bytes before the length: the opposite order could convert the value and move it.
   const void* bytes = sqlite3_column_blob(handle_, column);
   const int size = sqlite3_column_bytes(handle_, column);
   return bytes == nullptr

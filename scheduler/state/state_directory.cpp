@@ -37,7 +37,7 @@ std::string holderOf(const std::filesystem::path& directory) {
 FileDescriptor takeLock(const std::filesystem::path& directory) {
   FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!lock) throw failure("{}: cannot open: {}", directory.string(), errnoText());
-  // holder() takes the lock for a moment to test it.
+  // Try several times: holder() in another process takes the lock for a moment to test it.
   for (int tries = 0; flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++tries) {
     if (errno == EWOULDBLOCK && tries < 10) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -99,12 +99,12 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path);
-  // A power cut could otherwise remove the folder with everything that is synced in it. Only
-  // folders without tables need this: results in a folder with tables may be acknowledged already,
-  // so a sync would come too late.
+  // Sync the folder above a new folder: a power cut could otherwise remove the new folder with
+  // everything in it. A folder with tables is not new. Its results may be acknowledged already, so
+  // a sync would come too late.
   if (!std::filesystem::exists(database())) syncFolder(above);
   writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
-  // No scheduler listens there any more.
+  // Remove the address of an earlier scheduler, which no longer listens there.
   std::filesystem::remove(path / endpoint_file, error);
   if (error)
     throw failure("{}: cannot remove: {}", (path / endpoint_file).string(), error.message());

@@ -19,7 +19,8 @@ class StateDirectory {
   /// if another scheduler holds the lock.
   explicit StateDirectory(const std::filesystem::path& path);
 
-  /// Endpoint of a scheduler, and the folder of its keys; none if it requires no keys.
+  /// Endpoint of a scheduler, and the folder with the keys to connect with. Without a folder, the
+  /// scheduler requires no keys.
   struct Address {
     std::string endpoint;
     std::optional<std::filesystem::path> keys;

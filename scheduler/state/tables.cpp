@@ -39,10 +39,10 @@ CREATE TABLE checks (
 
 constexpr std::size_t secret_bytes = 32;
 
-/// Other changes are not synced with every group.
+/// The setting for changes that are not made by Tables::durably(): a commit is not synced at once.
 constexpr const char* synchronous_as_a_rule = "PRAGMA synchronous = NORMAL";
 
-/// Reads a number that is counted on from. It is clamped so that numbers in damaged tables cannot
+/// Reads a number to which the caller will add. Clamps it, so that numbers in damaged tables cannot
 /// overflow.
 template <class Number>
 Number wholeNumber(const Statement& query, int column) {
@@ -66,7 +66,8 @@ std::string meta(Database& database, const std::string& key) {
   return query.bind(key).step() ? query.text(0) : "";
 }
 
-/// Returns the program that created the tables, according to meta; empty if they are not Palpate's.
+/// Returns the program that created the tables, according to the table meta; empty if the tables
+/// are not Palpate's.
 std::string makerOf(Database& database) {
   Statement meta_there(database,
                        "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'meta'");
@@ -80,13 +81,15 @@ void putMeta(Database& database, const std::string& key, const Value& value) {
 
 constexpr std::string_view priority_of = "priority of ";
 
-/// Includes the state version, which may differ between programs of one version.
+/// Returns the version of this program and that of its tables, because the latter may differ
+/// between programs of one version.
 std::string thisProgram() {
   return fmt::format("palpate {}, state {}", version(), StoredTables::schema_version);
 }
 
 /// Throws (bad input) unless the tables are Palpate's and of this version. Throws DamagedDatabase
-/// if header and meta contradict each other, since a bit of one has flipped.
+/// if the file's header and the table meta contradict each other, because then one of them is
+/// damaged.
 void checkVersion(Database& database) {
   const std::string file = database.file().string();
   const std::string maker = makerOf(database);
@@ -117,7 +120,7 @@ std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
   return file;
 }
 
-/// Throws DamagedDatabase unless this pragma finds the database whole.
+/// Throws DamagedDatabase unless the check that `pragma` runs finds the database undamaged.
 void requireWhole(Database& database, const char* pragma) {
   Statement check(database, pragma);
   if (!check.step()) throw DamagedDatabase(database.file(), "it cannot be checked");
@@ -125,12 +128,13 @@ void requireWhole(Database& database, const char* pragma) {
 }
 
 /// Throws DamagedDatabase if
-/// - the pages contradict each other,
+/// - the pages are inconsistent,
 /// - the tables are Palpate's but name no build, or
-/// - they name another build than `wanted` and do not hold its problem.
+/// - the tables name another build than `wanted` and do not hold its problem.
 void checkPages(Database& database, const ContentId& wanted) {
   requireWhole(database, "PRAGMA quick_check(1)");
-  // SQLite takes "read-only" from a header byte, which may be damaged. The file itself is writable.
+  // SQLite considers a database read-only because of a byte in its header. The file itself is
+  // writable, so this byte must be damaged.
   if (database.isReadOnly())
     throw DamagedDatabase(database.file(), "it says that nobody may write");
   if (isEmpty(database)) return;
@@ -145,7 +149,8 @@ void checkPages(Database& database, const ContentId& wanted) {
 /// journal has everything that a build needs; without a journal the error is thrown.
 Database openForWriting(const StateDirectory& directory, const ContentId& wanted) {
   const std::filesystem::path file = directory.database();
-  // SQLite would create the file readable by everybody. The files beside it get its mode.
+  // SQLite would create the file readable by everybody. SQLite gives its other files the same mode
+  // as this one.
   const FileDescriptor mine(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!mine) throw failure("{}: cannot open: {}", file.string(), errnoText());
   try {
@@ -168,7 +173,7 @@ std::optional<Problem> problemOf(const StoredBuild& build) {
     Problem problem = decodeProblem(build.problem);
     if (problemId(problem) == build.build) return problem;
   } catch (const Error&) {
-    // Damaged.
+    // The stored problem is damaged.
   }
   return std::nullopt;
 }
@@ -184,7 +189,8 @@ void putTablesAside(const StateDirectory& directory) {
 
 StoredTables::StoredTables(const std::filesystem::path& directory, Database::Access access)
     : database_(existingDatabase(directory), access) {
-  // Not committed: everything is read as of now, whatever the scheduler writes meanwhile.
+  // This transaction is never committed, so all later reads see the present state, even if a
+  // scheduler writes meanwhile.
   database_.execute("BEGIN");
   readBuild();
 }
@@ -323,8 +329,8 @@ void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
     for (const wire::WorkerStatus& row : servers)
       insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
                  row.heard_seconds_ago(), row.results());
-    // Workers that come and go without a result could fill the disk. A replaced row is a new one,
-    // with the highest rowid.
+    // Delete all but the latest rows of workers that left without a result, because they could fill
+    // the disk. A replaced row gets a new rowid, the highest.
     Statement(
         database_,
         "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
@@ -389,7 +395,8 @@ void Tables::writeCheck(const ResultKey& key, bool disputed) {
     Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
         .run(space, to[0], to[1], to[2], from[0], from[1], from[2], disputed ? 1 : 0);
   };
-  // The worker that disagreed is acknowledged after this, and no journal records a dispute.
+  // Sync a dispute now: the worker that disagreed is acknowledged next, and the journal does not
+  // record disputes.
   disputed ? durably(write) : write();
 }
 
@@ -404,7 +411,7 @@ void Tables::forgetCheck(const ResultKey& key) {
 std::string Tables::secret() {
   std::string secret = meta(database_, "secret");
   if (secret.size() == secret_bytes) return secret;
-  // Damaged tables lost the secret. Results leased under it are solved again.
+  // The secret was lost with damaged tables. Results that were leased under it are solved again.
   secret = randomBytes(secret_bytes);
   putMeta(database_, "secret", Blob{secret});
   return secret;

@@ -15,12 +15,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Give up after this many workers in a row ended without a new result. A target that kills its
-/// workers is set aside after fewer.
+/// Give up if this many workers in a row end without a new result. A target that kills its workers
+/// is set aside earlier.
 constexpr int deaths_without_progress = 20;
-/// Give up after this many if no worker ever connected: the program itself fails.
+/// If no worker has ever connected, give up already after this many: the program itself fails.
 constexpr int deaths_at_the_start = 3;
-/// Give up after this time if no worker ever connected: the program hangs.
+/// If no worker has connected after this time, give up: the program hangs.
 constexpr std::chrono::minutes first_word_limit{2};
 
 struct BuildOptions {

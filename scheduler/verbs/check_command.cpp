@@ -17,7 +17,8 @@ ExitCode checkState(const CheckStateOptions& options) {
   Inspection found = inspect(std::filesystem::path(options.directory));
   std::vector<std::string> repaired;
   if (options.repair) {
-    // inspect() came first, because the constructor would make a state directory of any other.
+    // inspect() was called first: this constructor would turn any other directory into a state
+    // directory.
     const StateDirectory held(options.directory);
     found = inspect(held);
     if (!options.json) fmt::print("{}", describe(found, options.directory));

@@ -37,7 +37,7 @@ void showPast(EventReader& reader, const std::optional<std::uint32_t>& last) {
 }
 
 ExitCode showEvents(const EventsOptions& options) {
-  // Anything else than a state directory has no events and never will.
+  // Refuse anything that is not a state directory: it has no events and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
     throw badInput("\"{}\" is no state directory: that is OUT.h5.state, or what --state said",

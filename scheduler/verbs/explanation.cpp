@@ -46,7 +46,8 @@ std::string textOf(const wire::Explanation& e) {
 
 const SpaceTable& KnownSpaces::named(const std::string& active,
                                      const std::optional<Eigen::Vector3d>& place) const {
-  // Exact names of sites and of probe places, which chooseActive() does not offer.
+  // First look for the exact name of a site or probe place. chooseActive() does not know these
+  // names.
   const auto exact =
       std::ranges::find(spaces, active, [](const SpaceTable& space) { return space.patch.name; });
   if (exact != spaces.end() && !place) return *exact;
@@ -74,7 +75,7 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
     explanation.add_displacement(component);
   explanation.set_tag(std::string(name(record.tag)));
   if (record.tag == Tag::failed) explanation.set_cause(std::string(name(record.cause)));
-  // The number of points bounds the chain of parents, even in a damaged file.
+  // Stop after as many steps as there are points: in a damaged file, parents may form a loop.
   std::int32_t step = record.parent < 0 ? -1 : number;
   for (std::size_t length = 0; step >= 0 && length < space.points.size(); ++length) {
     const PointRecord& here = space.points[at(step)];

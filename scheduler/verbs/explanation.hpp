@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The spaces of a scene, in its order, as far as they are computed.
+/// The spaces of a scene, in its order, with the points that are computed by now.
 struct KnownSpaces {
   Scene scene;
   std::vector<SpaceTable> spaces;

@@ -86,7 +86,7 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
 // ---- ssh ----
 
 ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
-  // The workers' time to deliver, and 5 s for the connection.
+  // The time that workers have to deliver, and 5 s for the connection.
   constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
   FleetWatch watch(options);
   for (Clock::time_point next_look;;) {
@@ -109,7 +109,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
-  // The scheduler told the workers to leave as well.
+  // The scheduler has told the workers to leave, so wait until they have ended.
   for (const auto until = Clock::now() + grace; hosts.running() > 0 && Clock::now() < until;) {
     hosts.keep(Clock::now());
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

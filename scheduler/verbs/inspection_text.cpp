@@ -19,7 +19,8 @@ std::string sizeText(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-/// Returns one line for each of the first `most_told` places, and the number of others.
+/// Returns one line for each of the first `most_told` places, and a line with the number of the
+/// others.
 std::string linesOf(std::string_view kind, const std::vector<JournalDamage>& places) {
   std::string lines;
   for (std::size_t n = 0; n < std::min(places.size(), most_told); ++n)

@@ -35,7 +35,7 @@ ExitCode setPaused(const Asked& asked, bool paused) {
   question.mutable_pause_request()->set_paused(paused);
   const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
   if (!works) {
-    // Refuse other directories before StateDirectory would make a state directory of them.
+    // Refuse any other directory first: StateDirectory would turn it into a state directory.
     const StoredTables there{std::filesystem::path(asked.where)};
     Tables(StateDirectory(asked.where)).writePaused(paused);
   }
@@ -106,7 +106,7 @@ struct RetryOptions {
 
 /// Retries in a state directory in which no scheduler runs. Returns the number of transitions.
 std::int64_t retryStored(const RetryOptions& options) {
-  // Refuse other directories before StateDirectory would make a state directory of them.
+  // Refuse any other directory first: StateDirectory would turn it into a state directory.
   const StoredTables there{std::filesystem::path(options.asked.where)};
   const StateDirectory directory(options.asked.where);
   const RecordedBuild build(options.asked.where);

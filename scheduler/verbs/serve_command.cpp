@@ -14,8 +14,8 @@
 namespace palpate {
 namespace {
 
-/// Time limit for reading results or sealing, announced to the service manager: no turns run
-/// meanwhile.
+/// Time limit for reading results or sealing. It is announced to the service manager, because no
+/// turns run meanwhile.
 constexpr std::chrono::hours longest_pause{1};
 /// Status text before a build restarts from its records.
 constexpr const char* going_over = "going over what is recorded";

@@ -43,7 +43,7 @@ void tellOrLog(fmt::format_string<Args...> text, Args&&... args) {
 class ShownProgress {
  public:
   ShownProgress() {
-    // Log lines would break up the bar.
+    // Log lines would break up the bar, so show only warnings.
     if (wanted_ && terminal_ && spdlog::get_level() == spdlog::level::info)
       spdlog::set_level(spdlog::level::warn);
   }
@@ -111,7 +111,7 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
 
 // ---- The build ----
 
-/// Bounds both the load of idle turns and the delay of terminal signals.
+/// Limits both the load of idle turns and the delay until a signal of the terminal is handled.
 constexpr std::chrono::milliseconds longest_turn{50};
 
 std::vector<std::string> namesOfFamilies() {
@@ -120,8 +120,8 @@ std::vector<std::string> namesOfFamilies() {
   return names;
 }
 
-/// Returns the family of `kernels` as results name it, and logs the consequence for workers; empty
-/// if no family was chosen.
+/// Returns the name that results give to the family `kernels`, and logs the consequence for
+/// workers. Returns an empty string if the user chose no family.
 std::string chosenKernels(const std::string& kernels) {
   for (const CpuFamily family : all_cpu_families) {
     if (name(family) != kernels) continue;

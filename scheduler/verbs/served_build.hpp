@@ -33,20 +33,20 @@ class Crew {
 
   /// Called in every turn, at least a few times a second.
   virtual void look() = 0;
-  /// Called before a long time without turns: the build is complete, stuck, stopped or must
+  /// Called before a long time without turns, because the build is complete, stuck, stopped or must
   /// restart.
   virtual void pause(Next) {}
   /// Returns true while some worker has not left; called in every turn of the shutdown.
   virtual bool isThere() = 0;
-  /// Ends the remaining workers; nothing waits for them any more.
+  /// Ends the remaining workers. Their results are no longer needed.
   virtual void end() {}
 };
 
 /// Settings in which `build` and `serve` differ.
 struct Serving {
-  std::string endpoint;           ///< address to listen on
-  bool own_keys = false;          ///< use the keys in the state directory, as the local workers do
-  std::optional<KeyFolder> keys;  ///< keys otherwise; nothing: no authentication
+  std::string endpoint;   ///< address to listen on
+  bool own_keys = false;  ///< use the keys in the state directory, which the local workers use too
+  std::optional<KeyFolder> keys;  ///< keys to use otherwise; nothing: no authentication
   std::function<std::unique_ptr<Crew>(Server&, Build&)> crew;
   std::chrono::seconds drain_limit{30};           ///< time for workers to finish and leave
   std::function<void()> anew = [] {};             ///< called before the records are read again

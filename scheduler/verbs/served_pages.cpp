@@ -17,11 +17,12 @@
 namespace palpate {
 namespace {
 
-/// Longest wait for a fresh status. A scheduler that reads or seals takes longer; then the last
-/// status is used.
+/// Longest wait for a fresh status. If the scheduler is busy for longer, reading results or
+/// sealing, the last status is used.
 constexpr std::chrono::milliseconds patience{2000};
 constexpr std::size_t most_events = 1000, usual_events = 100;
-/// Bounds the cost in the scheduler's own process: about 1 kB and a few microseconds a point.
+/// Limit for explanations, which take about 1 kB and a few microseconds per point in the
+/// scheduler's own process.
 constexpr std::int64_t most_points_explained = 100'000;
 
 std::string valueIn(const HttpQuery& query, const char* name) {
@@ -126,7 +127,8 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
                          "palpate explain {} --active {} {:g} {:g} {:g}",
                          points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
                          point[0], point[1], point[2]));
-  // This takes the time and memory of a scheduler's start, so only one request at a time runs it.
+  // Explaining takes the time and memory of a scheduler's start, so only one request at a time does
+  // it.
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return httpError(503, "something else is being read: ask again");
   const KnownSpaces known = spacesIn(state_.string());

@@ -24,9 +24,9 @@ struct PageOptions {
   void addTo(CLI::App& app);
 };
 
-/// The pages of a scheduler: metrics for Prometheus, and the dashboard with its data, on this
-/// machine only. Threads of their own answer them, from the status that the scheduler's thread
-/// offers and from the state directory, which they read as `events` and `explain` do.
+/// The pages of a scheduler: metrics for Prometheus, and the dashboard with its data, which only
+/// this machine can reach. The pages have their own threads. These use the status that the
+/// scheduler's thread offers, and read the state directory as `events` and `explain` do.
 class ServedPages {
  public:
   /// Listens and logs the addresses. Throws Error if it cannot listen.

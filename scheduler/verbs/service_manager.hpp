@@ -33,7 +33,7 @@ class ServiceManager {
   void sendAndWatch(const std::string& lines, std::chrono::microseconds longest);
   void send(const std::string& lines);
 
-  std::string socket_;                     ///< a path, or an abstract name "@..."; empty: none
+  std::string socket_;  ///< a path, or "@" and an abstract name; empty: no service manager
   std::chrono::microseconds watchdog_{0};  ///< interval of the watchdog; 0: none
   Clock::time_point next_sign_, next_status_;
   bool failed_ = false;

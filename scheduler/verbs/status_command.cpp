@@ -23,7 +23,7 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// Returns the status, and the same as a page of text.
+/// Returns the status, and the page of text that shows it.
 std::pair<wire::Status, std::string> lookAt(const Asked& asked) {
   wire::Status status;
   try {

@@ -18,8 +18,8 @@ constexpr std::size_t longest_bar = 28, shortest_bar = 8;
 /// Returns the text for the time left; empty if there is no estimate.
 std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
   if (status.paused()) return "paused";
-  // All points have a configuration, but some are solved again from other neighbours, an unknown
-  // number of times.
+  // All points have a configuration, but some are still solved again from other neighbours. How
+  // often is unknown.
   if (all.unknown() == 0 && status.state() == "running") return "solving branches";
   if (!status.has_eta_seconds()) return "";
   // Unfinished work never takes 0 s.
@@ -27,9 +27,9 @@ std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
          " left";
 }
 
-/// Selects the spaces to show. Of more than 24, returns the first 24 that are in progress or have
-/// failed points, and a sum. Spaces in progress come first, then the spaces with most failed
-/// points.
+/// Selects the spaces to show. If there are more than 24, selects the first 24 that are in progress
+/// or have failed points, and adds a sum. Spaces in progress come first, then the spaces with most
+/// failed points.
 std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   constexpr std::size_t most = 24;
   std::vector<wire::SpaceStatus> spaces(status.spaces().begin(), status.spaces().end());
@@ -149,7 +149,7 @@ std::string durationText(double seconds) {
 std::string progressLine(const wire::Status& status, std::size_t columns) {
   const wire::SpaceStatus all = sumOf(status);
   std::string line = fmt::format("{}/{} points", all.points() - all.unknown(), all.points());
-  // Most wanted first: the last parts are dropped if the line is too long.
+  // The most wanted parts come first, because the last ones are dropped if the line is too long.
   for (const std::string& part :
        {timeLeft(status, all), fmt::format("{:.1f}/s", status.configurations_per_second()),
         counted(status.workers_size(), "worker"), fmt::format("frontier {}", status.ready())}) {
@@ -203,7 +203,7 @@ std::string prioritiesLine(const wire::Status& status) {
   return parts.empty() ? "" : fmt::format("priority: {}\n", fmt::join(parts, ", "));
 }
 
-/// Lists the workers one by one if they are few, else counts them by machine.
+/// Lists the workers one by one if there are few; otherwise counts them by machine.
 std::string workersOf(const wire::Status& status) {
   constexpr int most_lines = 8;
   std::string text;

@@ -6,9 +6,10 @@
 
 namespace palpate {
 
-/// Summarises a finished build; ends with a line feed. Lists the points per tag of each space (of
-/// many spaces, those with most failures and the sum) and the failures by cause. Unless the dataset
-/// is partial, also gives the share of the workspace within an adaptive scene's accuracy.
+/// Summarises a finished build; ends with a line feed. Lists the points of each space by tag, and
+/// the failures by cause. If there are many spaces, lists only those with most failures, and the
+/// sum. For an adaptive scene whose dataset is not partial, also gives the fraction of the
+/// workspace in which the accuracy is met.
 std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool partial = false);
 
 /// Formats the status as a page of text that ends with a line feed.

@@ -25,7 +25,7 @@
 namespace palpate {
 namespace {
 
-/// Lets the scheduler run first if there is only one core.
+/// If there is only one core, this priority lets the scheduler run first.
 constexpr int niceness = 10;
 
 /// Starts a thread with all signals blocked, since the main thread handles them.
@@ -42,12 +42,13 @@ std::thread quietThread(std::function<void()> run) {
   return thread;
 }
 
-/// Thread pool with a bounded queue. When as many connections wait as are being answered, enqueue()
-/// blocks, so that the listener accepts no more. It never drops an accepted connection, which would
-/// stay open. The listener creates the pool, so its threads inherit the signal mask and niceness.
+/// Thread pool with a bounded queue. If as many connections wait as are being answered, enqueue()
+/// blocks, so that the listener accepts no more. The pool never drops an accepted connection,
+/// because nobody would close that. The listener creates the pool, so the pool's threads inherit
+/// the listener's signal mask and niceness.
 class BoundedPool : public httplib::TaskQueue {
  public:
-  /// void, or bool in newer versions of cpp-httplib (true: accepted).
+  /// The result of enqueue(): void, or in newer versions of cpp-httplib bool (true: accepted).
   using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue(nullptr));
   Taken enqueue(std::function<void()> task) override {
     std::unique_lock lock(mutex_);
@@ -219,7 +220,7 @@ HttpServer::HttpServer(const HttpAddress& address,
     parts->server.listen_after_bind();
     parts->ended = true;
   });
-  // Wait, because stop() does nothing before the server runs.
+  // Wait until the server runs, because stop() does nothing before.
   while (!parts_->server.is_running() && !parts_->ended)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

@@ -16,7 +16,8 @@
 namespace palpate {
 namespace {
 
-/// With more spaces than this, the series of points cover all spaces together.
+/// If there are more spaces than this, the metrics of points are given only for all spaces
+/// together.
 constexpr int most_spaces = 100;
 
 using Labels = std::vector<std::pair<std::string_view, std::string>>;
@@ -30,8 +31,8 @@ struct Gauge {
   std::optional<double> value;  ///< nothing: unknown
 };
 
-/// The counters of docs/state.md, exported as palpate_NAME_total with their help; 0 if the counter
-/// is missing.
+/// The counters of docs/state.md with their help. They are exported as palpate_NAME_total; a
+/// missing counter is 0.
 constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
      {"lost_workers", "Workers that went without a word."},

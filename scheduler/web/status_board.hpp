@@ -13,8 +13,8 @@
 namespace palpate {
 
 /// Passes the status from the scheduler's thread to other threads. Costs the scheduler nothing
-/// while no thread asks. Otherwise it makes at most one status a second, in at most 1 % of its time
-/// for any size of build.
+/// while no thread asks. Otherwise a status is made at most once a second, and less often if that
+/// would take more than 1 % of the scheduler's time.
 class StatusBoard {
  public:
   using Clock = std::chrono::steady_clock;
@@ -25,8 +25,8 @@ class StatusBoard {
     std::shared_ptr<const wire::Status> status;  ///< immutable
     std::chrono::duration<double> age{};
   };
-  /// Returns the latest status. If that is old, waits up to `patience` for a new one, then returns
-  /// the old one. Nothing if there never was one. Any thread.
+  /// Returns the latest status. If it is old, waits up to `patience` for a new one, and returns the
+  /// old one if none comes. Returns nothing if no status was ever made. Any thread.
   std::optional<Snapshot> ask(std::chrono::milliseconds patience);
 
   /// Calls `make` if a thread asks and the last status is old. Call in every turn, on the
