@@ -17,7 +17,7 @@ struct Asked {
   void addTo(CLI::App& app);
 };
 
-/// Address of a scheduler, and the keys to connect with (none: the scheduler asks for none).
+/// Address of a scheduler, and the keys to connect with. Without keys, the scheduler requires none.
 struct Reachable {
   std::string endpoint;
   std::optional<KeyFolder> keys;

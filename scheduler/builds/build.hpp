@@ -7,16 +7,17 @@
 
 namespace palpate {
 
-/// Looks up a recorded result by key; nothing if none has this key.
+/// Returns the record of a result; nothing if no result with this key is recorded.
 using RecordSource = std::function<std::optional<JournalRecord>(const ResultKey&)>;
 
-/// The problem, state directory, journal and coordinator of one build. Holds the lock of the state
-/// directory for its lifetime.
+/// One build in its state directory: the problem, the journal, the tables, and the coordinator.
+/// Holds the lock of the state directory for its lifetime.
 class Build {
  public:
   /// Opens or creates the state of this problem in `state` and resumes where the last run ended.
-  /// `now` is on the clock used for later calls of the coordinator. Throws Error (bad input) if the
-  /// recorded results were computed with kernels other than `settings` asks for.
+  /// `now` must come from the same clock as the times of later calls to the coordinator. Throws
+  /// Error (bad input) if the recorded results were computed with kernels other than `settings`
+  /// asks for.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
         const CoordinatorSettings& settings = {},
         std::uint64_t segment_bytes = Journal::default_segment_bytes);
@@ -29,7 +30,7 @@ class Build {
   /// Reads every record that the dataset of a complete build needs. Throws DamagedRecord if one is
   /// corrupt.
   void verify() const;
-  /// Drops a damaged record; the next Build in this directory computes it again.
+  /// Marks a damaged record as dropped; the next Build in this directory computes its result again.
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
   /// Excludes these workers, machines or keys; the next Build in this directory computes their
   /// results again.
@@ -54,15 +55,16 @@ class Build {
 /// Otherwise throws Error (bad input), or with `replace` returns false.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
-/// Writes the dataset of these plans, with the results that `find` returns; returns its rows.
-/// `partial` marks the dataset as unfinished: a plan is incomplete or a check is still open.
+/// Writes the dataset of these plans and returns its rows. `find` returns the recorded results.
+/// `partial` marks the dataset as unfinished, because a plan is incomplete or a check is still
+/// open.
 SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& problem,
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         const RecordSource& find, bool partial);
 
-/// Returns partly_failed if the solve of some point failed, else done. Failed points with the cause
-/// `unreachable` or `beyond_force` do not count, nor do probes. Unreachable points lie beyond
-/// max_force or behind points that failed.
+/// Returns partly_failed if the solve of some point failed, else done. Probes do not count, nor do
+/// failed points with the cause `beyond_force` or `unreachable` (beyond max_force, or behind points
+/// that failed).
 ExitCode exitCodeOf(const SpaceRowsList& spaces);
 
 }  // namespace palpate

@@ -35,12 +35,13 @@ std::optional<ContentId> buildOfDataset(const std::filesystem::path& file) {
   try {
     if (std::filesystem::exists(file)) return Dataset(file).buildId();
   } catch (const Error&) {
-    // Not a dataset, or a damaged one: isSealed() reports which.
+    // The file is not a dataset, or a damaged one: isSealed() reports which.
   }
   return std::nullopt;
 }
 
-/// The caller holds the lock of the directory.
+/// Returns the build id in the tables of a state directory; nothing if they cannot be read. The
+/// caller holds the lock of the directory.
 std::optional<ContentId> buildOfState(const std::filesystem::path& state) {
   try {
     return StoredTables(state, Database::Access::read_only).build().build;

@@ -22,8 +22,8 @@ class RecordedBuild {
   const std::string& kernelFamily() const { return found_->kernel_family; }
   /// Returns true if every space is complete and no check is open.
   bool complete();
-  /// Writes the dataset, marked as partial unless the build is complete; returns the rows. Throws
-  /// Error if no result is recorded yet, and DamagedRecord if a result cannot be read.
+  /// Writes the dataset and returns its rows. Marks it as partial unless the build is complete.
+  /// Throws Error if no result is recorded yet, and DamagedRecord if a result cannot be read.
   SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
@@ -36,8 +36,8 @@ class RecordedBuild {
   std::optional<ReplayedJournal> found_;
 };
 
-/// Returns the status that the last scheduler in `directory` stored (progressOf). If it is missing
-/// or unreadable, computes the status from the journal, which takes the time and memory of a
+/// Returns the status that the last scheduler in `directory` stored (progressOf). If no status is
+/// stored or it is unreadable, computes one from the journal, which takes the time and memory of a
 /// scheduler's start. Throws Error (bad input) if this is not a state directory of this version.
 wire::Status progressIn(const std::filesystem::path& directory);
 

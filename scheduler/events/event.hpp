@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// The closed list of events in a build, in the spelling of the files. docs/commands.md lists the
-/// fields of each.
+/// All events that a build can have, as they are spelled in the files. docs/commands.md lists the
+/// fields of each event.
 inline constexpr auto event_words = std::to_array<std::string_view>({
     "started",         // a scheduler starts, or reads the records again
     "stopped",         // a scheduler ends without a dataset
@@ -23,7 +23,7 @@ inline constexpr auto event_words = std::to_array<std::string_view>({
     "retried",         // transitions that were set aside or failed are handed out again
     "priority",        // the priority of a space changed
     "paused",         "resumed",
-    "disputed",  // two workers returned different bits
+    "disputed",  // two workers returned different bits for one transition
     "kept_out",  // a worker, machine or key is excluded: its results were wrong
     "damaged",   // a record is no longer readable
     "worker_joined",  "worker_left",
@@ -33,7 +33,7 @@ inline constexpr auto event_words = std::to_array<std::string_view>({
     "left_out",        // events were lost: too many at once, or no room on the disk
 });
 
-/// One of event_words, checked at compile time.
+/// A word of event_words. Any other word is a compile-time error.
 class EventWord {
  public:
   consteval EventWord(const char* word) : word_(word) {

@@ -28,8 +28,8 @@ std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory);
 /// One thread.
 class EventLog {
  public:
-  /// Together 32 MiB, some 150,000 events: enough for a night of failures, and small beside a
-  /// journal.
+  /// Files of this size and number hold 32 MiB, some 150,000 events. That is enough for a night of
+  /// failures, and small beside a journal.
   static constexpr std::uint64_t usual_file_bytes = 4 << 20;
   static constexpr std::uint32_t usual_files = 8;
 
@@ -40,9 +40,10 @@ class EventLog {
   EventLog(const EventLog&) = delete;
   EventLog& operator=(const EventLog&) = delete;
 
-  /// Adds an event with the current time. The next flush() writes it, or this call if much waits.
+  /// Adds an event with the current time. It is written by the next flush(), or by this call if
+  /// many events wait.
   void add(const Event& event);
-  /// Writes the waiting lines. Cheap if there are none: call it in every turn.
+  /// Writes the waiting lines. Call in every turn; cheap if no line waits.
   void flush();
 
  private:
@@ -56,12 +57,12 @@ class EventLog {
   std::uint64_t file_bytes_;
   std::uint32_t most_files_;
   FileDescriptor file_;
-  std::uint32_t number_ = 0;   ///< of the open file
+  std::uint32_t number_ = 0;   ///< number of the open file
   std::uint64_t written_ = 0;  ///< size of the open file
   bool half_line_ = false;     ///< the open file ends in a partial line
   std::string waiting_;        ///< complete lines, not yet written
-  std::int64_t lines_ = 0;     ///< events in waiting_, except "left_out"
-  std::int64_t lost_ = 0;      ///< events lost since the last successful write
+  std::int64_t lines_ = 0;     ///< number of events in waiting_, except "left_out"
+  std::int64_t lost_ = 0;      ///< number of events lost since the last successful write
   bool told_ = false;
 };
 

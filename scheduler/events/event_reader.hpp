@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// The wanted events, from event_words; empty: all.
+/// The events that a reader wants, as words of event_words; empty: all events.
 using WantedEvents = std::set<std::string>;
 
 /// Returns the last `most` wanted events, latest last. Reads only the files needed.
@@ -32,8 +32,8 @@ class EventReader {
  private:
   std::filesystem::path directory_;
   WantedEvents wanted_;
-  std::uint32_t number_ = 0;  ///< of the current file; 0: none yet
-  std::uint64_t offset_ = 0;  ///< in the current file, after the last line feed
+  std::uint32_t number_ = 0;  ///< number of the current file; 0: none yet
+  std::uint64_t offset_ = 0;  ///< position in the current file, after the last line feed
 };
 
 }  // namespace palpate

@@ -37,7 +37,7 @@ class FleetWatch {
 
   const FleetOptions& options_;
   Clock::time_point heard_ = Clock::now();
-  bool answered_ = false;  ///< at least once
+  bool answered_ = false;  ///< the scheduler has answered at least once
   std::string told_;
 };
 

@@ -26,7 +26,7 @@ class Backoff {
 
  private:
   std::chrono::seconds first_;
-  int failures_ = 0;  ///< in a row; counts up to 6
+  int failures_ = 0;  ///< number of failures in a row; counts up to 6
   Time until_;
 };
 
@@ -54,8 +54,8 @@ class Launches {
     enum class How : std::uint8_t { well, failed, from_outside };
     std::string id, node;
     How how{};
-    std::string words;           ///< "exit code 127"
-    std::chrono::seconds age{};  ///< at its end
+    std::string words;           ///< description, "exit code 127"
+    std::chrono::seconds age{};  ///< age at its end
     std::string when;  ///< end time on the engine's clock; compared only with other such times
   };
   /// What a call of see() changed.
@@ -66,7 +66,7 @@ class Launches {
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
 
-  /// Takes the current jobs. `ended` is in order of time and may repeat jobs of earlier calls.
+  /// Takes the current jobs. `ended` is in order of time, and may list jobs that earlier calls had.
   Change see(const std::vector<Ended>& ended, const std::vector<Running>& running, Time now);
 
   /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.
@@ -74,7 +74,7 @@ class Launches {
   /// Returns the limit on the number of jobs that are queued or younger than `early`.
   int mostUnproven(Time now) const;
   std::chrono::seconds pause() const { return backoff_.pause(); }
-  /// The last early failures in a row, at most most_in_a_row, oldest first.
+  /// The latest early failures in a row, at most most_in_a_row of them, oldest first.
   const std::deque<Ended>& failures() const { return last_failures_; }
   const std::set<std::string>& badNodes() const { return bad_nodes_; }
 
@@ -87,8 +87,8 @@ class Launches {
   Backoff backoff_;
   /// ended jobs that are counted already and that the engine still lists
   std::set<std::string> seen_;
-  int in_a_row_ = 0;                      ///< early failures, except on bad nodes
-  std::map<std::string, int> on_a_node_;  ///< early failures of each node
+  int in_a_row_ = 0;  ///< number of early failures in a row, except on bad nodes
+  std::map<std::string, int> on_a_node_;  ///< number of early failures on each node
   std::set<std::string> bad_nodes_;
   std::deque<Ended> last_failures_;
   Time last_failure_;

@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-/// Ids per call of scancel: limits the command line and the load of slurmctld.
+/// Number of ids per call of scancel. Limits the command line and the load of slurmctld.
 constexpr std::size_t cancelled_at_once = 500;
 /// Prefix of the endpoint in the comment of a job.
 constexpr std::string_view comment_prefix = "palpate at ";
@@ -58,7 +58,7 @@ struct Column {
   const char* name;
   std::size_t width;
 };
-// Columns that old versions know too. The last one takes the rest of the line.
+// Only columns that old versions of squeue know too. The last column takes the rest of the line.
 constexpr std::array columns = {Column{"State", 20},     Column{"JobArrayID", 40},
                                 Column{"NodeList", 100}, Column{"exit_code", 12},
                                 Column{"TimeUsed", 20},  Column{"EndTime", 24},

@@ -11,13 +11,13 @@ namespace palpate {
 
 /// Options of the jobs that run workers under Slurm.
 struct SlurmOptions {
-  std::string name;  ///< name of the jobs, derived from the build so that they are found again
+  std::string name;  ///< name of the jobs, made from the build id so that they are found again
   std::vector<std::string> command;  ///< command of one worker on a node
   std::string endpoint;              ///< address of its scheduler
   /// Time limit of each job. Slurm sends SIGTERM one minute before the limit, or, if the limit is
   /// shorter than four minutes, when a quarter of it is left.
   int minutes = 60;
-  std::string constraint;         ///< features of nodes; empty: any
+  std::string constraint;         ///< required features of nodes; empty: any node
   std::string log = "/dev/null";  ///< file name, in the syntax of sbatch --output
   std::vector<std::string> more;  ///< further options of sbatch, unchanged
 };
@@ -29,8 +29,8 @@ struct SlurmJobs {
   };
   std::vector<Queued> queued;              ///< array elements that have not started
   std::vector<Launches::Running> running;  ///< array elements that have started and not ended
-  std::vector<Launches::Ended> ended;      ///< oldest first; as long as Slurm remembers them
-  std::vector<std::string> elsewhere;      ///< ids of jobs, queued or running, for another endpoint
+  std::vector<Launches::Ended> ended;      ///< oldest first; Slurm forgets them after a while
+  std::vector<std::string> elsewhere;      ///< ids of queued or running jobs for another endpoint
 
   /// Returns the number of queued jobs by reason.
   std::map<std::string, int> reasons() const;
@@ -58,7 +58,7 @@ class Slurm {
 
   /// Returns the batch script for this number of workers.
   std::string script(int workers, const std::set<std::string>& but_on = {}) const;
-  /// Returns the log file of this array element.
+  /// Returns the log file of the array element `id`.
   std::string logOf(const std::string& id) const;
 
  private:

@@ -14,7 +14,7 @@ struct SlurmFleetOptions : FleetOptions {
   bool cancel = false;
 };
 
-/// Keeps as many Slurm workers as the build can use until it ends. One thread.
+/// Keeps as many workers under Slurm as the build can use, until the build ends. One thread.
 class SlurmFleet {
  public:
   /// `options` must outlive this object.

@@ -15,9 +15,9 @@ struct SshOptions {
   std::vector<std::string> more;     ///< further options of ssh, unchanged
 };
 
-/// Runs workers on a set of workstations through one `ssh HOST` each. A connection that fails is
-/// retried with growing pauses. The remote workers end with the connection, after their time to
-/// deliver results. One thread.
+/// Runs workers on a set of workstations through one `ssh HOST` each. Retries failed connections
+/// with growing pauses. When a connection ends, its remote workers deliver their results and end
+/// too. One thread.
 class SshHosts {
  public:
   using Time = Backoff::Time;

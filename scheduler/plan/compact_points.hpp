@@ -10,10 +10,10 @@
 
 namespace palpate {
 
-/// Numbers of points by kind.
+/// Number of points of each kind.
 struct PointCounts {
   std::array<std::int32_t, tag_words.size()> of_tag = {};
-  std::int64_t attempts = 0;        ///< failed attempts
+  std::int64_t attempts = 0;        ///< number of failed attempts
   std::int32_t unknown_tried = 0;   ///< unknown points with a failed attempt
   std::int32_t unsolved_tried = 0;  ///< unknown or failed points with a failed attempt
 
@@ -63,12 +63,12 @@ class CompactPoints {
     ContentId fields;
     std::int32_t newton_iterations = 0, factorizations = 0, steps = 0;
     std::int32_t parent = -1;
-    std::int32_t slopes = -1;  ///< index in slopes_; -1: all zero
+    std::int32_t slopes = -1;  ///< index in slopes_; -1: all slopes are zero
     Tag tag = Tag::unknown;
     Cause cause = Cause::none;
     bool tried = false;  ///< at least one attempt failed
   };
-  /// Points per page. Pages avoid moving ten million points to add one.
+  /// Points per page. With pages, adding a point does not move ten million others.
   static constexpr std::int32_t page = 4096;
 
   const Point& at(std::int32_t n) const {

@@ -57,7 +57,8 @@ double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   return chance;
 }
 
-/// Evaluates every n-th point of all lattices, so that at most about most_forecast are visited.
+/// Visits every n-th point of all lattices. n is so large that about most_forecast points are
+/// visited.
 class Sample {
  public:
   explicit Sample(const std::vector<SpacePlan>& plans) {
@@ -75,13 +76,13 @@ class Sample {
         expected += static_cast<double>(every_) * chanceOf(plan, n, share);
     }
     next_ -= size;
-    // Open transitions are counted as ready already.
+    // Open transitions are already counted in Forecast::ready.
     return std::max(0.0, expected - plan.openCount());
   }
 
  private:
   std::int64_t every_;
-  std::int64_t next_ = 0;  ///< index into the lattice of the next space
+  std::int64_t next_ = 0;  ///< index of the next visited point in the lattice of the next space
 };
 
 double grown(const SpacePlan& plan) {

@@ -14,8 +14,8 @@ struct Transition {
   auto operator<=>(const Transition&) const = default;
 };
 
-/// Returns the tag of a converged configuration: expandable if `force` (its norm, N) is at most
-/// `max_force` (workspace.max_force, N), else terminating.
+/// Returns the tag of a converged configuration: expandable if the norm of the tool's force,
+/// `force`, is at most workspace.max_force, else terminating. Both in N.
 constexpr Tag tagOf(double force, double max_force) {
   return force <= max_force ? Tag::expandable : Tag::terminating;
 }
@@ -62,7 +62,7 @@ class Frontier {
     const Lattice& lattice;
     const CompactPoints& points;
   };
-  /// Starts with no result recorded.
+  /// Starts without any recorded result.
   explicit Frontier(const Known& known, int max_attempts = max_attempts_per_point);
 
   /// Returns the transitions that became ready since the last call. Each stays open until it is
@@ -81,7 +81,8 @@ class Frontier {
   std::int32_t openCount() const { return open_count_; }
 
  private:
-  /// waiting -> open -> reached or unreached. A later round may open an unreached point again.
+  /// A point is first waiting, then open, then reached or unreached. A later round may open an
+  /// unreached point again.
   enum class Phase : std::uint8_t { waiting, open, reached, unreached };
   struct Point {
     Phase phase = Phase::waiting;
@@ -99,7 +100,7 @@ class Frontier {
   std::size_t max_attempts_;
   std::vector<Point> points_;
   std::vector<Transition> ready_;
-  /// Points settled in round 0; the points that wait for them have not been advanced yet.
+  /// Points settled in round 0 whose waiting points have not been advanced yet.
   std::vector<std::int32_t> newly_settled_;
   std::int32_t unsettled_ = 0;
   std::int32_t open_count_ = 0;

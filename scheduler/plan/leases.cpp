@@ -211,7 +211,7 @@ void Leases::noteEnd(Held& held, const Entry& entry) {
 }
 
 Leases::Jobs Leases::endLeases(const std::string& worker) {
-  // Also called for workers that never had a job.
+  // The worker may have no entry: this is also called for workers that never had a job.
   Held held = std::exchange(by_worker_[worker], {});
   by_worker_.erase(worker);
   for (const auto& [job, keys] : held.jobs)

@@ -20,15 +20,15 @@ struct Handout {
   std::vector<ResultKey> targets;
 };
 
-/// Upper limit on the targets of a job: the number of neighbours of a point.
+/// Limit on the number of targets of a job: the number of neighbours of a point.
 inline constexpr std::size_t max_targets_per_job = 26;
 
 /// A transition that is suspected in this many deaths of workers is handed out alone, so that the
 /// next death identifies it.
 inline constexpr int losses_before_alone = 2;
 
-/// A transition is set aside once this many deaths are attributed to it. Five, because workers also
-/// die for reasons unrelated to their work.
+/// A transition is set aside once this many deaths are attributed to it. One death is not enough,
+/// because workers also die for reasons unrelated to their work.
 inline constexpr int deaths_before_aside = 5;
 
 /// Hand-outs of a transition, and workers that died while they held it. Kept across runs of the
@@ -71,8 +71,8 @@ class Leases {
   /// Removes a transition that has an outcome, no matter which worker found it.
   void finish(const ResultKey& key);
 
-  /// Queues a finished transition to be solved again. It must not be queued already; finish() ends
-  /// the check.
+  /// Queues a finished transition to be solved again. The transition must not be queued already.
+  /// finish() ends the check.
   void addCheck(const ResultKey& key);
   /// Leases one waiting check that `may` accepts to `worker`, as a job of its own. Returns none if
   /// there is no such check.
@@ -92,15 +92,15 @@ class Leases {
   bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends the lease that lastOf() describes. The worker must hold one.
   void giveBackLast(const std::string& worker);
-  /// The transitions that would be blamed if the worker died now: the target it was `solving`, if
-  /// known, and the next in order.
+  /// The transitions that would be blamed if a worker died now: the target that it was `solving`,
+  /// if known, and the next target in its order.
   struct Suspects {
     std::optional<ResultKey> named, next;
     bool alone = false;  ///< `next` was handed out alone
   };
   Suspects suspectsOf(const std::string& worker, std::optional<ResultKey> solving) const;
-  /// Blames the suspects for a death of a worker, after its leases were ended. Returns the suspects
-  /// that are still open, with their updated losses.
+  /// Blames the suspects for the death of a worker. Call after its leases were ended. Returns the
+  /// suspects that are still open, with their updated losses.
   std::vector<std::pair<ResultKey, Losses>> blame(const Suspects& suspects);
   /// True if only set-aside transitions and waiting checks are left, and nothing is being solved.
   bool stuck() const { return !entries_.empty() && waiting_count_ == 0 && leased_count_ == 0; }
@@ -139,8 +139,9 @@ class Leases {
   };
   /// The start that a set of waiting transitions have in common. Sets are handed out in this order.
   struct Start {
-    std::int32_t below_highest = 0;  ///< the negative priority of the space
-    std::int64_t distance = 0;       ///< squared distance of the parent from the origin
+    /// negative priority of the space, so that the highest comes first
+    std::int32_t below_highest = 0;
+    std::int64_t distance = 0;  ///< squared distance of the parent from the origin
     LatticePoint parent = {};
     std::uint32_t space = 0;
     auto operator<=>(const Start&) const = default;
@@ -149,7 +150,7 @@ class Leases {
   /// The jobs of one worker.
   struct Held {
     Jobs jobs;
-    std::size_t targets = 0;  ///< total over all jobs
+    std::size_t targets = 0;  ///< number of targets in all jobs
   };
 
   static bool isAside(const Entry& entry) {
@@ -164,11 +165,12 @@ class Leases {
 
   std::map<ResultKey, Entry> entries_;
   std::map<Start, std::set<LatticePoint, NearestFirst>> waiting_;
-  std::map<std::uint32_t, std::int32_t> priorities_;  ///< by space; only those that were set
+  std::map<std::uint32_t, std::int32_t> priorities_;  ///< by space; a space without an entry has 0
   std::set<ResultKey> waiting_checks_;
   std::unordered_map<std::string, Held> by_worker_;
   std::size_t waiting_count_ = 0;
-  std::size_t leased_count_ = 0, leased_checks_ = 0;  ///< of all workers; checks count in both
+  /// total number of leases; a check counts in both
+  std::size_t leased_count_ = 0, leased_checks_ = 0;
   std::uint64_t last_job_;
 };
 

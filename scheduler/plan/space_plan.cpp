@@ -25,13 +25,13 @@ std::int64_t squaredDistance(const LatticePoint& a, const LatticePoint& b) {
   return squaredNorm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
-/// Calls visit(number) for the uniform points of a cube that contains every point within
-/// farthest_parent of `position`.
+/// Calls visit(number) for the points of the uniform lattice in a cube around `position`. The cube
+/// contains every point within farthest_parent.
 template <class Visit>
 void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, const Visit& visit) {
   const std::int32_t spacing = lattice.divisions();
   constexpr auto reach = static_cast<std::int32_t>(farthest_parent);
-  LatticePoint first;  // in whole spacings; division truncates
+  LatticePoint first;  // rounded to whole spacings
   for (std::size_t axis = 0; axis < 3; ++axis)
     first[axis] = (position[axis] / spacing - reach - 1) * spacing;
   constexpr std::int32_t side = 2 * reach + 3;
@@ -233,7 +233,7 @@ void SpacePlan::advanceStage() {
       stage_ = Stage::cells;
       return beginCells();
     case Stage::cells:
-      // New points may lie on other branches than the old ones around them.
+      // The new points may lie on other branches than the old points around them.
       branch_round_ = 0;
       stage_ = may_grow_ ? Stage::branches : Stage::probes;
       return may_grow_ ? beginBranches() : beginProbes();
@@ -298,7 +298,7 @@ void SpacePlan::beginCells() {
 
 void SpacePlan::beginProbes() {
   const ActivePatch& patch = problem_->active[space_];
-  first_probe_ = size();  // parentsNear() stops here from now on
+  first_probe_ = size();  // parentsNear() considers no points from here on
   if (patch.probe) {
     const std::int32_t target = addPosition(positionOf(*patch.probe, positions_.unit()));
     const bool from_rest = points_.tag(0) == Tag::expandable;
@@ -355,7 +355,7 @@ std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t co
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double turns = 0.5 + static_cast<double>(n) * strides[axis];
       const double coordinate = reach * (2 * (turns - std::floor(turns)) - 1);
-      // Odd coordinates avoid the corners of cells larger than one unit, which are even.
+      // Use odd coordinates: the corners of cells larger than one unit have even ones.
       position[axis] = 2 * static_cast<std::int32_t>(std::floor(coordinate / 2)) + 1;
     }
     if (static_cast<double>(squaredNorm(position)) <= reach * reach &&

@@ -13,7 +13,7 @@ namespace palpate {
 /// The stage of a plan. A stage begins when the stage before it has no open transition left.
 enum class Stage : std::uint8_t {
   lattice,   ///< points of the uniform lattice (Frontier)
-  branches,  ///< both ends of inconsistent edges, each solved from the other
+  branches,  ///< ends of inconsistent edges, each solved again from the other end
   cells,     ///< points that refinement asked for
   probes,    ///< held-out positions, which measure the error
   complete,
@@ -25,7 +25,7 @@ std::string_view name(Stage stage);
 /// Number of equal steps into which a transition is divided in the stage branches. Small steps
 /// follow a branch of equilibria where one long step may jump to another branch.
 inline constexpr std::int32_t steps_of_retry = 4;
-/// Limit on the consecutive rounds of the stage branches.
+/// Limit on the number of consecutive rounds of the stage branches.
 inline constexpr int max_branch_rounds = 8;
 
 /// Returns the row of a point that was solved from `parent`. `fields` identifies the point's nodal
@@ -70,8 +70,8 @@ class SpacePlan {
   bool isRecorded(const Transition& transition) const;
   /// Returns the number of steps that a worker divides this open transition into; usually 1.
   std::int32_t stepsOf(const Transition& transition) const;
-  /// Records the outcome of an open transition. `fields` identifies its nodal fields if it
-  /// converged. Throws if the transition is not open.
+  /// Records the outcome of an open transition. If it converged, `fields` identifies its nodal
+  /// fields. Throws if the transition is not open.
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
@@ -138,7 +138,7 @@ class SpacePlan {
   /// Recorded transitions that converged, but to another equilibrium than their target had, or to
   /// one that was replaced later by one of less energy.
   std::set<Transition> passed_over_;
-  std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; open work after the stage lattice
+  std::map<std::int32_t, Pursuit> pursuits_;  ///< open work after the stage lattice, by target
   std::vector<Transition> ready_;
   Stage stage_ = Stage::lattice;
   int stages_begun_ = 0;
@@ -170,11 +170,11 @@ class PlanRows : public SpaceRows {
   const SpacePlan& plan_;
 };
 
-/// Returns the rows of several plans, which must outlive them.
+/// Returns the rows of several plans. The plans must outlive the rows.
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 
-/// Returns a transition of the plan of its space; none if there is no such space or
-/// SpacePlan::find() returns none.
+/// Returns the transition with this key from the plan of its space. Returns none if there is no
+/// such space or if SpacePlan::find() returns none.
 std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
 /// Returns `count` positions of the workspace ball for probes, from a low-discrepancy sequence

@@ -8,11 +8,11 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// Targets of a worker that has delivered nothing: one in work and one to follow.
+/// Number of targets for a worker that has delivered nothing: one to solve and one to follow.
 constexpr std::size_t newcomers_hold = 2;
 /// Largest number of targets of any worker: two jobs.
 constexpr std::size_t workers_hold = 2 * max_targets_per_job;
-/// Weights of the latest value in the running means: of all workers, and of one.
+/// Weights of the latest value in the running mean over all workers, and in that of one worker.
 constexpr double weight_of_all = 1.0 / 64, weight_of_one = 1.0 / 16;
 
 void follow(double& mean, double latest, double weight) {

@@ -32,8 +32,8 @@ class Allotment {
   void noteFirst(Worker& worker, Time now) const { worker.moved = now; }
   /// Call when a worker delivers a result that it was asked for.
   void noteDelivery(Worker& worker, Time now);
-  /// Returns true if the worker delivered nothing for so long that its last target may go to
-  /// another worker. `attempts` is the number of hand-outs of that target.
+  /// Returns true if the worker has delivered nothing for so long that its last target may go to
+  /// another worker. `attempts` is the number of times that this target was handed out.
   bool isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const;
   /// Call when the last target of an overdue worker goes to another worker. The overdue worker gets
   /// no work for overdue_pause, and then starts with the limit of a new worker.

@@ -71,7 +71,7 @@ class Chronicle {
   const Time& clock_;
   LineBudget budget_, lines_;
   std::vector<Stage> stages_;
-  double divisions_ = 1;  ///< coordinates per spacing
+  double divisions_ = 1;  ///< lattice coordinates per spacing
 };
 
 }  // namespace palpate

@@ -148,8 +148,8 @@ void Coordinator::commit() {
   if (state_.stopping) people_.writeProgress();
 }
 
-/// Opens checks that are now possible, after results or second solves. Ends the build if nothing is
-/// left.
+/// Opens the checks that have become possible after results or second solves. Completes the build
+/// if nothing is left to do.
 void Coordinator::goOn() {
   seconds_.openDue();
   if (state_.complete || !std::ranges::all_of(state_.plans, &SpacePlan::complete)) return;

@@ -49,7 +49,7 @@ class Coordinator {
   /// received message has been read; otherwise no worker is judged to be silent, because its
   /// messages may be unread. Returns next().
   Next advance(Time now, bool all_read = true);
-  /// Returns how to continue after the messages so far and the last turn.
+  /// Returns how the scheduler should continue after the messages and turns so far.
   Next next() const;
   /// Returns the messages to be sent, in order.
   std::vector<Outgoing> takeOutbox() {
@@ -94,7 +94,7 @@ class Coordinator {
   std::size_t asideCount() const { return workers_.leases.aside().size(); }
   /// True if the recorded result is being solved again by another worker, or will be.
   bool isChecked(const ResultKey& key) const { return seconds_.isChecked(key); }
-  /// Number of results that two workers found differently.
+  /// Number of open checks in which two workers found different results.
   std::size_t disputedCount() const { return seconds_.checks().disputedCount(); }
   /// Tells all workers to leave: the dataset no longer needs them.
   void dismiss() {
@@ -111,7 +111,7 @@ class Coordinator {
   /// Number of results recorded since construction.
   std::int64_t recorded() const { return intake_.recorded(); }
 
-  /// Returns the status that people see (docs/commands.md).
+  /// Returns the status that users see (docs/commands.md).
   wire::Status status(Time now) const { return people_.status(now); }
   /// One plan per active node.
   const std::vector<SpacePlan>& plans() const { return state_.plans; }

@@ -12,7 +12,7 @@ namespace {
 /// A worker that may get a job, ordered by the fields below: the smallest gets the next job.
 struct Load {
   bool busy, newcomer;
-  std::size_t held;     ///< targets
+  std::size_t held;     ///< number of targets
   Worker::Time waited;  ///< for newcomers: Worker::moved, so the longest wait comes first
   std::string_view id;
   Worker* worker;
@@ -34,7 +34,8 @@ void Handouts::handOut() {
   const bool checks_wait = !workers_.leases.waitingChecks().empty();
   if (!state_.handsOut() || (workers_.leases.waiting() == 0 && !checks_wait)) return;
   const std::map<ResultKey, Apart> wanted = seconds_.wanted();
-  // A heap, with the next worker to be given work on top: there are many workers and little work.
+  // A heap with the worker that gets the next job on top, because there are many workers and few
+  // jobs.
   std::vector<Load> heap;
   std::size_t free_hands = 0;
   const auto add = [&](Worker& worker) {
@@ -139,7 +140,7 @@ std::optional<ResultKey> Handouts::solverOf(const wire::FieldsRequest& request) 
   if (const auto point = findIn(state_.plans, {request.space(), at, at})) {
     const SpacePlan& plan = state_.plans[request.space()];
     const CompactPoints& points = plan.points();
-    // The point may have another equilibrium now than the one from which the job started.
+    // The point may by now have another equilibrium than the one from which the job started.
     if (isSolved(points.tag(point->target)) && points.fields(point->target).bytes() == request.id())
       return plan.keyOf({point->target, points.parent(point->target)});
   }

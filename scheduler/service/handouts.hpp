@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Sends workers their jobs, the problem, and the configurations that jobs start from. One thread;
-/// the references must outlive it.
+/// the references must outlive this object.
 class Handouts {
  public:
   /// `problem_bytes` is encodeProblem(problem).
@@ -39,7 +39,7 @@ class Handouts {
   const std::shared_ptr<const std::string> problem_bytes_;
   LeaseSeal seal_;
   UnreadPayloads unread_starts_;
-  double longest_solve_;  ///< s, of all results; 0 before the first
+  double longest_solve_;  ///< longest solve of all results, s; 0 before the first result
 };
 
 }  // namespace palpate

@@ -10,12 +10,12 @@ namespace palpate {
 /// Returns the BLAKE2b hash of `text`, 16 bytes, keyed with `secret` of 16 to 64 bytes. Nobody can
 /// compute or predict it without the secret.
 std::string keyedHash(std::string_view text, std::string_view secret);
-/// Returns a transition as text for keyedHash(), 8 bytes per number.
+/// Returns a transition as text for keyedHash(), with 8 bytes per number.
 std::string bytesOf(const ResultKey& key);
 
 /// A transition that is leased to a worker.
 struct Leased {
-  std::string_view worker;  ///< its id
+  std::string_view worker;  ///< id of the worker
   ResultKey transition;
   std::string_view start_id;  ///< wire::Job.start_id
 };
@@ -29,7 +29,7 @@ class LeaseSeal {
   /// `secret` has 16 to 64 bytes.
   explicit LeaseSeal(std::string secret);
 
-  /// Returns wire::Target.lease, 16 bytes.
+  /// Returns the proof for a lease (wire::Target.lease), 16 bytes.
   std::string sealOf(const Leased& leased) const;
   bool isSealOf(const Leased& leased, std::string_view seal) const;
 

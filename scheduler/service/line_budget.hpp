@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Limits the log lines and events that peers cause. Peers can come and go at will, and must not
-/// fill the disk. One thread.
+/// Limits the log lines and events that peers cause. Peers can join and leave as often as they
+/// like, and must not fill the disk. One thread.
 class LineBudget {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -18,12 +18,12 @@ class LineBudget {
 
   explicit LineBudget(Time now) : filled_(now) {}
 
-  /// Returns the number of lines that were left out since the last accepted line; none if this line
-  /// must be left out too.
+  /// Call before each line. Returns the number of lines that were left out since the last accepted
+  /// line. Returns none if this line must be left out too.
   std::optional<std::int64_t> spend(Time now);
 
  private:
-  Time filled_;  ///< lines were credited up to this time
+  Time filled_;  ///< time up to which lines have been credited
   std::int64_t lines_ = burst;
   std::int64_t left_out_ = 0;
 };

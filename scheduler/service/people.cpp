@@ -101,7 +101,7 @@ std::int32_t People::retryFailed(const std::string& cause) {
   return static_cast<std::int32_t>(failed.size());
 }
 
-/// Sets a priority. Returns an objection, or an empty string if it is set.
+/// Sets a priority. Returns why it cannot be set, or an empty string.
 std::string People::prioritize(const std::string& name, std::int32_t priority) {
   std::set<std::string> names;
   for (std::uint32_t space = 0; space < state_.plans.size(); ++space) {

@@ -40,12 +40,12 @@ class People {
   std::string recent_status_;  ///< JSON
   Time recent_status_made_;
   Time servers_written_, progress_written_;
-  Pace pace_;       ///< equilibria
-  Pace work_pace_;  ///< all results
+  Pace pace_;       ///< rate of equilibria
+  Pace work_pace_;  ///< rate of all results
   Forecast forecast_;
   Time forecast_made_;
   std::int64_t recorded_then_ = 0;
-  std::map<std::string, std::int32_t> priorities_;  ///< by row of a status
+  std::map<std::string, std::int32_t> priorities_;  ///< by name of a status row
 };
 
 }  // namespace palpate

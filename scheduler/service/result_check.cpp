@@ -12,8 +12,9 @@
 namespace palpate {
 namespace {
 
-/// The solver stops at 1e-9 of the force on the tool, and 1e-10 of the force that shears an element
-/// (NewtonOptions). A result with a thousand times the error does not come from this solver.
+/// Largest relative residual. The solver stops at 1e-9 of the force on the tool, and 1e-10 of the
+/// force that shears an element (NewtonOptions). A result with a thousand times this residual does
+/// not come from this solver.
 constexpr double largest_residual = 1e-6;
 /// Tolerance of a displacement, relative to its size. Fields are float32, and the nodes of a
 /// weighted tool have the prescribed displacement only on average.
@@ -43,7 +44,7 @@ Eigen::Vector3d displacementOf(const NodalFields& fields, std::int32_t node) {
   return {u[0], u[1], u[2]};
 }
 
-/// Returns the prescribed displacement of the tool: the weighted mean over its nodes.
+/// Returns the displacement of the tool, the weighted mean over its nodes.
 Eigen::Vector3d displacementOf(const NodalFields& fields, const ActivePatch& patch) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t n = 0; n < patch.nodes.size(); ++n)

@@ -24,7 +24,7 @@ class ResultCheck {
   /// An equilibrium must satisfy:
   /// - all numbers are finite;
   /// - det F > 0 if the scene requires it;
-  /// - the residual is not far above the tolerance of the solver;
+  /// - the residual is at most about a thousand times the solver's tolerance;
   /// - the derivatives are symmetric;
   /// - only a finger has a drive (configurational force);
   /// - fixed nodes have not moved, and the tool has its prescribed displacement;
@@ -35,8 +35,8 @@ class ResultCheck {
 
   /// Returns true if two results of one transition agree in every reproducible bit.
   static bool agree(const wire::Result& first, const wire::Result& second);
-  /// Returns the part of a result that must have the same bits from every worker. It excludes the
-  /// lease, the giver and the time.
+  /// Returns the part of a result that must have the same bits from every worker. Leaves out the
+  /// lease, the giver, the duration, the number of steps, and the parent of the start.
   static std::string reproducibleBytes(wire::Result result);
 
  private:
@@ -48,7 +48,7 @@ class ResultCheck {
   const Problem* problem_;
   ContentId build_;
   Lattice lattice_;
-  double diameter_;  ///< of the body, m
+  double diameter_;  ///< diameter of the body, m
 };
 
 /// Returns how badly the equilibrium `found` fits its `parent`, from which it was solved. `way` is

@@ -49,7 +49,8 @@ void SecondSolves::openDue() {
   });
 }
 
-/// Opens a check and returns true, unless the result is not recorded in its plan yet.
+/// Opens a check and returns true. Returns false if the result is not recorded in its plan yet, or
+/// cannot be read.
 bool SecondSolves::open(const ResultKey& key, bool disputed) {
   if (checks_.isOpen(key)) return true;
   if (!isRecordedInPlan(key)) return false;

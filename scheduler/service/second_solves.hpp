@@ -24,7 +24,7 @@ class SecondSolves {
   /// tables: the damage is found before the dataset is written, and the result is checked after it
   /// has been computed again.
   void forgetUnneeded();
-  /// Number of checks that are open or still to be opened.
+  /// Number of checks that are open or are still to be opened.
   std::size_t left() const { return checks_.openCount() + due_.size(); }
 
   /// Handles a second result of a recorded transition. It may be the answer to a check, a
@@ -70,8 +70,9 @@ class SecondSolves {
   /// Checks to be opened once their result is recorded and there is room. The value is true if the
   /// result is disputed.
   std::map<ResultKey, bool> due_;
-  std::optional<Time> only_these_left_;  ///< time from which on only checks were left
-  bool hopeless_ = false;                ///< only checks have been left for longer than worker_lost
+  /// time since when only checks have been left; none if other work is left
+  std::optional<Time> only_these_left_;
+  bool hopeless_ = false;  ///< only checks have been left for longer than worker_lost
 };
 
 }  // namespace palpate

@@ -27,7 +27,7 @@ std::optional<Roles> roleFor(const wire::Message& message) {
   }
 }
 
-/// Generous limit of a message without its payload.
+/// Limit on the size of a message without its payload; generous.
 constexpr std::size_t header_bytes = 8192;
 /// Margin above the longest message of an honest peer.
 constexpr std::size_t beyond_messages = 1 << 20;

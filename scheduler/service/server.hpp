@@ -19,8 +19,8 @@ class Server : private Transport {
   /// Endpoint with the port that was chosen.
   const std::string& endpoint() const { return endpoint_; }
 
-  /// Waits at most `longest` for messages or the coordinator's next deadline, then exchanges
-  /// messages with it. Returns how to continue; returns early on a signal.
+  /// Waits for messages, but at most `longest` or until the coordinator's next deadline, and then
+  /// runs a turn (exchange()). Returns how to continue. A signal ends the wait.
   Next turn(Coordinator& coordinator, std::chrono::milliseconds longest);
 
  private:

@@ -119,7 +119,7 @@ Apart SpotChecks::apart(const ResultKey& key, const wire::Provenance& worker) co
   return least;
 }
 
-/// Returns the givers of opinions that are part of the crowd.
+/// Returns the members of the crowd that gave an opinion.
 Crowd SpotChecks::giversAmong(const ResultKey& key, const Crowd& crowd) const {
   Crowd givers;
   for (const Opinion& opinion : open_.at(key).opinions) {

@@ -21,7 +21,7 @@ struct SpotCheckSettings {
   std::int64_t suspects_at_least = 8;
   /// Limit on the number of open checks, because new work goes first.
   std::size_t most_open = 64;
-  /// Key that is trusted not to lie on purpose: the scheduler's own.
+  /// Key that is trusted not to give wrong results on purpose: the scheduler's own.
   std::optional<PublicKey> trusted_key = std::nullopt;
 };
 
@@ -30,7 +30,7 @@ struct Opinion {
   wire::Provenance giver;
   std::string digest;
 };
-/// Returns the opinion that a result expresses. `giver` is the worker that delivered it.
+/// Returns the opinion of `giver`, the worker that delivered this result.
 Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver);
 
 /// How independent a worker is of the workers that found a result; the most independent value comes
@@ -82,8 +82,8 @@ class SpotChecks {
     std::optional<ResultKey> solved_by;
     std::uint32_t steps = 0;  ///< wire::Target.steps
   };
-  /// Opens a check with the recorded result as its first opinion. The check must not be open.
-  /// `disputed`: a worker that is no longer known found a different result.
+  /// Opens a check with the recorded result as its first opinion. The check must not be open yet.
+  /// `disputed` is true if a worker, which is no longer known, found a different result.
   void open(const ResultKey& key, Opinion first, Start start, bool disputed = false);
   const Start& startOf(const ResultKey& key) const { return open_.at(key).start; }
   /// Returns the recorded result that holds the fields of the start `id`; none if no open check has
@@ -95,8 +95,8 @@ class SpotChecks {
   std::size_t openCount() const { return open_.size(); }
   std::size_t disputedCount() const;
 
-  /// Returns how independent a worker is of all that gave an opinion; same_process if it gave one
-  /// itself.
+  /// Returns how independent `worker` is of all workers that gave an opinion; same_process if it
+  /// gave one itself.
   Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
   /// True if a machine of the crowd has given no opinion yet.
   bool hasOtherMachine(const ResultKey& key, const Crowd& crowd) const;

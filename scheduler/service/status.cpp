@@ -42,7 +42,8 @@ wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
   return *status.mutable_spaces()->rbegin();
 }
 
-/// A row of several plans shows the stage of an incomplete plan, if there is one.
+/// Sets the stage of a row. If a row counts several plans, it shows the stage of an incomplete one,
+/// if there is any.
 void setStage(wire::SpaceStatus& row, Stage stage) {
   if (row.stage().empty() || stage != Stage::complete) row.set_stage(std::string(name(stage)));
 }

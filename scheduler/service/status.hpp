@@ -42,7 +42,7 @@ std::string toJson(const google::protobuf::Message& message);
 /// status, or if its numbers of points are impossible.
 wire::Status statusFromJson(const std::string& json);
 
-/// Mean rate over the last two minutes of this run, of equilibria or of all results.
+/// Mean rate over the last two minutes of this run. Measures equilibria or all results.
 class Pace {
  public:
   using Time = std::chrono::steady_clock::time_point;

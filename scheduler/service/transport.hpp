@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Exchanges messages with peers, over a socket or in a test. Neither call blocks.
+/// Exchanges messages with peers, over a socket or in a test. No function blocks.
 class Transport {
  public:
   Transport() = default;
@@ -13,7 +13,7 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  /// Returns the next message that came in; none if there is none.
+  /// Returns the next received message; none if there is none.
   virtual std::optional<Incoming> receive() = 0;
   virtual Sent send(const Outgoing& message) = 0;
   /// Returns the connections that were closed, because of the limits of Connections, since the last

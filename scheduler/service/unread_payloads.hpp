@@ -12,7 +12,7 @@ namespace palpate {
 /// memory and do not count.
 class UnreadPayloads {
  public:
-  /// Returns the payload, which counts until its last holder releases it.
+  /// Returns the payload for sending. It counts until its last owner releases it.
   std::shared_ptr<const std::string> add(std::string payload) const {
     auto* const owned = new std::string(std::move(payload));
     *bytes_ += owned->size();
@@ -24,7 +24,7 @@ class UnreadPayloads {
   std::size_t bytes() const { return *bytes_; }
 
  private:
-  /// Shared, because payloads may outlive this object.
+  /// Shared with the payloads, because they may outlive this object.
   std::shared_ptr<std::atomic<std::size_t>> bytes_ = std::make_shared<std::atomic<std::size_t>>(0);
 };
 

@@ -21,28 +21,29 @@ struct Worker {
   std::string host;              ///< made printable for users, like kernel_family
   std::uint32_t pid = 0;
   std::string kernel_family;
-  std::uint32_t credit = 0;  ///< jobs it can take now; only WorkerRegistry::addCredit() adds to it
-  Time heard;                ///< time of its last message
-  /// Transition in its last heartbeat; none if it solves none of its leases.
+  /// number of jobs that it can take now; only WorkerRegistry::addCredit() raises it
+  std::uint32_t credit = 0;
+  Time heard;  ///< time of its last message
+  /// The leased transition that its last heartbeat named; none if it is solving none of its leases.
   std::optional<ResultKey> solving;
-  /// Time when it was last sent a message because it was silent.
+  /// Time when it was last sent a message because of its silence.
   std::optional<Time> probed;
   /// Time since when its heartbeats have reported no solve although it holds leases.
   std::optional<Time> idle_since;
-  std::int32_t results = 0;  ///< recorded in this run
+  std::int32_t results = 0;  ///< number of its results recorded in this run
   /// Number of results since it joined, or since a lease of it last went to another worker. It may
   /// hold as many targets (Allotment::limitOf).
   std::uint32_t earned = 0;
   /// Recent mean time between its results, s; 0 before the first.
   double between_results = 0;
-  /// Time when it last delivered a result, or was given work while it had none.
+  /// Time when it last delivered a result, or was given work after it had none.
   Time moved{};
   /// Set when a lease of this worker goes to another worker because it is overdue. Until this time
   /// it gets no work, unless it delivers a result before.
   std::optional<Time> overdue_until;
 };
 
-/// Returns a worker's id as people see it.
+/// Returns a worker's id in hexadecimal, as users see it.
 std::string hexOfId(std::string_view id);
 
 /// Returns true if two programs, given by their buildName, are the same build: they have the same

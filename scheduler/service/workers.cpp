@@ -15,7 +15,8 @@ constexpr std::int64_t bad_messages_logged = 20;
 constexpr std::size_t most_departed = 4096;
 /// Limit on the number of ended workers that one Hello may name. A supervisor names one.
 constexpr int most_ended = 64;
-/// Scanning all workers costs 0.33 us each; at this interval that is 5 % of a core.
+/// Interval of the scans of all workers. A scan costs 0.33 us per worker, which at this interval is
+/// 5 % of a core.
 constexpr std::chrono::microseconds looked_at_every{6};  // times the number of workers
 
 }  // namespace
@@ -55,7 +56,7 @@ bool Workers::hello(const Incoming& incoming) {
   if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker()) {
     remove(*before, "left");
   }
-  // A worker that says hello again has forgotten its leases.
+  // A worker that says hello again has forgotten its leases: hand them out again.
   leases.giveBack(hello.worker());
   // The worker is alive, so the leases that it had when it was lost did not kill it.
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
@@ -112,7 +113,7 @@ void Workers::settleKernels(const std::string& family) {
 }
 
 bool Workers::deserted(Time now) const {
-  // Drained workers leave without a message when the build is complete.
+  // Once the build is complete, workers that were told to leave may do so without a message.
   return std::ranges::all_of(registry.all(), [&](const auto& entry) {
     return now - entry.second.heard > 3 * state_.settings.heartbeat;
   });
@@ -152,7 +153,7 @@ void Workers::reassignOverdue() {
   for (auto& [id, worker] : registry.all()) {
     if (idle == 0) return;
     const auto last = leases.lastOf(id);
-    // SecondSolves takes care of overdue checks.
+    // SecondSolves reassigns overdue checks.
     if (!last || last->is_check || !allotment.isOverdue(worker, last->attempts, state_.now))
       continue;
     reassignLast(worker);

@@ -37,7 +37,8 @@ class Workers {
   Time nextSweep() const { return std::max(silence_due_, look_round_at_); }
   /// Hands out the last target of a worker again, because the worker delivers nothing.
   void reassignLast(Worker& worker);
-  /// Call when the scheduler itself did nothing for this long: silence in that time does not count.
+  /// Call when the scheduler itself did nothing for this long. The silence of workers in that time
+  /// then does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
 
   /// Removes a worker that left without a message. No transition is blamed unless its process is
@@ -76,11 +77,12 @@ class Workers {
   ServiceState& state_;
   std::string epoch_;                                    ///< 16 random bytes
   std::map<Tables::NumberedTransition, Losses> losses_;  ///< from earlier runs
-  /// Workers that left without a message and did not come back, the latest last. Their processes
-  /// may turn out to have ended.
+  /// Workers that were lost and did not come back, the latest last. If their processes turn out to
+  /// have ended, their suspects are blamed.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
-  Time look_round_at_{};            ///< earliest time of the next scan
-  Time silence_due_ = Time::max();  ///< earliest time at which a silence may be too long
+  Time look_round_at_{};  ///< earliest time of the next scan
+  /// earliest time at which a worker may have been silent for too long
+  Time silence_due_ = Time::max();
 };
 
 }  // namespace palpate

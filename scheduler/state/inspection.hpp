@@ -20,11 +20,11 @@ struct Inspection {
     missing,  ///< no file, or an empty one; the next start of the build creates the tables
     damaged,  ///< the next start renames the damaged file and creates new tables
   };
-  /// A point with a recorded result that was lost and is computed again.
+  /// A point whose recorded result was lost and is computed again.
   struct LostPoint {
     std::string active;  ///< name of the active node
     LatticePoint point = {};
-    std::int32_t divisions = 1;  ///< coordinates per spacing
+    std::int32_t divisions = 1;  ///< lattice coordinates per spacing
   };
 
   /// Process number of the scheduler that was running in the directory during the inspection, if
@@ -39,7 +39,7 @@ struct Inspection {
   std::size_t segments = 0;
   std::size_t records = 0;       ///< undamaged records of this build
   std::uint64_t bytes = 0;       ///< total size of all segments
-  std::uint64_t unfinished = 0;  ///< bytes behind the last record, left by a crash
+  std::uint64_t unfinished = 0;  ///< number of bytes behind the last record, left by a crash
   JournalEnd end;
   std::vector<JournalDamage> damage;
   std::vector<std::string> dropped;    ///< messages about the records that are marked as dropped
@@ -50,7 +50,7 @@ struct Inspection {
   /// Number of lost results, which are computed again. The tables counted this many more results
   /// than the journal holds.
   std::size_t lost_results = 0;
-  std::vector<LostPoint> lost;  ///< points of the lost results that can be identified
+  std::vector<LostPoint> lost;  ///< points whose results are known to be lost
   /// Number of recorded results that no plan asks for yet, because results before them were lost.
   /// If no result was lost, another version of the program recorded them.
   std::size_t spare = 0;

@@ -24,7 +24,7 @@ class JobStore {
   Tables& tables() { return tables_; }
   /// Kernel family that computed the results; empty before the first result.
   const std::string& kernelFamily() const { return kernel_family_; }
-  /// Returns the results of earlier runs, recorded in plans. Call once.
+  /// Returns the plans with the results of earlier runs. Call once.
   Replay takeReplay() { return std::move(found_.replay); }
   std::size_t found() const { return found_.results; }  ///< number of results of earlier runs
   /// Key and host of each machine that computed results of earlier runs.
@@ -40,7 +40,7 @@ class JobStore {
   /// use this one afterwards.
   void keepOut(std::span<const KeptOut> liars) { tables_.keepOut(liars); }
 
-  /// Appends a result that is not recorded yet. It is recorded once commit() returns.
+  /// Appends a result that is not recorded yet. The result is recorded once commit() returns.
   void append(const wire::Result& header, std::string_view payload);
   /// Makes everything that was appended durable.
   void commit();
@@ -55,7 +55,7 @@ class JobStore {
   std::optional<wire::Result> read(const ResultKey& key) const;
   /// Marks an unreadable record as dropped. The next scheduler computes its result again.
   void drop(const JournalPosition& damaged);
-  /// Removes recorded results, which must then be computed again.
+  /// Removes these recorded results, which must then be computed again.
   void drop(const std::vector<ResultKey>& keys);
 
   const std::filesystem::path& directory() const { return directory_->path(); }
@@ -71,7 +71,8 @@ class JobStore {
   std::vector<KeptOut> kept_out_;
   ReplayedJournal found_;
   Journal journal_;
-  std::vector<std::pair<ResultKey, JournalPosition>> appended_;  ///< not committed yet
+  /// appended since the last commit()
+  std::vector<std::pair<ResultKey, JournalPosition>> appended_;
   std::string kernel_family_;
 };
 

@@ -19,10 +19,11 @@ namespace {
 /// The largest number of six digits. At default_segment_bytes, the limit is 256 TB.
 constexpr std::uint32_t most_segments = 999999;
 
-/// Start of a record; its header and payload follow.
+/// The beginning of a record. The header and the payload follow.
 struct Head {
   static constexpr std::string_view whole = "PJR3", dropped = "PJRX";
-  static constexpr std::string_view older = "PJR2";  ///< no longer readable
+  /// written by older versions; no longer readable
+  static constexpr std::string_view older = "PJR2";
 
   std::array<char, 4> magic = {'P', 'J', 'R', '3'};
   std::uint32_t header_bytes = 0, payload_bytes = 0;
@@ -101,8 +102,8 @@ class SegmentFile {
     return bytes;
   }
 
-  /// Returns head and header of the record at `offset` if both are whole and the record fits into
-  /// the file.
+  /// Returns head and header of the record at `offset`. Returns none if either is damaged or if the
+  /// record would not fit into the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
     return headAt(offset, Head::whole, placeCrcOf(number_, offset));
   }
@@ -443,7 +444,7 @@ void Journal::dropIn(std::uint32_t segment, std::span<const JournalPosition> pos
     throw failure("{}: cannot open: {}", path.string(), errnoText());
   const SegmentFile reader(path, segment);
   for (const JournalPosition& position : positions) {
-    // The file was cut off before this record, so nothing is left to mark.
+    // The file was cut off before the end of this record, so nothing needs a mark.
     if (std::cmp_less(info.st_size, position.offset + position.length)) continue;
     if (!writeAt(file.get(), position.offset, markFor(reader, position)))
       throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),

@@ -18,8 +18,8 @@ namespace palpate {
 /// Position of a record.
 struct JournalPosition {
   std::uint32_t segment = 0;  ///< number in segment-NNNNNN.dat, from 1
-  std::uint64_t offset = 0;   ///< of the first byte, head included
-  std::uint64_t length = 0;   ///< of the whole record, bytes
+  std::uint64_t offset = 0;   ///< position of the record's first byte in the segment
+  std::uint64_t length = 0;   ///< length of the whole record, bytes
   bool operator==(const JournalPosition&) const = default;
 };
 
@@ -68,14 +68,15 @@ struct JournalScan {
   /// Records with an undamaged header, in the order of appending. Payloads are checked only in the
   /// last segment. Empty if scan() passed the records to a visitor instead.
   std::vector<Found> records;
-  /// Gaps between the records. The bytes behind the last record are no gap: a crash may leave them.
+  /// Gaps between the records. The bytes behind the last record are not a gap, because a crash may
+  /// leave some there.
   std::vector<JournalGap> gaps;
   /// Records of the last segment that have an undamaged header, a damaged payload, and further
   /// records behind them. A crash leaves such records if only part of an unsynced write reached the
   /// disk. They must be dropped before the next segment is started, because in older segments a
   /// scan checks only the headers.
   std::vector<JournalPosition> torn;
-  JournalEnd end;  ///< behind the last record
+  JournalEnd end;  ///< end of the last record
 };
 
 class SegmentFile;  // one segment, open for reading
@@ -105,7 +106,7 @@ class JournalReader {
   /// may not fit into memory. `header` is valid only during the call of `visit`.
   using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
   JournalScan scan(const Visit& visit) const;
-  /// Reads a record. Throws DamagedRecord if it is missing or differs from what was written.
+  /// Reads a record. Throws DamagedRecord if the record is missing or is not what was written.
   JournalRecord read(const JournalPosition& position) const;
   /// Reads the header of a record; throws like read().
   std::string readHeader(const JournalPosition& position) const;
@@ -140,8 +141,8 @@ class Journal : public JournalReader {
   /// Appends a record. The record may stay in memory until sync(). If the open segment is full,
   /// syncs and closes it first.
   JournalPosition append(std::string_view header, std::string_view payload);
-  /// Writes and syncs (fdatasync) everything that was appended. Everything before end() then
-  /// survives a crash. On failure, the bytes appended since the last sync are cut off.
+  /// Writes and syncs (fdatasync) everything that was appended: everything before end() then
+  /// survives a crash. If this fails, cuts off the bytes appended since the last sync, and throws.
   void sync();
   JournalEnd end() const { return end_; }
   /// Size of all segments up to end().

@@ -14,16 +14,16 @@ namespace palpate {
 /// Returns the id of a result's nodal fields; all zero for a failed solve.
 ContentId fieldsOf(const wire::Result& result);
 
-/// Position of each recorded result in the journal. About 90 bytes per result; there may be ten
-/// million.
+/// Position of each recorded result in the journal. Takes about 90 bytes per result, and a build
+/// may have ten million results.
 using ResultIndex = std::unordered_map<ResultKey, JournalPosition, HashOfResultKey>;
 
 /// The index of a build's journal, without the results themselves.
 struct RecordedResults {
-  ResultIndex where;  ///< the first record of each key
+  ResultIndex where;  ///< position of the first record of each key
   JournalEnd end;
-  std::vector<JournalPosition> torn;  ///< JournalScan::torn
-  /// Messages about records that cannot be read any more. Their results are computed again.
+  std::vector<JournalPosition> torn;  ///< see JournalScan::torn
+  /// Messages about records that can no longer be read. Their results are computed again.
   std::vector<std::string> damage;
 };
 
@@ -47,7 +47,7 @@ std::optional<wire::Result> readRecorded(const JournalReader& journal, const Res
 /// fields, or empty if the transition starts from the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
-/// Outcome of recording known results in a plan.
+/// What was missing when known results were recorded in a plan.
 struct Settled {
   std::vector<ResultKey> missing;  ///< ready transitions without a usable result: to be solved
   /// Recorded results that cannot be used. Either they are unreadable, or they started from fields
@@ -58,7 +58,7 @@ struct Settled {
 /// Recorded results that no plan has asked for yet. A plan asks for them once the lost results that
 /// they depend on have been computed again.
 using UnclaimedResults = std::set<ResultKey>;
-/// Reads an unclaimed result; none if it cannot be read any more.
+/// Reads an unclaimed result; none if it can no longer be read.
 using ReadUnclaimed = std::function<std::optional<wire::Result>(const ResultKey&)>;
 /// Records in the plan every unclaimed result whose transition is ready. Repeats this for the
 /// transitions that thereby become ready, until no result is left that fits. Removes the recorded
@@ -76,7 +76,7 @@ class Replay {
   /// Records a result in its plan, or in `unclaimed` if the plan does not wait for it. Call at most
   /// once per key.
   void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
-  /// Call after the last result.
+  /// Records unclaimed results that fit after all. Call after the last result.
   void finish(const ReadUnclaimed& read);
 
   std::vector<SpacePlan> plans;  ///< one per active node of the problem
@@ -106,8 +106,8 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
 /// Returns the keys of all attempts that failed with this cause.
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);
 
-/// Throws if the replay of an undamaged journal left unclaimed results: another version of the
-/// program, with other transitions, recorded them.
+/// Throws if there are unclaimed results. Call after the replay of an undamaged journal: they then
+/// come from another version of the program, which had other transitions.
 void refuseUnclaimed(const UnclaimedResults& unclaimed);
 
 /// Returns a copy of the rows of each plan, as a dataset stores them.

@@ -39,9 +39,9 @@ class ResultGroup {
   /// Arrival time of the first result; none if the group is empty.
   std::optional<Time> since() const { return since_; }
 
-  /// Makes all results durable, as an acknowledgement promises (docs/state.md). Returns them and
-  /// empties the group. Throws like JobStore; no result of the group may be acknowledged after an
-  /// error.
+  /// Makes all results durable, so that they may be acknowledged (docs/state.md). Returns them and
+  /// empties the group. Throws like JobStore; after an error no result of the group may be
+  /// acknowledged.
   Members commit();
 
  private:

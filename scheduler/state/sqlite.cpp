@@ -69,7 +69,7 @@ void Database::execute(const std::string& sql) {
 bool Database::isReadOnly() const { return sqlite3_db_readonly(handle_, "main") == 1; }
 
 void Database::fail(const std::string& doing) const {
-  // Without room for its index of the write-ahead log, SQLite reports an input/output error.
+  // If there is no room for the index of its log, SQLite reports an input/output error.
   if (sqlite3_errcode(handle_) == SQLITE_FULL || sqlite3_system_errno(handle_) == ENOSPC)
     throw failure(
         "{}: the disk is full: make room and start again; everything acknowledged is kept",
@@ -102,7 +102,8 @@ void Statement::put(int index, double value) {
 }
 
 void Statement::put(int index, std::string_view text) {
-  // Copied: the caller's string may be destroyed before step().
+  // SQLITE_TRANSIENT makes SQLite copy the text, because the caller's string may be destroyed
+  // before step().
   check(sqlite3_bind_text(handle_, index, text.data(), static_cast<int>(text.size()),
                           SQLITE_TRANSIENT),
         "bind");

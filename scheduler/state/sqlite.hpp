@@ -48,7 +48,7 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
-/// Bytes to bind as a BLOB; strings are bound as TEXT.
+/// Bytes that are bound as a BLOB. Strings are bound as TEXT.
 struct Blob {
   std::string_view bytes;
 };

@@ -80,7 +80,7 @@ const char* networkFileSystem(long type) {
       {0x6969, "NFS"},        {0x517B, "SMB"},      {0xFF534D42, "SMB"}, {0xFE534D42, "SMB"},
       {0x0BD00BD0, "Lustre"}, {0x47504653, "GPFS"}, {0x5346414F, "AFS"}, {0x00C36400, "Ceph"},
       {0x19830326, "BeeGFS"}, {0x65735546, "FUSE"}, {0x01021997, "9p"}};
-  // The number has 32 bits; some systems sign-extend it.
+  // A file system's number has 32 bits, but some systems sign-extend it.
   const auto found = names.find(static_cast<unsigned long>(type) & 0xffffffff);
   return found == names.end() ? nullptr : found->second;
 }

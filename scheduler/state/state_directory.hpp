@@ -51,7 +51,8 @@ class StateDirectory {
   FileDescriptor lock_;  ///< descriptor of the folder
 };
 
-/// Returns the name of a network file system by its statfs number; nullptr for a local one.
+/// Returns the name of a network file system from its number (f_type of statfs); nullptr for a
+/// local file system.
 const char* networkFileSystem(long type);
 
 }  // namespace palpate

@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
-/// "PLPT": identifies the database as Palpate's, also to file(1).
+/// "PLPT". Identifies the database as Palpate's, also for file(1).
 constexpr std::int64_t application_id = 0x504c5054;
 
-/// No result of a build depends on these tables. They serve people, `status` of a directory without
-/// a scheduler, and the next run (losses, checks, kept_out, the secret).
+/// No result of a build depends on these tables. They serve users, `palpate status` if no scheduler
+/// runs, and the next run (losses, checks, kept_out, the secret).
 constexpr const char* schema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value ANY) STRICT;
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;
@@ -55,7 +55,7 @@ std::int64_t pragma(Database& database, const std::string& name) {
   return query.step() ? query.integer(0) : 0;
 }
 
-/// True if nothing was created in the database yet, whatever its header says.
+/// True if nothing was created in the database yet, even if its header claims otherwise.
 bool isEmpty(Database& database) {
   Statement objects(database, "SELECT COUNT(*) FROM sqlite_master");
   return objects.step() && objects.integer(0) == 0;
@@ -145,8 +145,8 @@ void checkPages(Database& database, const ContentId& wanted) {
     throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
 }
 
-/// Opens the tables in the directory for writing. Damaged tables are put aside first, since the
-/// journal has everything that a build needs; without a journal the error is thrown.
+/// Opens the tables in the directory for writing. Damaged tables are first renamed, because the
+/// journal has everything that a build needs. If there is no journal, throws the error instead.
 Database openForWriting(const StateDirectory& directory, const ContentId& wanted) {
   const std::filesystem::path file = directory.database();
   // SQLite would create the file readable by everybody. SQLite gives its other files the same mode
@@ -297,7 +297,7 @@ Tables::Tables(const StateDirectory& directory, const Problem& problem, const Co
 }
 
 void Tables::create(const Problem& problem, const ContentId& build) {
-  // All or nothing: a database without its meta would belong to no build.
+  // Create everything in one transaction: a database without its meta would belong to no build.
   inTransaction(database_, [&] {
     database_.execute(schema);
     database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",

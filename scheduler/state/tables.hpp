@@ -77,8 +77,8 @@ class StoredTables {
 class Tables : public StoredTables {
  public:
   /// Opens the tables in `directory`, or creates them. Throws (bad input) if they belong to another
-  /// version or another build; the message names the scene of that build. Damaged tables are
-  /// renamed to state.db.damaged and created again.
+  /// version or another build; the message names the scene of that build. If the tables are
+  /// damaged, renames them to state.db.damaged and creates new ones.
   Tables(const StateDirectory& directory, const Problem& problem)
       : Tables(directory, problem, problemId(problem)) {}
   /// Opens existing tables of any build.
@@ -103,7 +103,7 @@ class Tables : public StoredTables {
   using NumberedTransition = std::pair<std::uint32_t, Transition>;
   void writeLosses(const NumberedTransition& which, const Losses& losses);
   std::map<NumberedTransition, Losses> losses();
-  /// Removes all losses. Returns the number of transitions that were set aside.
+  /// Removes all losses. Returns how many transitions were set aside before.
   std::int64_t forgetLosses();
 
   /// Excludes workers in this and all later runs. Synced on return.
@@ -129,8 +129,8 @@ class Tables : public StoredTables {
   void durably(const std::function<void()>& change);
 };
 
-/// Renames damaged tables to state.db.damaged, replacing an older one, so that new tables are
-/// created. Throws if that fails.
+/// Renames damaged tables to state.db.damaged, replacing an older file of that name. New tables can
+/// then be created. Throws if that fails.
 void putTablesAside(const StateDirectory& directory);
 
 }  // namespace palpate

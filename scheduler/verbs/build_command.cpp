@@ -28,7 +28,7 @@ struct BuildOptions {
   int workers = static_cast<int>(coreCount());
 };
 
-/// Worker processes on this machine. Replaces those that end.
+/// Worker processes on this machine. A process that ends is replaced.
 class LocalWorkers : public Crew {
  public:
   LocalWorkers(const Server& server, Build& build, int workers)
@@ -77,7 +77,7 @@ class LocalWorkers : public Crew {
   WorkerPool pool_;
   const Clock::time_point started_ = Clock::now();
   std::int64_t recorded_ = 0;
-  int deaths_ = 0;  ///< in a row
+  int deaths_ = 0;  ///< number of workers that ended in a row without a new result
   bool joined_ = false;
 };
 

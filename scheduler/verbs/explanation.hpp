@@ -14,15 +14,15 @@ struct KnownSpaces {
   std::vector<SpaceTable> spaces;
 
   /// Returns the space of the active node, site or probe named `active`; with an empty name, the
-  /// only space. For an area, returns its site nearest to `place`, metres. Throws Error (bad
-  /// input), with the valid names, if none matches. Also throws if an area is named without a
-  /// place, or another tool with one.
+  /// only space. For an area, returns the space of the site nearest to `place`, metres. Throws
+  /// Error (bad input), with the valid names, if none matches. Also throws if `place` is missing
+  /// for an area, or given for another tool.
   const SpaceTable& named(const std::string& active,
                           const std::optional<Eigen::Vector3d>& place = std::nullopt) const;
 };
 
-/// Reads the spaces from a dataset or a state directory. A state directory takes the time and
-/// memory of a scheduler's start.
+/// Reads the spaces from a dataset or a state directory. Reading a state directory takes the time
+/// and memory of a scheduler's start.
 KnownSpaces spacesIn(const std::string& where);
 
 /// Explains how the lattice point at `in_spacings` (lattice coordinates) was reached: the chain of

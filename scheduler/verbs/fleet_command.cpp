@@ -62,8 +62,8 @@ std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
   return words;
 }
 
-/// Returns the id of the build. Cancelling its jobs needs no scheduler: the state directory names
-/// the build too.
+/// Returns the id of the build. For cancelling its jobs no scheduler is needed, because the state
+/// directory names the build too.
 std::string buildOf(SlurmFleetOptions& options) {
   const std::filesystem::path state = options.asked.where;
   if (options.cancel && std::filesystem::is_directory(state))

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Entries listed of each kind; the rest are only counted.
+/// Limit on the listed entries of each kind; the others are only counted.
 constexpr std::size_t most_told = 20;
 
 std::string sizeText(std::uint64_t bytes) {
@@ -145,7 +145,7 @@ std::string inspectionJson(const Inspection& found, const std::filesystem::path&
       {"spare_results", found.spare},
       {"leftovers", found.leftovers},
       {"repaired", repaired}};
-  // File names need not be UTF-8.
+  // Replace invalid UTF-8, because file names may contain it.
   return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

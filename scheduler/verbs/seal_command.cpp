@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Describes the shortcoming of a partial dataset.
+/// Returns what a partial dataset lacks, as text for users.
 const char* whatIsMissing(const SpaceRowsList& spaces) {
   for (const auto& space : spaces)
     for (std::int32_t n = 0; n < space->points(); ++n)

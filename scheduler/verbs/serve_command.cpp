@@ -73,7 +73,7 @@ ExitCode serve(const ServeOptions& options) {
     return std::make_unique<RemoteWorkers>(server, build, manager, pages);
   };
   const ExitCode code = serveBuild(options.order, std::move(serving));
-  // Without READY, a start with nothing to do would count as failed.
+  // If READY is not sent, the service manager considers a start with nothing to do as failed.
   manager.ready();
   manager.stopping();
   return code;

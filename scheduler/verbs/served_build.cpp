@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 // ---- Output ----
 
 constexpr std::chrono::milliseconds redraw_every{200};
-/// Interval of progress lines in a file: a thousand lines a night.
+/// Interval of progress lines in a file. A night then gives a thousand lines.
 constexpr std::chrono::milliseconds line_every{30000};
 
 /// Prints a message for the user, or logs a warning if the log is JSON.
@@ -74,8 +74,8 @@ class ShownProgress {
   Clock::time_point next_ = Clock::now();
 };
 
-/// Returns the arguments of an example query: half a spacing along x, or into the surface under a
-/// finger.
+/// Returns the arguments of an example query: a displacement of half a spacing along x or, for a
+/// finger, into the surface.
 std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   std::string what = patch.name;
@@ -125,7 +125,7 @@ std::vector<std::string> namesOfFamilies() {
 std::string chosenKernels(const std::string& kernels) {
   for (const CpuFamily family : all_cpu_families) {
     if (name(family) != kernels) continue;
-    // The factors are measured in docs/performance.md.
+    // docs/performance.md gives the measured factors.
     constexpr std::array who = {
         "every worker may come; those with AVX2 or more take about 1.3 times as long as they could",
         "workers without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as they "
@@ -185,7 +185,7 @@ class ServedBuild {
     if (isSealed(out_, problem_, order_.replace))
       return sealed(rowsOf(spacesAndProbes(Dataset(out_))),
                     "is already the dataset of this scene; nothing to do");
-    // Check now, before creating the state directory and computing for hours.
+    // Check this now, before creating the state directory and computing for hours.
     refuseUnwritable(out_, "-o");
     catchInterrupts();
     for (const CoordinatorSettings all = settings();; serving_.anew())
@@ -204,7 +204,7 @@ class ServedBuild {
     return settings;
   }
 
-  /// Runs the build once; nothing if it must restart from the recorded results.
+  /// Runs the build once. Returns nothing if the build must restart from the recorded results.
   std::optional<ExitCode> attempt(const CoordinatorSettings& settings) {
     Build build(problem_, state_, Clock::now(), settings);
     Coordinator& coordinator = build.coordinator();
@@ -287,12 +287,12 @@ class ServedBuild {
     // Verify while workers are available to compute a damaged result again.
     build.verify();
     build.coordinator().dismiss();
-    // A message in this turn may ask to retry failures.
+    // A message in this turn may ask for failures to be tried again.
     if (server.turn(build.coordinator(), std::chrono::milliseconds(0)) == Next::anew) return {};
     return build.seal(out_);
   }
 
-  /// Lets workers finish their jobs and leave. Before a restart it does not wait.
+  /// Lets workers finish their jobs and leave. Does not wait if the build is about to restart.
   void drain(Server& server, Coordinator& coordinator, Crew& crew) {
     const auto deadline = Clock::now() + serving_.drain_limit;
     while (coordinator.next() != Next::anew && crew.isThere() && Clock::now() < deadline)
@@ -326,7 +326,7 @@ class ServedBuild {
   const std::string state_;
   EventLog events_;
   const Clock::time_point began_ = Clock::now();
-  bool stopping_ = false;  ///< a stop requested before a restart still applies after it
+  bool stopping_ = false;  ///< a stop was requested; it also holds after a restart
 };
 
 }  // namespace

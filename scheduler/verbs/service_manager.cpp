@@ -71,7 +71,7 @@ void ServiceManager::send(const std::string& lines) {
     failed_ = true;
   } else {
     std::ranges::copy(socket_, address.sun_path);
-    // An abstract socket name.
+    // An abstract socket name begins with a zero byte.
     if (socket_.front() == '@') address.sun_path[0] = '\0';
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_.size());
     const FileDescriptor from(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));

@@ -24,8 +24,8 @@ class ServiceManager {
   /// Reports that the service is ready, and ends mayTake(). Call it even if there is nothing to
   /// serve.
   void ready();
-  /// Call in every turn. Sends a watchdog message every half $WATCHDOG_USEC, and a status text
-  /// every five seconds.
+  /// Call in every turn. Sends a watchdog message twice per watchdog interval ($WATCHDOG_USEC), and
+  /// a status text every five seconds.
   void alive(Clock::time_point now, const std::function<std::string()>& status);
   void stopping();
 

@@ -49,8 +49,8 @@ std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   return spaces;
 }
 
-/// Formats the points by tag, one row for each space of spacesToShow(). `with_stages` adds a column
-/// with the stage of each.
+/// Formats the points of the spaces from spacesToShow() by tag, one row per space. `with_stages`
+/// adds a column with the stage of each space.
 std::string pointTable(const wire::Status& status, bool with_stages) {
   const auto row = [&](const auto&... cells) {
     return fmt::format(fmt::runtime(with_stages ? "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n"
@@ -112,7 +112,7 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   std::string least_name;
   for (const auto& space : spaces) {
     if (space->patch().probe) continue;
-    // An origin that failed has no refinement and no error estimate.
+    // A failed origin allows neither refinement nor an error estimate.
     if (!isSolved(space->tag(0))) continue;
     const Refinement state = nextRefinement(tableOf(*space), scene);
     PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
@@ -214,7 +214,7 @@ std::string workersOf(const wire::Status& status) {
     return text;
   }
   struct Machine {
-    std::map<std::string, std::int32_t> workers;  // count by state
+    std::map<std::string, std::int32_t> workers;  // number of workers in each state
     std::int64_t results = 0;
   };
   std::map<std::string, Machine> machines;

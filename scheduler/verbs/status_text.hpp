@@ -24,8 +24,8 @@ std::string progressLine(const wire::Status& status, std::size_t columns = std::
 /// fills the last column, where some terminals start a new row.
 std::string progressBar(const wire::Status& status, std::size_t columns);
 
-/// Formats a lattice point in spacings, "(1, 0.5, 0)". Its coordinates count in 1/divisions of a
-/// spacing.
+/// Formats a lattice point in spacings, "(1, 0.5, 0)". The coordinates of `point` are in units of a
+/// spacing / `divisions`.
 std::string pointText(const LatticePoint& point, std::int32_t divisions);
 
 /// Formats a duration: "7 s", "12 min", "3 h 20 min".

@@ -34,7 +34,7 @@ std::thread quietThread(std::function<void()> run) {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   std::thread thread([run = std::move(run)] {
-    // On Linux this affects only this thread. A failure does not matter.
+    // On Linux, setpriority affects only this thread. If it fails, that does not matter.
     static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness));
     run();
   });

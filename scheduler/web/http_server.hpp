@@ -29,29 +29,30 @@ struct HttpAnswer {
   std::vector<std::pair<std::string, std::string>> headers;
 };
 using HttpQuery = std::map<std::string, std::string>;
-/// Answers a request from its parsed query string. Called by several threads at a time. An
-/// exception becomes an answer with its message, of status 400 (Error of bad input) or 500.
+/// Answers a request from its parsed query string. Several threads may call a handler at the same
+/// time. If it throws, the answer has the message of the exception, and the status 400 (Error of
+/// bad input) or 500.
 using HttpHandler = std::function<HttpAnswer(const HttpQuery&)>;
 
 /// Returns a JSON object with the field "error".
 HttpAnswer httpError(int status, const std::string& what);
 
-/// Answers GET requests in threads of its own, with signals blocked and low priority (nice).
+/// Answers GET requests in its own threads, which have signals blocked and low priority (nice).
 ///
 /// Limits protect the scheduler from its clients:
-/// - At most `threads` requests run at a time. As many more connections are accepted and wait, and
-///   the rest wait in the kernel.
+/// - At most `threads` requests run at a time. The same number of further connections is accepted
+///   and waits; all others wait in the kernel.
 /// - Each connection is closed after its answer, or after 5 s of silence.
 /// - Request bodies, and header lines beyond 8 KiB, are refused.
-/// - On a loopback address the Host header must name this machine, so that no web page reaches the
-///   server through a host name of its own (DNS rebinding).
+/// - On a loopback address the Host header must name this machine. Otherwise a web page could reach
+///   the server through a host name of its own (DNS rebinding).
 /// - Requests that a browser sends for a page of another origin are refused.
 class HttpServer {
  public:
   static constexpr std::size_t threads = 4;
 
-  /// Starts to listen. `handlers` are keyed by path, "/metrics". Throws Error, naming `option`, if
-  /// the address is in use or does not belong to this machine.
+  /// Starts to listen. The keys of `handlers` are paths, such as "/metrics". Throws Error, naming
+  /// `option`, if the address is in use or does not belong to this machine.
   HttpServer(const HttpAddress& address, const std::map<std::string, HttpHandler>& handlers,
              const char* option);
   /// Stops listening, waits for the running handlers, and ends the threads.

@@ -29,7 +29,7 @@ class StatusBoard {
   /// old one if none comes. Returns nothing if no status was ever made. Any thread.
   std::optional<Snapshot> ask(std::chrono::milliseconds patience);
 
-  /// Calls `make` if a thread asks and the last status is old. Call in every turn, on the
+  /// Calls `make` if a thread has asked and the last status is old. Call in every turn, on the
   /// scheduler's thread.
   void offer(const std::function<wire::Status()>& make);
 
