@@ -42,7 +42,8 @@ class Backoff {
 class Launches {
  public:
   using Time = Backoff::Time;
-  /// A job that fails earlier than this after its start never worked; a job that is older works.
+  /// A job that fails within this time after its start never worked. A job that is older is
+  /// considered to work.
   static constexpr std::chrono::seconds early{30};
   static constexpr int most_in_a_row = 5, most_on_a_node = 3;
 

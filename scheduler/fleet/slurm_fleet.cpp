@@ -155,8 +155,8 @@ bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
   return unheard;
 }
 
-/// Cancels jobs for another endpoint. Also cancels the queued jobs if nodes were excluded since
-/// they were submitted, or if no job may start now. Returns false if there was nothing to cancel.
+/// Cancels jobs for another endpoint. Also cancels the queued jobs if nodes have just been
+/// excluded, or if no job may start now. Returns false if there was nothing to cancel.
 bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
   std::vector<std::string> ids = jobs.elsewhere;
   if (!ids.empty())

@@ -7,14 +7,15 @@ namespace palpate {
 namespace {
 
 /// `usual_growth` is the growth by refinement that is expected while few spaces are finished, as a
-/// fraction of the uniform lattice. In the mean over spaces, it always has the weight of a fraction
-/// `worth` of all lattice points, because the spaces that finish early grow most.
+/// fraction of the uniform lattice. In the mean of growths, it counts like a space with a fraction
+/// `worth` of all lattice points. It always counts, because the spaces that finish early grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
 /// Numbers of points of all uniform lattices by outcome, and of attempts, so far.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
-  /// Expected attempts per tried point: a point that fails from one neighbour is tried from others.
+  /// Mean number of attempts per tried point: a point that fails from one neighbour is tried from
+  /// others.
   double triesEach() const { return (attempts + 1) / (tried + 1); }
   /// Probability that solving continues beyond a point.
   double share() const { return (went_on + 1) / (went_on + ended + 1); }

@@ -31,8 +31,8 @@ inline constexpr int losses_before_alone = 2;
 /// because workers also die for reasons unrelated to their work.
 inline constexpr int deaths_before_aside = 5;
 
-/// Hand-outs of a transition, and workers that died while they held it. Kept across runs of the
-/// scheduler.
+/// How often a transition was handed out, and how many workers died while they held it. Kept across
+/// runs of the scheduler.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
   int suspected = 0;           ///< deaths of workers that named it or had it next in order
@@ -137,7 +137,7 @@ class Leases {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
     }
   };
-  /// The start that a set of waiting transitions have in common. Sets are handed out in this order.
+  /// The common start of a set of waiting transitions. The sets are handed out in this order.
   struct Start {
     /// negative priority of the space, so that the highest comes first
     std::int32_t below_highest = 0;

@@ -179,7 +179,7 @@ std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const Resu
 
 /// Returns `count` positions of the workspace ball for probes, from a low-discrepancy sequence
 /// (Roberts' R3). No lattice point can lie at one of them. The coordinates are those of `lattice`,
-/// which must have divisions. With `part`, returns only positions in that part of the ball.
+/// whose spacing must be divided. With `part`, returns only positions in that part of the ball.
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part = {});
 

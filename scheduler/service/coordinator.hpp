@@ -64,7 +64,7 @@ class Coordinator {
     state_.now = now;
     workers_.unreachable(peer);
   }
-  /// Call with the connections that were closed because of the limits of Connections.
+  /// Call with the connections that Connections closed because they exceeded its limits.
   void noteClosed(const Connections::Closed& closed, Time now);
   /// Call when the local process `pid` ended by itself. The target that it was solving may have
   /// killed it.

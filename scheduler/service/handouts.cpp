@@ -61,7 +61,7 @@ void Handouts::handOut() {
     const std::string& id = worker.id;
     const std::size_t room = workers_.roomOf(worker);
     if (workers_.leases.leasedTo(id) == 0) workers_.allotment.noteFirst(worker, state_.now);
-    // Try checks first: they are few, and should find errors before much depends on the result.
+    // Try checks first: they are few, and should find errors before much depends on a wrong result.
     auto handout = workers_.leases.handOutCheck(
         id, [&](const ResultKey& key) { return seconds_.mayTake(worker, key, wanted.at(key)); });
     if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
@@ -84,7 +84,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(first.space);
   *job.mutable_start() = toWire(first.parent);
-  // All targets of a job have the same start, so the first target gives its id. The solve from the
+  // All targets of a job have the same start, so the first target decides which. The solve from the
   // rest state is alone in its job, because no other transition is ready before it ends.
   const bool is_check = checks.isOpen(first);
   job.set_start_id(is_check ? checks.startOf(first).id : startIdOf(plan, *plan.find(first)));

@@ -94,7 +94,7 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
   if (!was_open || checks_.apart(key, worker.provenance) == Apart::same_process) {
     if (isSame(worker, first, second)) {
       // If another worker gave the first result, the target was handed out again because this
-      // worker was overdue. It has delivered now.
+      // worker was overdue. Now that it has delivered, it is no longer overdue.
       if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
       return false;
     }

@@ -17,7 +17,7 @@ class SecondSolves {
   bool pick(const ResultKey& key, const Outcome& outcome);
   /// Stores, also for later runs, that a result is to be solved again once it is recorded.
   void note(const ResultKey& key, bool disputed);
-  /// Opens noted checks whose result is recorded, as far as there is room.
+  /// Opens the checks that note() stored, if their results are recorded and there is room.
   void openDue();
   /// Call when all plans are complete. Drops the checks of results that no plan asked for, and all
   /// undisputed checks if no second machine ever came. A damaged result keeps its check in the

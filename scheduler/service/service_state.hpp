@@ -82,7 +82,7 @@ struct ServiceState {
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
   std::vector<KeptOut> liars = {};  ///< if not empty, another Build must replace this one
   /// Turns since an operator's retry dropped recorded failures; none if there was no retry. In the
-  /// second turn, the operator has got the answer.
+  /// second turn, the answer to the operator has been sent.
   std::optional<int> turns_since_retry = std::nullopt;
 
   bool handsOut() const { return !stopping && !paused && !complete; }

@@ -30,7 +30,7 @@ bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenan
   return std::ranges::any_of(others, [&](const auto& other) { return other.key() == who.key(); });
 }
 
-/// Returns a random number in [0, 1) that depends only on the secret and the transition.
+/// Returns a pseudo-random number in [0, 1) that depends only on the secret and the transition.
 double lotOf(const ResultKey& key, const std::string& secret) {
   std::uint64_t number = 0;
   std::memcpy(&number, keyedHash(bytesOf(key), secret).data(), sizeof number);

@@ -25,7 +25,8 @@ struct SpotCheckSettings {
   std::optional<PublicKey> trusted_key = std::nullopt;
 };
 
-/// What one worker found for a transition, as a digest. Results with equal bits have equal digests.
+/// The result of one worker for a transition, reduced to a digest. Results with equal reproducible
+/// bits have equal digests.
 struct Opinion {
   wire::Provenance giver;
   std::string digest;

@@ -188,7 +188,7 @@ bool countsMakeSense(const wire::Status& status) {
   return sum <= std::numeric_limits<std::int32_t>::max();
 }
 
-/// Removes unknown fields. Protobuf's JSON parser leaves some for an unknown object without a name.
+/// Removes the unknown fields in which protobuf's JSON parser keeps parts of an unknown object.
 /// Message::DiscardUnknownFields is not used: it goes through the library to maps, which have
 /// another layout under the thread sanitizer.
 void discardUnknownFields(wire::Status& status) {

@@ -16,8 +16,8 @@ class Transport {
   /// Returns the next received message; none if there is none.
   virtual std::optional<Incoming> receive() = 0;
   virtual Sent send(const Outgoing& message) = 0;
-  /// Returns the connections that were closed, because of the limits of Connections, since the last
-  /// call.
+  /// Returns the connections that were closed since the last call because they exceeded a limit of
+  /// Connections.
   virtual Connections::Closed takeClosed() { return {}; }
 };
 

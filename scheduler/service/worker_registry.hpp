@@ -74,7 +74,8 @@ class WorkerRegistry {
   /// Returns why this worker may not join, as a clause with the remedy; empty if it may. Workers
   /// need the same protocol, build and kernels, because all must give the same bits.
   std::string objectionTo(const wire::Hello& hello, const std::optional<PublicKey>& key) const;
-  /// Returns true if the worker must first change to the kernels of this build, which it supports.
+  /// Returns true if the worker supports the kernels of this build but uses other ones, so that it
+  /// must change them before it may join.
   bool wouldChangeKernels(const wire::Hello& hello) const;
   /// Adds a worker to which there is no objection. A worker that is known already starts again
   /// without credit and without work in progress. The peer must not belong to another worker.

@@ -41,8 +41,8 @@ class Workers {
   /// then does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
 
-  /// Removes a worker that left without a message. No transition is blamed unless its process is
-  /// known to have ended.
+  /// Removes a worker that left without a message. No transition is blamed unless the worker's
+  /// process is known to have ended.
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
   void processEnded(std::uint32_t pid);

@@ -182,8 +182,8 @@ namespace {
 
 std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
 
-/// Returns the numbers of the segments in a directory, sorted. Counts only names exactly as
-/// segmentName() writes them: another spelling would be a second file with the same number, and a
+/// Returns the numbers of the segments in a directory, sorted. Accepts only names exactly as
+/// segmentName() writes them. Another spelling would be a second file with the same number, and a
 /// number with more digits would imply that as many segments are missing.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   constexpr std::string_view prefix = "segment-", suffix = ".dat";

@@ -10,8 +10,8 @@
 namespace palpate {
 
 /// Excludes some workers from a build: their results are no longer accepted or kept. The reason is
-/// a wrong result, on a different version of which other workers agreed, or two different results
-/// of one transition.
+/// that one of them gave a wrong result (other workers agreed on a different one), or two different
+/// results of one transition.
 struct KeptOut {
   /// The set of workers that is excluded.
   enum class Kind : std::uint8_t {

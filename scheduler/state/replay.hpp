@@ -97,8 +97,8 @@ struct ReplayedJournal {
   /// key and host of each machine that computed one
   std::set<std::pair<std::string, std::string>> machines;
 };
-/// Replays the journal in `directory`, which holds about `expected` results, without the results of
-/// `liars`. Throws like readResults().
+/// Replays the journal in `directory`, which holds about `expected` results. Leaves out the results
+/// of `liars`. Throws like readResults().
 ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
                               const ContentId& build, const std::vector<KeptOut>& liars,
                               std::size_t expected = 0);

@@ -39,7 +39,8 @@ CREATE TABLE checks (
 
 constexpr std::size_t secret_bytes = 32;
 
-/// The setting for changes that are not made by Tables::durably(): a commit is not synced at once.
+/// SQLite's setting for all changes except those of Tables::durably(): a commit is not synced at
+/// once.
 constexpr const char* synchronous_as_a_rule = "PRAGMA synchronous = NORMAL";
 
 /// Reads a number to which the caller will add. Clamps it, so that numbers in damaged tables cannot

@@ -25,9 +25,10 @@ struct KnownSpaces {
 /// and memory of a scheduler's start.
 KnownSpaces spacesIn(const std::string& where);
 
-/// Explains how the lattice point at `in_spacings` (lattice coordinates) was reached: the chain of
-/// parents back to the origin, or every failed attempt. `text` holds the explanation as text for
-/// users. Throws Error (bad input), with the bounds, if the point is not in the lattice.
+/// Explains how the lattice point at `in_spacings` (lattice coordinates) was reached: by which
+/// chain of parents from the origin. For a failed point, lists every failed attempt. `text` holds
+/// the explanation as text for users. Throws Error (bad input), with the bounds, if the point is
+/// not in the lattice.
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings);
 
 }  // namespace palpate
