@@ -61,7 +61,7 @@ class Launches {
   };
   /// What a call of see() changed.
   struct Change {
-    bool held = false;                  ///< requests are now, or once more, on hold for pause()
+    bool held = false;  ///< true if new early failures put requests on hold for pause()
     std::vector<std::string> left_out;  ///< nodes that are now excluded
   };
 

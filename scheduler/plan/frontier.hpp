@@ -100,7 +100,7 @@ class Frontier {
   std::size_t max_attempts_;
   std::vector<Point> points_;
   std::vector<Transition> ready_;
-  /// Points settled in round 0 whose waiting points have not been advanced yet.
+  /// Points settled in round 0. The points that wait for them have not been advanced yet.
   std::vector<std::int32_t> newly_settled_;
   std::int32_t unsettled_ = 0;
   std::int32_t open_count_ = 0;

@@ -13,7 +13,7 @@ namespace palpate {
 /// that one of them gave a wrong result (other workers agreed on a different one), or two different
 /// results of one transition.
 struct KeptOut {
-  /// The set of workers that is excluded.
+  /// Which workers are excluded.
   enum class Kind : std::uint8_t {
     process,  ///< one worker, identified by its id
     machine,  ///< all workers with this host and this key (the key may be empty)
