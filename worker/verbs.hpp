@@ -7,13 +7,14 @@ namespace palpate {
 /// `palpate check`: validates a scene and prints its sizes, the quality of its mesh, warnings and
 /// the cost of a build. Solves a few transitions for the estimate (about two seconds).
 extern const Verb check_verb;
-/// `palpate mesh`: makes a mesh for scenes, from a closed surface or from a mesh in another format.
+/// `palpate mesh`: makes a mesh that scenes can use, from a closed surface or from a mesh in
+/// another format.
 extern const Verb mesh_verb;
-/// `palpate new`: writes a commented scene around a mesh.
+/// `palpate new`: writes a first scene for a mesh, with comments for the user.
 extern const Verb new_verb;
-/// `palpate work`: workers for a scheduler, on any machine.
+/// `palpate work`: runs workers, which solve transitions for a scheduler, on any machine.
 extern const Verb work_verb;
-/// `palpate solve`: exact solutions, no scheduler.
+/// `palpate solve`: solves exactly at given displacements, without a scheduler.
 extern const Verb solve_verb;
 
 /// Set if a solver thread is still running when the program ends. The program must then not return

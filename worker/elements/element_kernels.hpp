@@ -18,8 +18,8 @@ namespace palpate {
 
 inline constexpr int lanes = 8;
 
-/// One value per tetrahedron of a batch. Its alignment depends on the CPU family, so structs that
-/// cross translation units state theirs (alignas).
+/// One value per tetrahedron of a batch. The alignment of this type depends on the CPU family, so
+/// structs that pass between translation units set their own alignment (alignas).
 using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
 /// Number of displacement or pressure nodes of a tetrahedron. Vertices come first, then the
@@ -41,9 +41,9 @@ struct alignas(64) BatchGeometry {
   /// Node numbers, one per displacement node. A partial batch repeats its last tetrahedron with
   /// volume 0.
   std::int32_t node[10][lanes];
-  std::int32_t pressure[10][lanes];  ///< slots, one per pressure node
-  /// gradient[b][I] = dx_b/dX_I of the barycentric coordinates of the first three vertices, 1/m;
-  /// the fourth is minus their sum.
+  std::int32_t pressure[10][lanes];  ///< slot number per pressure node (PressureSlots)
+  /// gradient[b][I] = dx_b/dX_I of the barycentric coordinates of the first three vertices, 1/m.
+  /// The gradient of the fourth coordinate is minus their sum.
   Pack gradient[3][3];
   Pack volume;       ///< m^3
   Pack fiber[2][3];  ///< unit directions at rest, zero if absent; for laws with fibres
@@ -52,14 +52,14 @@ struct alignas(64) BatchGeometry {
 /// A material and its discretisation. Parameters that the law does not have stay zero.
 struct ElementParameters {
   DisplacementSpace displacement = DisplacementSpace::p1;
-  PressureSpace pressure = PressureSpace::none;  ///< none even if other materials have one
+  PressureSpace pressure = PressureSpace::none;  ///< of this material; others may differ
   Constraint constraint = Constraint::ln_det_F;
   double pressure_scale = 1;  ///< Pa per unit of q
   double stabilization = 0;   ///< alpha / mu, 1/Pa
-  double bulk = 0;            ///< Pa; zero if det F = 1 exactly
+  double bulk = 0;            ///< Pa; zero for an exactly incompressible material
 
   LawName law = LawName::mooney_rivlin;
-  double lambda = 0, mu = 0;                     ///< Pa; lambda and mu of the law itself
+  double lambda = 0, mu = 0;                     ///< Pa; as in the formula of the law
   double c10 = 0, c01 = 0, c20 = 0, c30 = 0;     ///< Pa
   double c1 = 0, c2 = 0;                         ///< Pa, -
   double k1 = 0, k2 = 0, dispersion = 0;         ///< Pa, -, -
@@ -69,20 +69,20 @@ struct ElementParameters {
 
 struct alignas(64) BatchResult {
   Pack energy;  ///< L of each tetrahedron, J
-  Pack det_F;   ///< smallest at the quadrature points
-  /// dL/d(unknown): N for displacements, scale * m^3 for pressures.
+  Pack det_F;   ///< smallest value at the quadrature points of each tetrahedron
+  /// dL/d(unknown): N for displacements, pressure_scale * m^3 for pressures.
   Pack residual[most_local_unknowns];
 };
 struct alignas(64) BatchTangent {
   Pack entry[localEntries(most_local_unknowns)];  ///< second derivatives of L
 };
 
-/// The kernel of one CPU family.
+/// The element kernel, compiled for one CPU family.
 ///
-/// `u` has nNodes x 3 displacements, metres, and `q` the scaled pressures by slot (ignored without
-/// a pressure). The tangent may be nullptr and is then not computed. With ln det F or a volumetric
-/// energy, an element with det F <= 0 at a quadrature point gets NaN or infinity. Stateless; may
-/// run on any thread.
+/// `u` has nNodes x 3 displacements, metres. `q` has the scaled pressures by slot, and is ignored
+/// if the material has no pressure. If the tangent is nullptr, it is not computed. With ln det F or
+/// a volumetric energy, an element with det F <= 0 at a quadrature point gets results that are NaN
+/// or infinite. Stateless; may run on any thread.
 struct ElementKernels {
   const char* family;  ///< "avx512", "avx2" or "baseline"
   void (*evaluate)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,

@@ -1,18 +1,18 @@
-// Included once per CPU family, with the compiler flags of that family. The includer defines
-// PALPATE_KERNEL_FAMILY (its name), PALPATE_KERNEL_NAMESPACE and PALPATE_KERNELS (a namespace and a
-// variable of its own). Inline functions of other headers must not be used here: the linker would
-// keep one family's copy for all.
+// Included once per CPU family, with the compiler flags of that family. The including file defines
+// PALPATE_KERNEL_FAMILY (the family's name), PALPATE_KERNEL_NAMESPACE and PALPATE_KERNELS (a
+// namespace and a variable of its own). Do not use inline functions of other headers here: the
+// linker would keep one copy, compiled for one family, and use it for all.
 #include "worker/elements/linear_tetrahedron.hpp"
 #include "worker/elements/shape_functions.hpp"
 
-// At each quadrature point every element is a linear tetrahedron. With barycentric coordinates x_b
-// and shape functions N_a(x),
+// At a quadrature point, any element behaves like a linear tetrahedron. With barycentric
+// coordinates x_b and shape functions N_a(x),
 //
 //   F = I + sum_a u_a (x) grad N_a = I + sum_b d_b (x) grad x_b,   d_b = sum_a dN_a/dx_b u_a
 //
-// So its energy is that of a tetrahedron with vertex displacements d. All nonlinear terms are
-// computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives by u are combinations
-// of the derivatives by d (atNode), the same in all elements.
+// So the energy density is that of a linear tetrahedron with vertex displacements d. All nonlinear
+// terms are computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives by u are
+// linear combinations of the derivatives by d (atNode), with the same coefficients in all elements.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 
@@ -27,13 +27,13 @@ struct Element {
   static constexpr int first_pressure = 3 * Displacement::nodes;
   static constexpr int unknowns = first_pressure + Pressure::nodes;
 
-  /// Returns the index of a pair in the upper triangle of the tangent.
+  /// Returns the index of a tangent entry in the upper triangle, stored row by row; row <= column.
   static constexpr int entryOf(int row, int column) {
     return row * unknowns - row * (row - 1) / 2 + (column - row);
   }
 };
 
-/// Adds the vertex displacements d at the point x.
+/// Adds to `d` the vertex displacements of the linear tetrahedron that replaces the element at x.
 template <class Space>
 PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nodes][3],
                                   PerVertex& d) {
@@ -50,7 +50,8 @@ PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex
   return sum;
 }
 
-/// Adds the contribution of a quadrature point to a sum; a single point sets the sum.
+/// Adds the contribution of a quadrature point to a sum. If the rule has a single point, the
+/// contribution is the sum.
 template <class Element>
 PALPATE_INLINE void addShare(Pack& sum, Pack share) {
   if constexpr (Element::one_point) {
@@ -73,7 +74,7 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
   using U = typename Element::Displacement;
   for (int a = 0; a < U::nodes; ++a)
     for (int i = 0; i < 3; ++i) {
-      PerVertex row;  // derivatives of the force i on node a by d
+      PerVertex row;  // derivatives by d of component i of the force on node a
       for (int b = 0; b < 4; ++b)
         for (int j = 0; j < 3; ++j) {
           row[b][j] = U::slope(a, 0, x) * k[U::end[a][0]][i][b][j];
@@ -87,8 +88,8 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
     }
 }
 
-/// Adds the coupling of displacements and pressures. force: derivatives by d of -scale * weight *
-/// c(J), per unit of q.
+/// Adds the tangent entries that couple displacements with pressures. `force` holds the derivatives
+/// of -scale * weight * c(J) by d, per unit of q.
 template <class Element>
 PALPATE_INLINE void addCoupling(const Point& x, const PerVertex& force, BatchTangent& tangent) {
   using U = typename Element::Displacement;
@@ -129,7 +130,7 @@ PALPATE_INLINE void addPressureForm(const ElementParameters& parameters, Pack vo
   }
 }
 
-/// Nodal values of a batch.
+/// Displacements and pressures at the nodes of a batch.
 template <class Element>
 struct Unknowns {
   using U = typename Element::Displacement;
@@ -181,7 +182,7 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
                           response);
 
     const Pack J = deformation.strain.J;
-    result.det_F = J >= result.det_F ? result.det_F : J;  // a NaN J is kept too
+    result.det_F = J >= result.det_F ? result.det_F : J;  // keeps a NaN
     addShare<Element>(result.energy, weight * response.energy);
     vertexForces(gradients, deformation.F, response.S, weight, force);
     addForces<Element>(x, force, result);
@@ -193,7 +194,7 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
       vertexStiffness(gradients, deformation.F, response, small_strain, weight, k);
       addStiffness<Element>(x, k, *tangent);
       if constexpr (Element::has_pressure) {
-        // The constraint is an energy density as well, with the stress J c' C^-1.
+        // The constraint c(J) is treated as an energy density. Its stress is J dc/dJ C^-1.
         vertexForces(gradients, deformation.F, deformation.strain.C_inverse,
                      -scale * weight * response.constraint.first, force);
         addCoupling<Element>(x, force, *tangent);

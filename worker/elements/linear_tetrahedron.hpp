@@ -2,13 +2,13 @@
 
 #include "worker/elements/point_response.hpp"
 
-/// A linear tetrahedron at one point: its strain from the displacements d of the vertices, and the
-/// derivatives of its energy by d. All elements of a batch at once. Included inside its own
-/// namespace by every translation unit that compiles the kernels.
+/// The linear tetrahedron that replaces an element at a quadrature point: its strain, from the
+/// vertex displacements d, and the derivatives of its energy by d. Computes all elements of a batch
+/// at once. Every translation unit that compiles kernels gets its own copy, in its own namespace.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 using PerVertex = Pack[4][3];              ///< a vector per vertex
-using VertexStiffness = Pack[4][3][4][3];  ///< [b][i][c][j]: of component i of b and j of c
+using VertexStiffness = Pack[4][3][4][3];  ///< [b][i][c][j]: component i at vertex b, j at vertex c
 
 /// Gradients of the barycentric coordinates.
 struct Gradients {
@@ -50,8 +50,8 @@ PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool 
       for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
-/// Computes the derivatives by d of weight * (an energy density with stress S). They are
-/// P grad x_b, with P = F S the first Piola-Kirchhoff stress.
+/// Computes the derivatives by d of weight * W, for an energy density W with the stress S. They are
+/// P grad x_b, with P = F S the first Piola-Kirchhoff stress times weight.
 PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, const Voigt& S,
                                  Pack weight, PerVertex& force) {
   for (int i = 0; i < 3; ++i) {
@@ -65,8 +65,8 @@ PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, co
   }
 }
 
-/// Computes grad x_b . S grad x_c of the first three vertices, times weight: the stiffness due to
-/// rotation.
+/// Computes the geometric stiffness, weight * grad x_b . S grad x_c, of the first three vertices.
+/// It is the part of the tangent by which a stressed element resists rotation.
 PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Voigt& S, Pack weight,
                                        Tensor& geometric) {
   for (int b = 0; b < 3; ++b) {
@@ -87,8 +87,8 @@ PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Voigt& 
 PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Tensor& F,
                                     const Response& response, bool small_strain, Pack weight,
                                     VertexStiffness& k) {
-  // B maps vertex displacements to Voigt strain. Three vertices suffice, because translations cause
-  // no strain.
+  // B maps vertex displacements to Voigt strain. The columns of three vertices suffice, because a
+  // translation causes no strain.
   Pack B[6][9];
   for (int b = 0; b < 3; ++b)
     for (int i = 0; i < 3; ++i)

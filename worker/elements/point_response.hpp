@@ -3,17 +3,18 @@
 #include "worker/elements/element_kernels.hpp"
 #include "worker/laws/laws.hpp"
 
-/// The response of a material to a deformation, at one point of each element of a batch. Included
-/// inside its own namespace by every translation unit that compiles the kernels.
+/// The response of a material to a deformation, at one point of each element of a batch. Every
+/// translation unit that compiles kernels gets its own copy, in its own namespace.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 #define PALPATE_INLINE inline __attribute__((always_inline))
 
 using Tensor = Pack[3][3];
-using Voigt = Pack[6];  ///< a symmetric tensor (strain.hpp)
+using Voigt = Pack[6];  ///< a symmetric tensor in Voigt order (strain.hpp)
 
 struct Deformation {
-  /// Identity for the small-strain law, whose stress does not rotate with the body.
+  /// Deformation gradient. It is the identity for the small-strain law, because the stress of that
+  /// law does not rotate with the body.
   Tensor F;
   Strain<Pack> strain;
 };
@@ -26,8 +27,8 @@ struct VolumeFunction {
 struct Response {
   Pack energy;                ///< per volume at rest, volumetric part included, Pa
   Voigt S;                    ///< second Piola-Kirchhoff stress, Pa
-  Pack D[6][6];               ///< dS/dgamma, Pa; only with a tangent
-  VolumeFunction constraint;  ///< c(J); only with a pressure
+  Pack D[6][6];               ///< dS/dgamma, Pa; set only if the tangent is computed
+  VolumeFunction constraint;  ///< c(J); set only if the material has a pressure
 };
 
 PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
@@ -37,7 +38,7 @@ PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
 
 PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
   const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
-  // The logarithm makes U NaN for an inverted element; 0 * U makes its forces NaN as well.
+  // The logarithm makes U NaN for an inverted element. Adding 0 * U makes its forces NaN too.
   const Pack nothing = 0.0 * U;
   return {U, J * dU + nothing, J * dU + J * J * ddU};
 }
@@ -70,7 +71,7 @@ PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Voigt& Ci, Resp
       }
 }
 
-/// mixed: the law is isochoric, or made so, and has a pressure or a volumetric energy beside it.
+/// `mixed`: a pressure or a volumetric energy is added to the energy of the law.
 template <bool with_tangent, bool mixed, class Law>
 PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameters,
                               const BatchGeometry& geometry, Pack p, Strain<Pack>& strain,
@@ -92,8 +93,8 @@ PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameter
   }
 }
 
-/// Computes the response of the parameters' law at pressure p (Pa; ignored without a pressure).
-/// Sets the members of `strain` that the law needs beyond e and J.
+/// Computes the response of the material `m` at pressure p (Pa; ignored if the material has no
+/// pressure). Also sets the members of `strain` that the law needs in addition to e and J.
 template <bool with_tangent>
 void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
              Strain<Pack>& __restrict strain, Response& __restrict response) {
@@ -104,7 +105,7 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
     respondAs<with_tangent, true>(law, m, geometry, p, strain, response);
   };
   switch (m.law) {
-    case LawName::linear:  // with the small strain
+    case LawName::linear:  // strain.e is then the small strain
     case LawName::st_venant_kirchhoff: return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::modified_st_venant_kirchhoff: return mixed(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::mooney_rivlin: return mixed(MooneyRivlin{{m.c10, m.c01}});

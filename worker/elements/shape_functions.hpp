@@ -3,21 +3,21 @@
 /// Quadrature rules and function spaces on a straight-sided tetrahedron, as polynomials of its
 /// barycentric coordinates x.
 ///
-/// A node is the midpoint of its two ends (P2) or is its end (P1). Its shape function N_a depends
-/// only on the coordinates of its ends, so
+/// Each node has one end (P1) or two ends (P2). Ends are vertices, and the node is the midpoint of
+/// its ends. Its shape function N_a depends only on the coordinates of its ends, so
 ///
 ///   grad N_a = sum over its ends e of  slope(a, e, x) grad x_end(a, e)
 ///
 /// with the same grad x everywhere in the element.
 ///
-/// Included inside its own namespace by every translation unit that compiles the kernels.
+/// Every translation unit that compiles kernels gets its own copy, in its own namespace.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-/// Points in barycentric coordinates; weights with sum 1 (multiply by the volume).
+/// Points in barycentric coordinates, and weights that add up to 1 (multiply by the volume).
 template <int n>
 struct QuadratureRule {
   static constexpr int points = n;
@@ -29,8 +29,8 @@ struct QuadratureRule {
 inline constexpr QuadratureRule<1> centroid_rule = {{{0.25, 0.25, 0.25, 0.25}}, {1.0}};
 
 /// Exact for polynomials of degree 5: Stroud, Approximate Calculation of Multiple Integrals, 1971,
-/// T3:5-1. GetFEM calls the rule IM_TETRAHEDRON(5). With the same rule, forces can be compared to
-/// more digits than its own error.
+/// T3:5-1. GetFEM calls this rule IM_TETRAHEDRON(5). Because both programs use it, their forces can
+/// be compared to more digits than the error of the rule.
 inline constexpr QuadratureRule<15> degree_5_rule = [] {
   const double root = 3.8729833462074168852;  // of 15
   const double a = (7 + root) / 34, a_far = 1 - 3 * a, a_weight = (2665 - 14 * root) / 37800;
@@ -63,7 +63,7 @@ struct P1 {
   static constexpr double value(int a, const double (&x)[4]) { return x[a]; }
   static constexpr double slope(int, int, const double (&)[4]) { return 1; }
 
-  /// F is constant in the element, so one point is exact.
+  /// F is constant in the element, so one quadrature point is exact.
   static constexpr const auto& rule = centroid_rule;
 };
 
@@ -76,7 +76,8 @@ struct P2 {
   static constexpr double value(int a, const double (&x)[4]) {
     return a < 4 ? x[a] * (2 * x[a] - 1) : 4 * x[end[a][0]] * x[end[a][1]];
   }
-  /// Both ends of a vertex are the vertex itself; each has half of its slope 4 x_a - 1.
+  /// A vertex node has the same vertex as both of its ends. Each end contributes half of the slope
+  /// 4 x_a - 1.
   static constexpr double slope(int a, int e, const double (&x)[4]) {
     return a < 4 ? 2 * x[a] - 0.5 : 4 * x[end[a][1 - e]];
   }
@@ -90,8 +91,9 @@ struct NoSpace {
   static constexpr double value(int, const double (&)[4]) { return 0; }
 };
 
-/// Element means of N_a N_b (product), and of N_a N_b minus the product of the means (deviation).
-/// These are the matrices of quadratic forms of a field, and of its deviation from its mean.
+/// Mean values over the element of N_a N_b (`product`), and of N_a N_b minus mean N_a * mean N_b
+/// (`deviation`). They are the matrices of two quadratic forms of a field f: the mean of f^2, and
+/// the mean of (f - mean f)^2.
 template <class Space>
 struct QuadraticMeans {
   double product[Space::nodes][Space::nodes] = {};

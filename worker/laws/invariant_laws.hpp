@@ -31,8 +31,8 @@ struct MooneyRivlinEnergy {
 /// W = c10 (j1 - 3) + c01 (j2 - 3) (Mooney 1940, Rivlin 1948).
 ///
 /// For J = 1 this is the paper's Eq. 7 (without its misprint, a factor 2 on c01). In a discrete
-/// solution J is 1 only on average. GetFEM, the paper's library, computes the isochoric form, and
-/// its rest state has no pressure.
+/// solution J is 1 only on average. GetFEM, the library that the paper used, computes this
+/// isochoric form. The rest state of this form has no pressure.
 using MooneyRivlin = InvariantLaw<MooneyRivlinEnergy>;
 
 struct YeohEnergy {
@@ -71,17 +71,18 @@ using VerondaWestmann = InvariantLaw<VerondaWestmannEnergy>;
 struct HolzapfelGasserOgdenEnergy {
   double mu;          ///< shear modulus of the ground matrix, Pa
   double k1;          ///< stiffness of a fibre family, Pa
-  double k2;          ///< rate of its stiffening, > 0, -
+  double k2;          ///< rate at which a fibre family stiffens, > 0, -
   double dispersion;  ///< kappa, 0 (all fibres parallel) to 1/3 (isotropic)
 
-  static constexpr double round_off = 1e-12;  ///< of E, which is not exactly zero at rest
+  static constexpr double round_off = 1e-12;  ///< error of E, which is not exactly zero at rest
 
   template <class T, class Sum>
   void addTerms(const Strain<T>& strain, const Invariants<T>& invariants, Sum& sum) const {
     sum.addLinear(invariants.first(), mu / 2);
     for (const T(&a)[3] : strain.fiber) {
-      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a. H
-      // is multiplied by a.a, which is 1 or 0: for a zero direction H is zero, and so is E.
+      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a.
+      // Here kappa I is multiplied by a.a, which is 1, or 0 for an absent fibre family. An absent
+      // family thus has H = 0 and E = 0.
       const T length = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
       T H[6];
       for (int v = 0; v < 6; ++v) {
@@ -107,17 +108,18 @@ struct HolzapfelGasserOgdenEnergy {
 ///   W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1)
 ///   E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)),   j4 = J^(-2/3) a.C a
 ///
-/// with a the fibre direction at rest. Fibres bear no compression: D jumps at E = 0, and is the
-/// mean of both sides there. At rest all fibres are at E = 0. W is infinite if exp overflows.
+/// with a the fibre direction at rest. Fibres bear no compression, so the tangent D jumps at E = 0.
+/// At E = 0, where all fibres are at rest, D is the mean of its values on both sides. W is infinite
+/// if exp overflows.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy, true>;
 
 template <class T>
 struct VolumeDerivatives {
-  T U, dU, ddU;  ///< with respect to J
+  T U, dU, ddU;  ///< U and its derivatives by J
 };
 
 /// U(J) = bulk/4 (J^2 - 1 - 2 ln J), the volumetric energy of a compressible material (Simo and
-/// Miehe 1992). bulk: Pa, U''(1). A barrier: infinite at J = 0, NaN for J < 0.
+/// Miehe 1992). `bulk` is U''(1), Pa. U is infinite at J = 0 and NaN for J < 0.
 template <class T>
 VolumeDerivatives<T> volumetricEnergy(double bulk, const T& J) {
   const T x = J - 1, inverse = 1 / J;  // written in x to avoid cancellation near J = 1

@@ -24,7 +24,7 @@ template <int degree, class T>
 struct Invariant {
   T value;      ///< j
   T scale;      ///< J^(-2 degree/3)
-  T normal[6];  ///< scale dI/dC, tensor components in Voigt order
+  T normal[6];  ///< scale * dI/dC, tensor components in Voigt order
 };
 
 /// The invariants of one strain.
@@ -33,14 +33,14 @@ class Invariants {
  public:
   explicit Invariants(const Strain<T>& strain) : e_(strain.e), scale_(inverseTwoThirds(strain.J)) {}
 
-  /// j1 = J^(-2/3) tr C; 3 at rest.
+  /// Returns j1 = J^(-2/3) tr C, which is 3 at rest.
   Invariant<1, T> first() const {
     Invariant<1, T> j{scale_ * (3 + 2 * trace()), scale_, {}};
     for (int v = 0; v < 3; ++v) j.normal[v] = scale_;
     return j;
   }
 
-  /// j2 = J^(-4/3) ((tr C)^2 - C:C)/2; 3 at rest. dI2/dC = I1 I - C.
+  /// Returns j2 = J^(-4/3) ((tr C)^2 - C:C)/2, which is 3 at rest. dI2/dC = I1 I - C.
   Invariant<2, T> second() const {
     const T squares = e_[0] * e_[0] + e_[1] * e_[1] + e_[2] * e_[2] +
                       0.5 * (e_[3] * e_[3] + e_[4] * e_[4] + e_[5] * e_[5]);
@@ -51,7 +51,8 @@ class Invariants {
     return j;
   }
 
-  /// J^(-2/3) H:C of a structure tensor H, given by its tensor components; equals tr H at rest.
+  /// Returns J^(-2/3) H:C for a structure tensor H, given by its tensor components in Voigt order.
+  /// It is tr H at rest.
   Invariant<1, T> along(const T (&H)[6]) const {
     Invariant<1, T> j{H[0] + H[1] + H[2], scale_, {}};
     for (int v = 0; v < 6; ++v) {
@@ -69,7 +70,7 @@ class Invariants {
   T scale_;  ///< J^(-2/3)
 };
 
-/// W and S as a sum of terms.
+/// Adds up the energy W and the stress S of a law, term by term.
 template <class T>
 class StressSum {
  public:
@@ -95,7 +96,7 @@ class StressSum {
   T W_{}, normal_[6] = {}, along_inverse_{};
 };
 
-/// D as a sum of terms.
+/// Adds up the tangent D of a law, term by term.
 template <class T>
 class TangentSum {
  public:
@@ -141,13 +142,14 @@ class TangentSum {
 
   const T (&Ci_)[6];
   T product_{};             ///< factor of P
-  T with_inverse_[6] = {};  ///< v of v (x) C^-1 + C^-1 (x) v
+  T with_inverse_[6] = {};  ///< the tensor A in A (x) C^-1 + C^-1 (x) A
   T second_{};              ///< factor of d2 I2/dC2
   T dyads_[6][6] = {};      ///< upper triangle
 };
 
-/// The law of an energy that defines `template <class T, class Sum> void addTerms(const Strain<T>&,
-/// const Invariants<T>&, Sum&) const`. with_fibers: it reads Strain::fiber.
+/// A law made from an energy class. The class defines `template <class T, class Sum> void
+/// addTerms(const Strain<T>&, const Invariants<T>&, Sum&) const`. `with_fibers`: addTerms reads
+/// Strain::fiber.
 template <class Energy, bool with_fibers = false>
 struct InvariantLaw : Energy {
   static constexpr bool needs_C_inverse = true, needs_fibers = with_fibers;

@@ -1,7 +1,7 @@
 #pragma once
 
-/// Strain energies W(gamma) with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent
-/// D = dS/dgamma. gamma = (F^T F - I)/2 is the Green strain, or for linear elasticity the small
+/// Strain energies W(gamma), with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent D
+/// = dS/dgamma. gamma = (F^T F - I)/2 is the Green strain; for linear elasticity it is the small
 /// strain. Moduli in Pa. Conventions are in worker/laws/strain.hpp, derivations in
 /// worker/laws/invariants.hpp and worker/laws/ogden.hpp.
 ///
@@ -12,8 +12,9 @@
 ///   template <class T> void evaluate(const Strain<T>&, T& W, T (&S)[6]) const;
 ///   template <class T> void tangent(const Strain<T>&, T (&D)[6][6]) const;
 ///
-/// All laws except StVenantKirchhoff are isochoric: functions of J^(-2/3) C alone, to be used with
-/// det F = 1 or beside a volumetricEnergy. j1 = J^(-2/3) tr C, j2 = J^(-4/3) ((tr C)^2 - C:C)/2.
+/// All laws except StVenantKirchhoff are isochoric: they depend on J^(-2/3) C alone. They need the
+/// constraint det F = 1 or an additional volumetricEnergy. j1 = J^(-2/3) tr C, j2 = J^(-4/3) ((tr
+/// C)^2 - C:C)/2.
 #include "worker/laws/invariant_laws.hpp"
 #include "worker/laws/ogden.hpp"
 #include "worker/laws/st_venant_kirchhoff.hpp"

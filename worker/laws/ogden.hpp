@@ -4,7 +4,7 @@
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-/// Principal values and directions of a Green strain, in no particular order.
+/// Principal values and principal directions of a Green strain, in no particular order.
 template <class T>
 struct PrincipalStrains {
   T value[3];
@@ -12,11 +12,11 @@ struct PrincipalStrains {
 };
 
 /// Computes principal strains by cyclic Jacobi rotations. The directions are orthogonal to
-/// round-off even if values coincide.
+/// round-off, even if some values coincide.
 ///
-/// The number of sweeps is fixed. After four sweeps the off-diagonal entries are below 1e-17 of the
-/// largest entry, in three million random tensors that include graded and nearly multiple ones. One
-/// sweep is spare.
+/// The number of sweeps is fixed. In three million random tensors, including graded and nearly
+/// multiple ones, the off-diagonal entries were below 1e-17 of the largest entry after four sweeps.
+/// The fifth sweep is a margin.
 template <class T>
 PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   constexpr int sweeps = 5;
@@ -29,7 +29,7 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   }
   for (int rotation = 0; rotation < 3 * sweeps; ++rotation) {
     const auto [p, q, r] = pairs[rotation % 3];
-    // t = tan of the smaller angle for which g[p][q] vanishes.
+    // t is the tangent of the smaller of the two angles of rotation that make g[p][q] zero.
     const T difference = g[q][q] - g[p][p], twice = 2 * g[p][q];
     const T root = squareRoot(difference * difference + twice * twice);
     const T denominator = difference < T{} ? difference - root : difference + root;
@@ -71,7 +71,7 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
 ///   (b_i - b_j)/(c_i - c_j)
 ///        = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha d/2)/sinh(d).
 struct Ogden {
-  static constexpr bool needs_C_inverse = false;  // J is in the eigenvalues
+  static constexpr bool needs_C_inverse = false;  // J follows from the eigenvalues
   static constexpr bool needs_fibers = false;
   double mu[3];     ///< Pa
   double alpha[3];  ///< -, not 0
@@ -146,14 +146,15 @@ struct Ogden {
     return p;
   }
 
-  /// Returns dtau_i/dy_j for independent y_i: both indices are made deviatoric.
+  /// Returns dtau_i/dy_j, with the y_j as independent variables. tau is the deviator of b, and y_j
+  /// the deviator of ln lambda_j, so the derivative is deviatoric in both indices.
   template <class T>
   static T slope(const Principal<T>& p, int i, int j) {
     const T deviatoric = (p.db[0] + p.db[1] + p.db[2]) / 9 - (p.db[i] + p.db[j]) / 3;
     return i == j ? deviatoric + p.db[i] : deviatoric;
   }
 
-  /// Returns h_ij.
+  /// Returns h_ij of the formulas above.
   template <class T>
   T shearCoefficient(const Principal<T>& p, int i, int j) const {
     const T d = p.y[i] - p.y[j], sinh_d = hyperbolicSine(d);

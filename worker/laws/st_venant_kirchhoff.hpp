@@ -4,8 +4,8 @@
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-/// W = lambda/2 (tr g)^2 + mu g:g, with g the Green strain. Also used by modified St.
-/// Venant-Kirchhoff, which adds det F = 1, and by linear elasticity, where g is the small strain.
+/// W = lambda/2 (tr g)^2 + mu g:g, with g the Green strain. Modified St. Venant-Kirchhoff uses it
+/// with the constraint det F = 1, and linear elasticity uses it with the small strain as g.
 struct StVenantKirchhoff {
   static constexpr bool needs_C_inverse = false, needs_fibers = false;
   double lambda, mu;  ///< Lame's constants, Pa

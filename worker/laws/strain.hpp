@@ -3,8 +3,9 @@
 /// Definitions shared by the laws.
 ///
 /// T is double, or in the element kernels a pack of doubles (lane l belongs to element l of a
-/// batch). So no code in this folder branches on values: `condition ? a : b` selects lane by lane,
-/// and functions of the C library are called lane by lane.
+/// batch). A branch cannot take both ways at once, so no code in this folder branches on values:
+/// `condition ? a : b` selects lane by lane, and functions of the C library are called lane by
+/// lane.
 ///
 /// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear:
 ///
@@ -12,7 +13,7 @@
 ///   S = (S11, S22, S33, S12, S23, S13)             stress
 ///   D(i, j) = dS(i)/de(j)                          6 x 6 symmetric, both triangles filled
 ///
-/// Included inside its own namespace by every translation unit that compiles the kernels.
+/// Every translation unit that compiles kernels gets its own copy, in its own namespace.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
@@ -24,17 +25,18 @@ constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 0};
 constexpr int voigt_column[6] = {0, 1, 2, 1, 2, 2};
 constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-/// The argument of a law.
+/// The strain at which a law is evaluated.
 template <class T>
 struct Strain {
-  T e[6];          ///< Voigt, engineering shear
-  T C_inverse[6];  ///< tensor components in Voigt order, C = F^T F; if Law::needs_C_inverse
-  T J;             ///< det F; if Law::needs_C_inverse
-  /// Unit directions of the fibre families at rest, zero if absent; if Law::needs_fibers.
+  T e[6];  ///< strain in Voigt order, engineering shear
+  /// C = F^T F: tensor components of its inverse in Voigt order. Set only if Law::needs_C_inverse.
+  T C_inverse[6];
+  T J;  ///< det F; set only if Law::needs_C_inverse
+  /// Unit directions of the fibre families at rest, zero if absent. Set only if Law::needs_fibers.
   T fiber[2][3];
 };
 
-/// Applies f to every lane.
+/// Returns f of every lane.
 template <class Function>
 double lanewise(double x, Function f) {
   return f(x);
@@ -49,11 +51,11 @@ T lanewise(const T& x, Function f) {
 inline auto exponential(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_exp(lane); });
 }
-/// exp(x) - 1, accurate for small x.
+/// Returns exp(x) - 1, accurate for small x.
 inline auto exponentialMinusOne(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_expm1(lane); });
 }
-/// ln(1 + x), accurate for small x; NaN for x < -1.
+/// Returns ln(1 + x), accurate for small x; NaN for x < -1.
 inline auto logarithmOfOnePlus(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_log1p(lane); });
 }
@@ -63,14 +65,14 @@ inline auto squareRoot(const auto& x) {
 inline auto hyperbolicSine(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
 }
-/// J^(-2/3), also for negative J.
+/// Returns J^(-2/3), also for negative J.
 inline double inverseTwoThirds(double J) { return 1 / __builtin_cbrt(J * J); }
-/// Computes all lanes at once, to two units in the last place. With the C library this function
-/// would take a tenth of an assembly.
+/// The same for all lanes of a pack at once, accurate to two units in the last place. Calls of the
+/// C library, one per lane, would take a tenth of the time of an assembly.
 ///
-/// Let x = J^2 and y = x^(-1/3). As integers, the bits of y are about a constant minus a third of
-/// the bits of x; the error of this start is 0.035. Each correction cubes the error. It uses the
-/// series of (1 - r)^(-1/3) with r = 1 - x y^3.
+/// Let x = J^2 and y = x^(-1/3). Read as integers, the bits of y are about a constant minus a third
+/// of the bits of x. The error of this first guess is 0.035, and each correction cubes the error. A
+/// correction uses the series of (1 - r)^(-1/3) with r = 1 - x y^3.
 template <class T>
 T inverseTwoThirds(const T& J) {
   using Bits = decltype(J < T{});

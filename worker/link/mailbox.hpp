@@ -30,7 +30,8 @@ struct FinishedTarget {
 /// allowed from either thread.
 class Mailbox {
  public:
-  /// Targets of one job that follow each other within `gathers_for` travel together.
+  /// While a job continues, the network thread is woken at most once in `gathers_for`, so that
+  /// targets which finish soon after each other are sent together.
   explicit Mailbox(std::chrono::milliseconds gathers_for = std::chrono::milliseconds(10));
   ~Mailbox();
   Mailbox(const Mailbox&) = delete;
@@ -46,24 +47,24 @@ class Mailbox {
   void close();
   /// Returns and removes the finished targets, in order.
   std::vector<FinishedTarget> takeFinished();
-  /// Returns the message of the exception that stopped the solver.
+  /// Returns the message of the exception that stopped the solver; nothing if none did.
   std::optional<std::string> solverError();
   /// The solver's current work.
   struct Progress {
     wire::Heartbeat heartbeat;  ///< as sent to the scheduler
     std::uint64_t begun = 0;    ///< number of starts and targets begun so far
-    /// One of them that takes longer is hung (wire::Job.hung_after_s); 0: no limit.
+    /// A start or target that takes longer counts as hung (wire::Job.hung_after_s). 0: no limit.
     std::chrono::seconds hung_after{0};
   };
   Progress progress();
   /// Returns whether a job is queued or being solved.
   bool hasWork();
-  /// Readable while there are finished targets; for poll().
+  /// Returns a descriptor for poll(). It is readable while there are finished targets.
   int wakeUpDescriptor() const { return event_; }
 
   // Solver side.
-  /// Returns the next job, and waits for it if `waits`. Nothing means closed (end the thread), or
-  /// without waiting that there is no job yet.
+  /// Returns the next job, and waits for one if `waits` is true. If it returns nothing, the mailbox
+  /// is closed and the thread should end; without waiting, there may also just be no job yet.
   std::optional<ReadyJob> next(bool waits = true);
   /// Call before each target. Returns false if the job was dropped: continue with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);

@@ -10,7 +10,7 @@ namespace palpate {
 /// The network thread of a worker process: the socket and the clock around a WorkerSession.
 class SchedulerLink {
  public:
-  /// The references must outlive this object. No `keys`: the scheduler does not require keys.
+  /// The references must outlive this object. `keys` is empty if the scheduler requires no keys.
   SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
                 std::optional<KeyFolder> keys);
 
@@ -37,7 +37,7 @@ class SchedulerLink {
   zmq::socket_t socket_;
   Inbox inbox_;
   Bundler outbox_;
-  std::optional<HandshakeWatch> handshakes_;  ///< declared after the socket: destroyed first
+  std::optional<HandshakeWatch> handshakes_;  ///< after socket_, so that it is destroyed first
   std::string told_;                          ///< last reported obstacle to reaching the scheduler
   std::string wanted_kernels_;
 };

@@ -20,7 +20,7 @@ struct SessionOptions {
   std::string host;
   std::uint32_t pid = 0;
   std::string kernel_family;           ///< as arithmetic() returns it
-  std::vector<std::string> runs = {};  ///< kernel families it can restart with
+  std::vector<std::string> runs = {};  ///< other kernel families that it can restart with
   /// The worker ends after this long without a message from the scheduler.
   double give_up_s = 15 * 60;
   /// The worker leaves after this long without work. 0: never.
@@ -29,19 +29,20 @@ struct SessionOptions {
   double drain_s = 10;
 };
 
-/// A worker's side of the protocol (docs/wire.md): says hello, asks for work, fetches start
-/// configurations, delivers results and keeps each one until it is acknowledged. After any failure
-/// of the scheduler it repeats its requests and deliveries.
+/// A worker's side of the protocol (docs/wire.md). It says hello, asks for work, fetches start
+/// configurations, delivers results and keeps each result until it is acknowledged. After any
+/// failure of the scheduler it repeats its requests and deliveries.
 ///
-/// Its inputs are messages and the time, its outputs are messages. It has no socket and no clock.
-/// One thread; the solver is on the other side of the mailbox.
+/// Messages and the time go in, messages come out; a WorkerSession has no socket and no clock. One
+/// thread; the solver is on the other side of the mailbox.
 class WorkerSession {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Lost messages do no harm: each is repeated until it is answered.
+  /// Sends a message. A lost message does no harm, because each one is repeated until it is
+  /// answered.
   using Send = std::function<void(wire::Message, std::string_view payload)>;
 
-  /// `mailbox` must outlive it.
+  /// `mailbox` must outlive this object.
   WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now);
 
   /// Handles a message. Error if the scheduler refuses this worker.
@@ -51,7 +52,7 @@ class WorkerSession {
   enum class Next : std::uint8_t {
     go_on,    ///< call advance() again after messages, a wake-up or 50 ms
     connect,  ///< reconnect after long silence, then call connected()
-    end,      ///< with exitCode(); the goodbye is sent
+    end,      ///< end the process with exitCode(); the goodbye is sent
     anew,     ///< restart with wantedKernels(), as the same worker
     killed    ///< the solver hangs: end at once, without a message
   };
@@ -62,9 +63,11 @@ class WorkerSession {
   /// Takes no more work. The work in progress is delivered or handed back within drain_s.
   void interrupt(Time now);
 
-  /// Returns the kernels that the scheduler asked for, one of SessionOptions::runs; empty before.
+  /// Returns the kernels that the scheduler asked for, one of SessionOptions::runs. Empty if it has
+  /// not asked.
   const std::string& wantedKernels() const { return wanted_kernels_; }
-  /// Returns done if there is no more work, otherwise interrupted.
+  /// Returns ExitCode::interrupted if interrupt() was called and the build is not complete,
+  /// otherwise ExitCode::done.
   ExitCode exitCode() const;
   /// Returns the number of results that no scheduler has acknowledged.
   std::size_t unacknowledged() const { return unacknowledged_.size(); }
@@ -117,7 +120,7 @@ class WorkerSession {
 
   std::deque<wire::Job> waiting_;  ///< jobs whose start configuration is missing
   std::map<ResultKey, FinishedTarget> unacknowledged_;
-  /// Start configurations of this problem, least recently used last.
+  /// Cached start configurations of this problem, the least recently used one last.
   std::list<std::pair<ContentId, std::shared_ptr<const NodalFields>>> cache_;
 };
 

@@ -12,21 +12,22 @@ namespace palpate {
 /// element.
 SparsityPattern patternOf(const DofMap& unknowns, const ElementBatches& batches);
 
-/// Adds element equations to the equations of the body.
+/// Adds up the equations of all elements to the equations of the body.
 ///
-/// Rows of a displacement that a rigid tool holds go to the tool's three equations; its coupling to
-/// free unknowns is kept beside the matrix. Rows of fixed displacements and held pressures are
-/// dropped.
+/// The row of a displacement that a rigid tool prescribes is added to the three equations of the
+/// tool. The coupling between the tool and the free unknowns is stored apart from the matrix. Rows
+/// of fixed displacements, and of pressures that are held, are dropped.
 ///
-/// Holds the sums of one assembly: clear, add, read. Slots are looked up once, when the tool
-/// changes. One thread.
+/// Holds the sums of one assembly: clear them, add all elements, read them. Where each element adds
+/// its rows and entries is computed in advance, and again when the tool changes. One thread.
 class Assembler {
  public:
-  /// Keeps references to all three. No unknown is held at first.
+  /// Keeps references to all arguments. At first the tool holds no unknown.
   Assembler(const DofMap& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
 
-  /// Gives the displacements of these nodes, none of them fixed, to the tool, or releases them. The
-  /// pressures of the slots `idle` keep their values while they are held.
+  /// Gives unknowns to a rigid tool, or takes them back if `by_tool` is false: the displacements of
+  /// `nodes`, none of which is fixed, and the pressures in the slots `idle`. The tool prescribes
+  /// the displacements; the pressures keep their values.
   void hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
             bool by_tool);
   bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }
@@ -37,8 +38,12 @@ class Assembler {
   void add(std::int32_t batch, const BatchResult& result);
   void add(std::int32_t batch, const BatchTangent& tangent);
 
-  // The sums. Residual per unknown (zero where the tool holds it) and of the tool; tangent per
-  // entry of the pattern, d(residual)/dp, and the tool's own block.
+  // The sums:
+  // - rows: the residual per unknown, zero for unknowns that the tool holds;
+  // - toolRows: the residual of the tool;
+  // - entry, entries: the tangent, by entry of the pattern;
+  // - toolCoupling: d(residual)/dp, one row per unknown;
+  // - toolEntries: the tangent of the tool alone.
   Eigen::Map<const Eigen::VectorXd> rows() const { return {rows_.data(), unknowns_.count()}; }
   Eigen::Vector3d toolRows() const { return Eigen::Vector3d::Map(&rows_[unknowns_.count()]); }
   double entry(std::int32_t number) const { return entries_[number]; }
@@ -54,12 +59,12 @@ class Assembler {
   const DofMap& unknowns_;
   const SparsityPattern& pattern_;
   const ElementBatches& batches_;
-  std::vector<std::uint8_t> held_;  ///< per unknown, 1 where the rigid tool holds it
-  std::vector<double> rows_;        ///< unknowns, tool, sink
-  std::vector<double> entries_;     ///< pattern, coupling, tool, sink
-  /// Destination of each local row and entry in `rows_` and `entries_`, `*_stride_` per batch, lane
-  /// by lane. One contiguous array each, read from end to end: with one array per batch the
-  /// residual takes 1.4 times as long.
+  std::vector<std::uint8_t> held_;  ///< per unknown, 1 if the rigid tool holds it
+  std::vector<double> rows_;        ///< of the unknowns, the tool, and dropped rows
+  std::vector<double> entries_;     ///< of the pattern, the coupling, the tool, and dropped entries
+  /// For each local row or entry, the index in `rows_` or `entries_` to which it is added:
+  /// `*_stride_` indices per batch, lane by lane. Each is one contiguous array, which an assembly
+  /// reads from start to end. With one array per batch the residual takes 1.4 times as long.
   std::vector<std::int32_t> row_slots_, entry_slots_;
   std::size_t row_stride_, entry_stride_;
 };

@@ -10,18 +10,19 @@ namespace palpate {
 /// Returns the three components of a node in an array of nNodes x 3, to read or to write.
 inline auto ofNode(auto& rows, std::size_t node) { return Eigen::Vector3d::Map(&rows[3 * node]); }
 
-/// A tool. The displacement p prescribes every node (rigid), or only their weighted mean.
+/// A tool. Its displacement p prescribes the displacement of each node (rigid tool), or only the
+/// weighted mean of the displacements of its nodes (weighted tool).
 struct Tool {
   std::vector<std::int32_t> nodes;
-  /// Empty for a rigid tool. Otherwise one per node, sum 1: sum of w_i u_i = p (+ its value at
-  /// rest).
+  /// One weight per node; the weights add up to 1. The tool prescribes sum(w_i u_i) = p + the value
+  /// of that sum at rest. Empty for a rigid tool.
   std::vector<double> weights;
 };
 
 /// A body with its supports and loads, as a System discretises it.
 ///
-/// It is made from a Problem, or directly by verification cases, which may hold single components,
-/// load nodes and have no tool. Kept by value: a System owns its copy.
+/// bodyModel() makes one from a Problem. Verification cases make theirs directly; they may fix
+/// single components of a displacement, load nodes, and have no tool. A System owns a copy.
 struct BodyModel {
   Mesh mesh;  ///< with mid-edge nodes exactly when discretization.displacement is P2
   Discretization discretization;
@@ -33,8 +34,8 @@ struct BodyModel {
   std::vector<Tool> tools;   ///< may be empty
 };
 
-/// Returns the pressure space of a region's elements: the body's, or none if the material penalises
-/// volume change in its energy.
+/// Returns the pressure space of the elements of a region: the pressure space of the body, or none
+/// if the energy of the material already penalises changes of volume.
 PressureSpace pressureSpaceOf(const BodyModel& model, std::size_t region);
 
 /// Returns the pressure slots of this body.
@@ -48,9 +49,10 @@ bool hasNearlyRigidPart(const BodyModel& model);
 /// per active patch.
 BodyModel bodyModel(const Problem& problem);
 
-/// Add dead nodal loads to `model`: `traction` (Pa, per rest area) on these surface triangles, or
-/// `acceleration` (m/s^2) times each material's density on the whole body. The corners of a
-/// triangle are vertices of a face of the mesh. Error (bad input) if a material has no density.
+/// Add dead nodal loads to `model`: addTraction applies `traction` (Pa, per rest area) to surface
+/// triangles, whose corners are the vertices of a face of the mesh. addGravity applies
+/// `acceleration` (m/s^2) times the density to the whole body; Error (bad input) if a material has
+/// no density.
 void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
                  const Eigen::Vector3d& traction);
 void addGravity(BodyModel& model, const Eigen::Vector3d& acceleration);

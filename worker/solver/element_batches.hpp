@@ -9,9 +9,10 @@ namespace palpate {
 /// A batch of `lanes` elements of one material, evaluated together by the kernels.
 struct ElementBatch {
   BatchGeometry geometry;
-  std::array<std::int32_t, lanes> element;  ///< -1 in unused lanes
+  std::array<std::int32_t, lanes> element;  ///< element in each lane; -1 if the lane is unused
   std::uint16_t material;
-  int displacements, unknowns;  ///< local displacement unknowns; all local unknowns
+  /// Numbers of local unknowns per element: of displacements, and of displacements and pressures.
+  int displacements, unknowns;
 
   /// Returns the degree of freedom of a local unknown of the element in this lane.
   Dof dofOf(int local_unknown, int lane) const {
@@ -27,7 +28,7 @@ struct ElementBatches {
   ElementBatches(const BodyModel& model, const PressureSlots& pressures);
 
   std::vector<ElementBatch> all;
-  std::vector<std::vector<std::int32_t>> of_node;  ///< batches of each node, ascending
+  std::vector<std::vector<std::int32_t>> of_node;  ///< batches that contain each node, ascending
 
  private:
   void add(const BodyModel& model, const PressureSlots& pressures,

@@ -12,16 +12,17 @@ namespace palpate {
 struct SparsityPattern {
   std::int32_t n = 0;                     ///< rows
   std::vector<std::int32_t> row, column;  ///< of every entry, 1 to n, row <= column
-  /// n + 1 offsets, 0-based: row k has the entries row_begin[k] to row_begin[k + 1] - 1, the first
-  /// of which is its diagonal.
+  /// n + 1 offsets, 0-based. Row k has the entries row_begin[k] to row_begin[k + 1] - 1. The first
+  /// of them is the diagonal entry.
   std::vector<std::int32_t> row_begin;
 
-  /// Returns the index of the entry in row min(a, b) and column max(a, b), 0-based; it must exist.
+  /// Returns the index (0-based) of the entry in row min(a, b) and column max(a, b), both 0-based.
+  /// The entry must exist.
   std::int32_t entryOf(std::int32_t a, std::int32_t b) const;
 };
 
-/// Builds a pattern from the columns of each row, both 0-based. Every row must contain its diagonal
-/// and no column left of it; columns may repeat and be unsorted.
+/// Builds a pattern from the columns of the entries in each row, 0-based. Each row must contain its
+/// diagonal and no column to the left of it. Columns may repeat and be unsorted.
 SparsityPattern patternOf(std::vector<std::vector<std::int32_t>> columns_of_rows);
 
 /// MUMPS's report on a factorisation.
@@ -32,27 +33,28 @@ struct Factorization {
 };
 
 /// Arithmetic of the factors. Single precision takes two thirds of the time and half of the memory.
-/// Its solutions are right to about five digits, which is as good as double precision for a Newton
-/// correction or a preconditioner.
+/// Its solutions are right to about five digits, which is sufficient for a Newton correction or a
+/// preconditioner.
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
-/// Factorises symmetric indefinite matrices of one pattern as LDL^T, with sequential MUMPS.
+/// Factorises symmetric indefinite matrices with one sparsity pattern as LDL^T, with sequential
+/// MUMPS.
 ///
-/// The analysis runs once, in of(), on the pattern alone, so the same values always give the same
-/// bits. MUMPS is not thread-safe: at most one LinearSolver per process, used from one thread. BLAS
-/// runs on one thread.
+/// The analysis runs once, in of(), and uses only the pattern, so the same values always give the
+/// same bits. MUMPS is not thread-safe: have at most one LinearSolver per process, and use it from
+/// one thread. BLAS runs on one thread.
 class LinearSolver {
  public:
   /// Returns a new solver, never null. Error if the analysis fails, or if OpenBLAS gets no memory
   /// (prepareBlas). `pattern` is copied. `singular`: the matrix may have a null space (the spurious
-  /// pressure modes of P1/P1); vanishing pivots are then detected and their unknowns kept at zero.
+  /// pressure modes of P1/P1). MUMPS then detects vanishing pivots and sets their unknowns to zero.
   static std::unique_ptr<LinearSolver> of(const SparsityPattern& pattern, Precision precision,
                                           bool singular);
   virtual ~LinearSolver() = default;
 
   /// Factorises the matrix with these values, one per pattern entry. If MUMPS runs out of workspace
-  /// (INFOG(1) = -8, -9) the workspace is doubled, at most four times. Error if the machine is out
-  /// of memory (-7, -13), because that says nothing about the body.
+  /// (INFOG(1) = -8, -9), the workspace is doubled, at most four times. Error if the machine is out
+  /// of memory (-7, -13), because such a failure tells nothing about the matrix.
   [[nodiscard]] virtual Factorization factorize(const std::vector<double>& values) = 0;
 
   /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Requires

@@ -6,22 +6,24 @@
 
 namespace palpate {
 
-/// The response of a walk to a failed transition.
+/// What walk() does after a failed transition.
 enum class Rescue : std::uint8_t {
-  none,  ///< ends the walk there
-  /// Tries points beside the path, in 3 widths and 6 directions. If none helps, looks for a limit
-  /// point (up to 120 factorisations).
+  none,  ///< ends the path at the failed transition
+  /// Tries to reach the end of the transition via a point beside the path, at 3 distances and in 6
+  /// directions. If no such detour succeeds, looks for a limit point (up to 120 factorisations).
   detours,
 };
 
-/// Walks from `start` straight to `target` (metres) in `transitions` >= 1 equal transitions.
+/// Moves the tool from `start` straight to `target` (metres) in `transitions` >= 1 equal
+/// transitions.
 ///
-/// Detours to either side pass a limit point that stops the straight way, as the lattice passes it
-/// by other parents. The result is as valid as any configuration (it has the inertia of a stable
-/// one). Its branch is the one on which a hand that pushed past the limit point would find itself.
+/// Detours lead around a limit point that blocks the straight path. A build gets past such a point
+/// in the same manner, by solving from another parent. The result is as valid as any configuration:
+/// its tangent has the inertia of a stable equilibrium. It lies on the branch that a hand would
+/// reach by pushing past the limit point.
 ///
-/// Returns the outcome at the end of the path, with the cost of the whole path; step_reached is a
-/// fraction of the whole path. Runs on the thread of `solver`.
+/// Returns the outcome at the end of the path, with the cost of the whole path.
+/// Failure::step_reached is a fraction of the whole path. Runs on the thread of `solver`.
 Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
              int transitions, Rescue rescue = Rescue::detours);
 

@@ -10,18 +10,22 @@ namespace palpate {
 /// and the tool's position.
 struct State {
   std::vector<double> u;  ///< nNodes x 3 displacements, metres
-  /// Scaled pressures by slot (PressureSlots), p = System::pressureScale() q. Zero if no material
-  /// around the node has a pressure; empty without a pressure space.
+  /// Scaled pressures by slot (PressureSlots); the pressure is p = System::pressureScale() q. Zero
+  /// in the slot of a node around which no material has a pressure. Empty if the body has no
+  /// pressure space.
   std::vector<double> q;
-  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< p, of the tool from rest, metres
-  Eigen::Vector3d multiplier = Eigen::Vector3d::Zero();  ///< of a weighted tool, N; otherwise zero
+  /// p, the displacement of the tool from rest, metres.
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+  /// Lagrange multiplier of a weighted tool, N; zero for other tools.
+  Eigen::Vector3d multiplier = Eigen::Vector3d::Zero();
 };
 
-/// The equations at one state. Vectors over the unknowns have unknowns() + multipliers() rows, with
-/// the multipliers of a weighted tool last.
+/// The residual of the equations at one state. Vectors over the unknowns have unknowns() +
+/// multipliers() rows; the multipliers of a weighted tool are the last rows.
 struct Residual {
-  /// Derivatives of L, newtons, with pressure rows scaled to newtons; zero in rows that the tool
-  /// holds. In the multiplier rows the gap p - B (u - u_rest), metres.
+  /// Derivatives of L by the unknowns, newtons; pressure rows are scaled to newtons. Zero in rows
+  /// of unknowns that the tool holds. Multiplier rows contain the gap p - B (u - u_rest), metres,
+  /// where B has the weights of the tool.
   Eigen::VectorXd free;
   /// dL/dp, newtons: the force that the tool must exert. The tissue's force on the tool is its
   /// negative.
@@ -29,25 +33,28 @@ struct Residual {
   double energy = 0;                ///< L relative to rest, J
   double min_det_F = 1;             ///< smallest at the quadrature points
   std::int32_t worst_element = -1;  ///< element of min_det_F, index into Mesh::tetrahedra
-  /// Euclidean norm of `free`, newtons, with the gap times forceScale() / mean edge. NaN or
-  /// infinite if the state is not admissible.
+  /// Euclidean norm of `free`, newtons, with the gap multiplied by forceScale() / meanEdge(). NaN
+  /// or infinite if the state is not admissible.
   double norm = 0;
 };
 
-/// The tangent at one state, for one tool. With a weighted tool, the matrix of a Newton step is
-/// [K border; border^T 0].
+/// The tangent at one state, for one tool. With a weighted tool, the matrix of a Newton step is [K
+/// border; border^T 0].
 struct Tangent {
-  std::vector<double> values;  ///< K by System::pattern(); held rows are rows of the identity
-  Eigen::MatrixXd border;      ///< unknowns() x multipliers(), -B^T
-  /// d(Residual::free)/dp, N/m. For a rigid tool K_fa; for a weighted tool zero, with the identity
-  /// in the multiplier rows.
+  /// K, one value per entry of System::pattern(). In the row of an unknown that the tool holds,
+  /// only the diagonal is not zero.
+  std::vector<double> values;
+  Eigen::MatrixXd border;  ///< unknowns() x multipliers(), -B^T
+  /// d(Residual::free)/dp, N/m. For a rigid tool this is K_fa, the block of K between free unknowns
+  /// f and the tool a. For a weighted tool it is zero, except for the identity in the multiplier
+  /// rows.
   Eigen::Matrix<double, Eigen::Dynamic, 3> tool_coupling;
   Eigen::Matrix3d tool;  ///< d2L/dp2, N/m: K_aa of a rigid tool, otherwise zero
 };
 
-/// The unknowns of some nodes around a rigid tool, with the elements that contain them. System
-/// assembles the equations of these unknowns while all others are held. Valid for one tool of one
-/// System.
+/// The unknowns of some nodes around a rigid tool, with the batches of elements that contain these
+/// nodes. System can assemble the equations of these unknowns alone, with all other unknowns held.
+/// Valid for one tool of one System.
 struct Neighborhood {
   struct Entry {
     std::int32_t number;       ///< index in SparsityPattern
@@ -62,15 +69,16 @@ struct Neighborhood {
 ///
 ///   L(u, q) - load . u  [+ multiplier . (p - B (u - u_rest))  with a weighted tool, B the weights]
 ///
-/// Unknowns that a rigid tool holds stay in the system as rows of the identity, including pressures
-/// that are then undetermined (idlePressures). The multipliers of a weighted tool border the
-/// system. So one sparsity pattern, and one analysis of it, serves every tool.
+/// Unknowns that a rigid tool holds stay in the matrix, in rows that have only a diagonal entry.
+/// These include the pressures that are undetermined while the tool holds its nodes
+/// (idlePressures). The multipliers of a weighted tool border the matrix. So one sparsity pattern,
+/// analysed once, serves every tool.
 ///
 /// Sums are taken in a fixed order: the same state gives the same bits on every machine that runs
 /// the same kernels. Not thread-safe; one per worker process.
 class System {
  public:
-  /// Chooses the first tool, if there is one.
+  /// Chooses the first of BodyModel::tools, if there is one.
   System(BodyModel model, const ElementKernels& kernels);
   System(const Problem& problem, const ElementKernels& kernels)
       : System(bodyModel(problem), kernels) {}
@@ -79,10 +87,11 @@ class System {
 
   std::int32_t unknowns() const { return unknowns_.count(); }
   std::int32_t multipliers() const { return static_cast<std::int32_t>(border_.cols()); }
-  /// Returns the number of negative eigenvalues of the Newton matrix at a stable equilibrium: one
-  /// for each pressure unknown that is not held and one for each multiplier. Nothing if
-  /// displacement and pressure violate the inf-sup condition: spurious modes then have eigenvalues
-  /// near zero of either sign, so the count is meaningless.
+  /// Returns the number of negative eigenvalues that the matrix of a Newton step has at a stable
+  /// equilibrium: one for each pressure unknown that is not held, and one for each multiplier.
+  /// Returns nothing if the displacement and pressure spaces violate the inf-sup condition. They
+  /// then have spurious modes, with eigenvalues near zero of either sign, and the count is
+  /// meaningless.
   std::optional<std::int32_t> expectedNegativePivots() const;
   const DofMap& numbers() const { return unknowns_; }  ///< the numbers of the unknowns
   const SparsityPattern& pattern() const { return pattern_; }
@@ -91,17 +100,17 @@ class System {
 
   double meanEdge() const { return mean_edge_; }  ///< h, mean length of the edges, m
   double pressureScale() const { return shear_modulus_ / mean_edge_; }  ///< Pa
-  /// mu h^2, newtons, with mu the smallest shear modulus in the body: the size of a nodal force at
-  /// strain one. Tolerances are relative to it, so the softest material is solved as accurately as
-  /// if it were alone.
+  /// mu h^2, newtons, where mu is the smallest shear modulus in the body. This is the size of a
+  /// nodal force at a strain of one. Tolerances are relative to it, so the softest material is
+  /// solved as accurately as if it were alone.
   double forceScale() const { return shear_modulus_ * mean_edge_ * mean_edge_; }
 
-  /// Sum of the magnitudes of the nodal loads, newtons, regardless of the load factor. Round-off is
-  /// relative to this and to forceScale().
+  /// Sum of the magnitudes of the nodal loads, newtons, without the load factor. The round-off of a
+  /// residual is relative to totalLoad() + forceScale().
   double totalLoad() const { return total_load_; }
 
-  /// Choose the tool that moves, or none. Its nodes must not be fixed; an index selects one of
-  /// BodyModel::tools.
+  /// Choose the tool that moves the body, or none. No node of the tool may be fixed. An index
+  /// selects one of BodyModel::tools.
   void chooseTool(Tool tool);
   void chooseTool(std::size_t tool) { chooseTool(model_.tools.at(tool)); }
   void releaseTool();
@@ -110,23 +119,23 @@ class System {
   /// Multiplies the loads by this factor, 1 by default.
   void setLoadFactor(double factor) { load_factor_ = factor; }
 
-  /// Sets the reference of p and of the energy, for instance the equilibrium under gravity: a rigid
-  /// tool's nodes are at rest.u + p. By default u = 0 and q = 0, an equilibrium without loads,
-  /// because every law here is stress-free at F = I. The energy at rest is computed with the
-  /// present loads.
+  /// Sets the rest state, from which p and the energy are measured, for instance the equilibrium
+  /// under gravity. Nodes of a rigid tool have the displacement rest.u + p. By default u = 0 and q
+  /// = 0 at rest. That is an equilibrium without loads, because every law here is stress-free at F
+  /// = I. The energy at rest is computed with the present loads.
   void setRest(const State& rest);
   const State& restState() const { return rest_; }
 
-  /// Returns state + factor * step, with step over the unknowns and the tool at `displacement`
-  /// (metres).
+  /// Returns state + factor * step, with the tool at `displacement` (metres). `step` has one row
+  /// per unknown and multiplier.
   State moved(const State& state, const Eigen::VectorXd& step, double factor,
               const Eigen::Vector3d& displacement) const;
 
-  /// Returns the displacement entries, metres, of a vector over the unknowns.
+  /// Returns the rows of a vector over the unknowns that belong to displacements, metres.
   Eigen::VectorXd displacementsOf(const Eigen::VectorXd& unknowns) const;
 
-  /// Assemble the equations, and optionally the tangent, at `state`, which has the sizes of
-  /// restState(). An inadmissible state gets a norm that is not finite; nothing is thrown.
+  /// Assemble the residual, and optionally the tangent, at `state`, which has the sizes of
+  /// restState(). For an inadmissible state the norm is not finite; nothing is thrown.
   void assemble(const State& state, Residual& residual) const { run(state, residual, nullptr); }
   void assemble(const State& state, Residual& residual, Tangent& tangent) const {
     run(state, residual, &tangent);
@@ -135,8 +144,8 @@ class System {
   /// Returns the neighbourhood of the `count` nodes nearest to the chosen rigid tool, or of all
   /// nodes if there are fewer.
   Neighborhood neighborhood(std::size_t count) const;
-  /// Assembles the equations of these unknowns only: the residual as in Residual::free, the tangent
-  /// as the full symmetric matrix.
+  /// Assembles the equations of the neighbourhood's unknowns only. `residual` has their rows of
+  /// Residual::free, `tangent` is the full symmetric matrix.
   void assemble(const State& state, const Neighborhood& neighborhood, Eigen::VectorXd& residual,
                 Eigen::MatrixXd& tangent) const;
 
@@ -163,7 +172,7 @@ class System {
   mutable Assembler sums_;  ///< sums of the assembly in progress
 
   std::optional<Tool> tool_;
-  std::vector<std::int32_t> idle_;  ///< idlePressures of a rigid tool_ that have an unknown
+  std::vector<std::int32_t> idle_;  ///< idlePressures of a rigid tool_ that are unknowns
   Eigen::MatrixXd border_;          ///< Tangent::border
   double load_factor_ = 1;
   double total_load_ = 0;  ///< newtons

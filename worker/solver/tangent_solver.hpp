@@ -7,17 +7,19 @@
 
 namespace palpate {
 
-/// Factors of a tangent with its border (Tangent). Solves for this tangent and for those near it.
+/// Factorises tangents with their border (Tangent). Solves for the last factorised tangent and for
+/// tangents near it.
 ///
 /// The border of a weighted tool is eliminated: K is factorised alone, and the 3 x 3 complement
 /// border^T K^-1 border closes the system. Vectors have System::unknowns() + multipliers() rows.
 ///
-/// Factors are in single precision if the pressure is stabilised or absent. Unstabilised pairs have
-/// a zero pressure block and get double precision, as do bodies with a nearly rigid part. Single
-/// precision suffices for Newton corrections; solveWith() refines its solutions to a tolerance.
+/// Factors are in single precision if the pressure is stabilised or absent. Unstabilised pairs of
+/// spaces make the pressure block zero and get double precision, as do bodies with a nearly rigid
+/// part. Single precision suffices for Newton corrections; solveWith() refines its solutions to a
+/// tolerance.
 class TangentSolver {
  public:
-  /// Analyses the pattern of `system`, which must outlive it. Error if the analysis fails.
+  /// Analyses the pattern of `system`, which must outlive this object. Error if the analysis fails.
   explicit TangentSolver(const System& system);
 
   /// Factorises `tangent`. Factorization::negative_pivots counts pivots of the bordered matrix.
@@ -31,10 +33,11 @@ class TangentSolver {
     Eigen::MatrixXd solution;
     Eigen::MatrixXd residual;  ///< tangent * solution - right-hand sides
   };
-  /// Solves for `tangent` with the factors of a tangent near it, by iterative refinement. Stops
-  /// when each residual is at most `tolerance` times its right-hand side, or times mu h (N/m) if
-  /// that is more. Returns nothing if a refinement does not halve the residual (the factors are too
-  /// far away), or if MUMPS reports an error.
+  /// Solves for `tangent` with the factors of the last factorised tangent, which is near it, by
+  /// iterative refinement. Stops when the residual norm of each column is at most `tolerance` times
+  /// the norm of its right-hand side, or times mu h (N/m) if that is more. Returns nothing if a
+  /// refinement does not halve the residual (the factors are too far away), or if MUMPS reports an
+  /// error.
   [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent,
                                                  const Eigen::MatrixXd& right_hand_sides,
                                                  double tolerance);

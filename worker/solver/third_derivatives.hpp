@@ -14,15 +14,16 @@ namespace palpate {
 ///   d3E/da db dc = d3 Pi [x_a, x_b, x_c] - the third derivative of multiplier . B(s) (u - u_rest)
 ///
 /// in the directions a, b, c, where B, u and the multiplier all move. Pi is the energy of the
-/// elements; central differences of the tangent along x_a give its third derivative.
+/// elements. Its third derivative is computed from central differences of the tangent along x_a.
 ///
-/// `sensitivity`: d(unknowns, multipliers) by p (three columns), then by s. The finger must be the
-/// system's tool. Costs six tangents and no factorisation; right to about seven digits.
+/// `sensitivity` has the derivatives of the unknowns and multipliers: three columns by p, then
+/// three by s. `finger` must be the tool of `system`. Costs six tangents and no factorisation. The
+/// results are right to about seven digits.
 ///
-/// If the stiffness of an element jumps within the differences (slack fibres become taut), the
-/// result is that jump divided by the step, which is useless: LocalFits::judge detects it. At rest
-/// all fibres are at the jump. The numbers are not finite if the state is too close to an inverted
-/// element.
+/// If the stiffness of an element jumps between the two states of a difference (slack fibres become
+/// taut), the result is the jump divided by the step. That number is useless, and LocalFits::judge
+/// detects it. At rest all fibres are at the jump. The results are not finite if the state is too
+/// close to an inverted element.
 void setThirdDerivatives(const System& system, const State& state,
                          const Eigen::MatrixXd& sensitivity, const FingerWeights& finger,
                          Equilibrium& equilibrium);

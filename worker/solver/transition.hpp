@@ -13,13 +13,15 @@ namespace palpate {
 
 struct TransitionOptions {
   NewtonOptions newton = {};
-  /// NewtonOptions tolerances of intermediate steps, which are not stored.
+  /// Tolerances of intermediate steps, in place of those in `newton`. Intermediate steps are not
+  /// stored.
   double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
-  /// A lattice transition takes one or two factorisations. A failing one may cost about five times
-  /// that.
+  /// A lattice transition that converges takes one or two factorisations. One that fails may cost
+  /// about five times as many.
   int max_factorizations = 8;
-  int easy_factorizations = 1;  ///< a step with at most this many makes the next step longer
+  /// If a step takes at most this many factorisations, the next step is twice as long.
+  int easy_factorizations = 1;
   /// N. A finger's transition is abandoned (Cause::beyond_force) if the start's stiffness predicts
   /// a larger force at the target, or if the force after an intermediate step is larger. A
   /// transition that passes the prediction and converges in one step is kept, however strong the
@@ -27,76 +29,79 @@ struct TransitionOptions {
   double largest_force = std::numeric_limits<double>::infinity();
 };
 
-/// Largest finger force that is still computed, as a multiple of the scene's max_force. A cell
-/// answers up to half an edge from a missing corner, and thus up to max_force. With 3, two thirds
-/// of the points of deep lattices and three quarters of the time went beyond max_force, and no
-/// touch up to max_force was more accurate. With 1.5 the answer ended at 2 of 3.3 N where tissue is
-/// stiff.
+/// A finger's transitions are solved up to this multiple of the scene's max_force. Points beyond
+/// max_force are needed because a cell with a missing corner gives answers only up to half an edge
+/// from that corner. With a factor of 3, two thirds of the points of deep lattices, and three
+/// quarters of the time, went beyond max_force, and no touch up to max_force was more accurate.
+/// With 1.5, the answers in stiff tissue ended at 2 N where max_force was 3.3 N.
 inline constexpr double solved_force_share = 2;
 
 /// A configuration that transitions start from, with its tangent predictor.
 struct Start {
   State state;
   Eigen::MatrixXd sensitivity;  ///< d(unknowns, multipliers)/dp, rows x 3
-  /// Force that a weighted tool exerts, N; otherwise zero. NodalFields do not contain the
-  /// multiplier.
+  /// Force that the tool exerts, N; needed only for weighted tools. NodalFields do not contain the
+  /// multiplier, so a start made from them has an estimate of this force.
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
 };
 
-/// The result of a transition, or of a path of several (path.hpp).
+/// The result of a transition, or of a path of several transitions (path.hpp).
 struct Reached {
   Outcome outcome;
-  /// The configuration to continue from, in double precision: the outcome's, or after a failure the
-  /// last one that was reached. Empty if there was none.
+  /// The configuration from which the next transition can start, in double precision. It is the
+  /// outcome's configuration, or after a failure the last one that was reached. Empty if none was
+  /// reached.
   std::optional<Start> end = {};
   // Only for a path:
   int detours = 0;       ///< transitions that went through a point beside the path
-  double min_det_F = 1;  ///< smallest at the ends of its transitions
+  double min_det_F = 1;  ///< smallest det F at the ends of the transitions
 };
 
 /// Solves the configurations of one problem. One per process (it owns the LinearSolver), one
 /// thread.
 class TransitionSolver {
  public:
-  /// `problem` must outlive it. Analyses the sparsity pattern once for all spaces; Error if that
-  /// fails. For bodies with fibres some `options` are replaced.
+  /// `problem` must outlive this object. Analyses the sparsity pattern once for all spaces; Error
+  /// if that fails. Sets NewtonOptions::affine_descent itself, and replaces several options if the
+  /// body has fibres.
   TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                    TransitionOptions options = {});
 
   const System& system() const { return system_; }
   /// Chooses the tool of an active patch. Initially the first one is chosen.
   void chooseTool(std::size_t space);
-  /// Places a finger anywhere on the surface, until a tool is chosen. Error (bad input) as from
-  /// checkedFinger, with the prefix `what`.
+  /// Chooses a finger at any place of the surface as the tool. Errors (bad input) are those of
+  /// checkedFinger and begin with `what`.
   void placeFinger(const std::string& what, const Finger& finger);
 
-  /// Prepare a start: the rest state (under gravity its equilibrium, solved once), or the
-  /// configuration with these nodal fields at `displacement`. Costs one factorisation, shared by
-  /// all targets around the start. Return nothing on failure, and the reason in `failure`.
+  /// Prepare a start for transitions. startAtRest takes the rest state, which under gravity is an
+  /// equilibrium that is solved once. startFrom takes the configuration with these nodal fields and
+  /// the tool at `displacement`. A start costs one factorisation, which all targets around it
+  /// share. On failure these functions return nothing, and set the reason in `failure`.
   std::optional<Start> startAtRest(Failure& failure);
   std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
                                  Failure& failure);
 
-  /// Moves the tool from `start` to `target` (metres) in steps: tangent predictor, relaxation near
-  /// the tool, Newton, check. A failed step is halved.
+  /// Moves the tool from `start` to `target` (metres) in steps. Each step consists of a tangent
+  /// predictor, a relaxation near the tool, Newton and a check. A failed step is halved.
   ///
   /// A state is accepted if it is finite, if min det F > 0 (if the scene requires that) and if the
   /// tangent has the right inertia. If shorter steps do not help and an unstable equilibrium was
-  /// met, the body is pushed along its critical mode once, so that the path follows a column that
+  /// met, the body is pushed along its critical mode once. This lets the path follow a column that
   /// buckles.
   ///
-  /// The inertia is taken from the last tangent that Newton factorised. If the sensitivities, which
-  /// are solved with these factors, contract fast, the tangent at the solution has the same
-  /// inertia; otherwise it is factorised itself.
+  /// The inertia is taken from the last tangent that Newton factorised. The sensitivities are
+  /// solved by iterative refinement with the factors of that tangent. If the refinement converges
+  /// fast, the tangent at the solution has the same inertia. Otherwise the tangent at the solution
+  /// is factorised.
   ///
-  /// Outcome::cost is the cost of this transition without the factorisation of `start`, which is
-  /// shared.
+  /// Outcome::cost does not contain the factorisation of `start`, which all of its targets share.
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
-  /// Checks whether a limit point is the reason for a failed transition; the search starts from the
-  /// last state of `failed`. If so, sets Cause::limit_point in `failed`, and step_reached to its
-  /// position. Costs many times a transition. Does nothing if the inertia is meaningless
-  /// (System::expectedNegativePivots).
+  /// Checks whether a limit point is the reason for a failed transition. The search starts from the
+  /// last state that `failed` reached. If there is a limit point, sets the cause in `failed` to
+  /// Cause::limit_point, and step_reached to the position of that point. Costs many times a
+  /// transition. Does nothing if the inertia is meaningless (System::expectedNegativePivots).
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:
@@ -128,10 +133,10 @@ class TransitionSolver {
   TransitionOptions options_;
   System system_;
   TangentSolver solver_;
-  std::optional<std::size_t> space_;     ///< of the chosen tool, unless it is a placed finger
+  std::optional<std::size_t> space_;     ///< space of the chosen tool; none for a placed finger
   Tool tool_;                            ///< the chosen tool
   std::optional<FingerWeights> finger_;  ///< if the tool is a finger
-  Neighborhood near_tool_;               ///< of a rigid tool, otherwise empty
+  Neighborhood near_tool_;               ///< nodes around a rigid tool, otherwise empty
   bool at_rest_ = false;                 ///< the rest state of the system has been set
 };
 
