@@ -4,30 +4,34 @@
 
 namespace palpate {
 
-/// The cost of a build with this number of configurations.
+/// The cost of a build that computes this number of configurations.
 struct Estimate {
   std::int64_t configurations = 0;  ///< including probes
   double seconds = 0;               ///< on one core
   double bytes = 0;                 ///< of nodal fields, before compression
 };
 
-/// The estimated cost of a build and its reach, from measured ways.
+/// The estimated cost of a build and its reach, from measured ways. A way is a straight path of
+/// tool displacements that starts at rest (measured_ways.hpp).
 struct BuildCost {
-  /// The uniform lattices and the probes. For a build without accuracy this is everything.
+  /// The cost of the uniform lattices and the probes. A build without a required accuracy computes
+  /// nothing else.
   Estimate least;
-  /// With the points added by an adaptive build where cells are halved, as the ways predict
-  /// (WayStep).
+  /// The cost with the points that an adaptive build adds when it halves cells. The errors measured
+  /// along the ways predict how many cells are halved (WayStep::error).
   Estimate likely;
   /// Expected share of the lattice points that are reached; the others fail or lie beyond
   /// max_force.
   double reached = 1;
-  /// Distance that half of the ways reached, m, rounded down to whole lattice spacings.
+  /// At least half of the ways got to this distance from rest, m, rounded to whole lattice
+  /// spacings.
   double usual_reach = 0;
 };
 
-/// Estimates the cost of a build from measured ways. A lattice point costs the average of the ways
-/// at the same distance from rest, and nothing where all ways have ended. Without any way (no rest
-/// state) no point is reached, at no cost.
+/// Estimates the cost of a build from measured ways. A lattice point is taken to cost as much as
+/// the steps of the ways at the same distance from rest did on average, and nothing at distances
+/// that no way reached because all had ended before. If there are no ways, because the body has no
+/// rest state, no point counts as reached and the cost is zero.
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured);
 
 }  // namespace palpate

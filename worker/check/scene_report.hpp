@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The contents of `palpate check`'s report. The writers below only format it.
+/// The contents of the report of `palpate check`. The functions below only format them.
 struct SceneReport {
-  /// One configuration space, without results of solving.
+  /// One configuration space as the scene defines it, before anything is solved.
   struct Space {
     const ActivePatch* patch;
     std::string_view tool;  ///< as in the scene: "rigid", "weighted-average" or "finger"
@@ -16,7 +16,7 @@ struct SceneReport {
 
   const Problem* problem;
   MeshQuality quality;
-  std::int64_t nearly_flat = 0;  ///< number of tetrahedra
+  std::int64_t nearly_flat = 0;  ///< number of nearly flat tetrahedra
   Lattice lattice;
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
@@ -24,17 +24,17 @@ struct SceneReport {
   MeasuredWays measured;
   BuildCost cost;
   unsigned cores = 1;      ///< of this machine; a build starts one worker per core
-  std::string arithmetic;  ///< kernels of the solver, "avx2/Haswell"
+  std::string arithmetic;  ///< the kernels that solved, as in "avx2/Haswell"
   std::vector<std::string> warnings;
 };
 
 /// Examines a problem, which must outlive the report, and solves a few transitions (measureWays).
 SceneReport reportOf(const Problem& problem);
 
-/// Returns a report for the user. A line begins with a topic in 11 columns; numbers are in SI
-/// units.
+/// Returns the report as text for the user. Each line begins with a topic in 11 columns. Numbers
+/// are in SI units.
 std::string sceneReportText(const SceneReport& report);
-/// Returns a report as one JSON object on one line, lengths in metres.
+/// Returns the report as one JSON object on one line, with lengths in metres.
 std::string sceneReportJson(const SceneReport& report);
 
 }  // namespace palpate

@@ -15,13 +15,14 @@ struct TriangleSoup {
   std::vector<Triangle> triangles = {};  ///< 0-based
 };
 
-/// Reads a surface written by convert_mesh.py. Error if the file is anything else.
+/// Reads a surface file that convert_mesh.py wrote. Error if the file is anything else.
 TriangleSoup readTriangles(const std::filesystem::path& file);
 
 /// The closed surface of one body, possibly with cavities; lengths in the unit of the file.
 struct ClosedSurface {
   std::vector<Eigen::Vector3d> points = {};
-  /// Every edge has two triangles. Normals point out of the tissue, so at cavities into the cavity.
+  /// Every edge has two triangles. Normals point out of the tissue, so the normals of a cavity
+  /// point into the cavity.
   std::vector<Triangle> triangles = {};
   std::vector<Eigen::Vector3d> cavities = {};  ///< one point inside each cavity
   double volume = 0;                           ///< of the tissue
@@ -29,7 +30,7 @@ struct ClosedSurface {
   std::vector<std::string> notes = {};  ///< corrections, sentences for the user
 };
 
-/// Selection among several bodies of a file.
+/// Which body to take from a file that may contain several.
 enum class Bodies : std::uint8_t {
   only,    ///< the file must contain one body
   largest  ///< the body of the largest volume, with its cavities; all others are dropped
@@ -37,18 +38,19 @@ enum class Bodies : std::uint8_t {
 
 /// Requested fineness of a mesh.
 struct Fineness {
-  std::int32_t nodes = 1000;  ///< approximate number of nodes, within a few tries
+  std::int32_t nodes = 1000;  ///< approximate number of nodes, reached by a few tries
   /// Length of the edges in the unit of the surface; replaces `nodes`.
   std::optional<double> size = {};
 };
 
-/// Returns the edge length for roughly this number of nodes, in a body of this volume and surface
-/// area. Counts sqrt 2 nodes per cube of the edge inside, plus half a layer on the surface.
+/// Returns the edge length that gives about this number of nodes, in a body of this volume and
+/// surface area. Assumes sqrt 2 nodes per cube of the edge length inside, plus half a layer of
+/// nodes on the surface.
 double edgeFor(double volume, double area, double nodes);
 
-/// Makes a closed surface of triangles.
+/// Makes a closed surface from the triangles of a file.
 ///
-/// Corrections, each with a note:
+/// Corrections, each of which adds a note:
 /// - Corners within 1e-6 of the bounding box's diagonal of each other are merged.
 /// - Corners at open edges are merged within 1e-4 of the diagonal, if that closes edges.
 /// - Triangles with two equal corners, and repeated triangles, are dropped.
@@ -57,8 +59,8 @@ double edgeFor(double volume, double area, double nodes);
 /// A shell inside a body is a cavity. A cavity narrower than an element edge of this `fineness` is
 /// filled.
 ///
-/// Error (bad input), which begins with `source` and gives the count, the first place and the
-/// remedy, for:
+/// The following cause an Error (bad input). Its message begins with `source`, and gives their
+/// number, the first place and the remedy:
 /// - no triangles, or far too large coordinates;
 /// - edges with one triangle (open) or with more than two;
 /// - a one-sided surface, or no volume;

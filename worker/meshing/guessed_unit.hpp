@@ -10,8 +10,8 @@ namespace palpate {
 /// The likely unit of a mesh file. Files do not state it.
 struct GuessedUnit {
   LengthUnit unit;
-  /// Why another unit is possible: the size it would give the body, a clause for the user. Empty if
-  /// the guess is clear.
+  /// Why another unit is possible, as a clause for the user: the sizes of the body in the possible
+  /// units. Empty if the guess is clear.
   std::string doubt = {};
 };
 

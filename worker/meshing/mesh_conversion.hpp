@@ -11,7 +11,8 @@ namespace palpate {
 /// The result of convert_mesh.py for a mesh file.
 struct ConvertedMesh {
   bool is_volume = false;  ///< otherwise a surface
-  /// For a volume a .msh file (2.2, ASCII) for readGmsh; for a surface a file for readTriangles.
+  /// A .msh file (2.2, ASCII) for readGmsh if the mesh is a volume, a file for readTriangles if it
+  /// is a surface.
   std::filesystem::path file;
   std::vector<std::string> notes;  ///< corrections, sentences for the user
 };
@@ -29,7 +30,7 @@ struct ConversionWishes {
 ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesystem::path& folder,
                           ConversionWishes wishes = {});
 
-/// Time limit of meshing; any body that can be computed takes less.
+/// Time limit of a meshing program. Bodies that are small enough to be solved take less.
 inline constexpr std::chrono::minutes longest_meshing(30);
 
 /// Runs gmsh, tetgen or Python until it ends or this process is interrupted.

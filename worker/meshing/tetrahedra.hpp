@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// The program that fills a surface.
+/// The program that fills a surface with tetrahedra.
 enum class Mesher : std::uint8_t {
-  automatic,  ///< gmsh; if that fails gmsh on the given triangles, then tetgen
+  automatic,  ///< gmsh; if it fails, gmsh on the given triangles, then tetgen
   gmsh,       ///< new triangles of the requested size, then tetrahedra
   tetgen      ///< keeps the given triangles, which limit how coarse the mesh can be
 };
@@ -19,22 +19,22 @@ enum class Mesher : std::uint8_t {
 struct Tetrahedra {
   std::string msh;  ///< a complete file, Gmsh 2.2 ASCII, in the unit of the surface
   Mesh mesh;        ///< the same mesh, read as if its unit were metres
-  std::vector<std::string> notes = {};  ///< corrections, the program used, and its limits
+  std::vector<std::string> notes = {};  ///< for the user: corrections, the program and its limits
 };
 
-/// Upper limit of nodes, far more than can be computed.
+/// Upper limit of the number of nodes, far above what the solver can handle.
 inline constexpr std::int32_t most_nodes = 3000000;
 
 /// Accepted relative deviation from the requested number of nodes.
 inline constexpr double near_enough = 0.2;
 
-/// Fills a surface with tetrahedra, with files in `folder`. The volume is the group "body", the
-/// surface the group "surface". Errors begin with `source`.
+/// Fills a surface with tetrahedra. The programs' files lie in `folder`. In the mesh, the volume is
+/// the group "body" and the surface is the group "surface". Errors begin with `source`.
 ///
 /// Error (bad input) for a size that gives no element, or millions. Error with the package's name
-/// if no permitted program is installed. Error with the programs' messages if none of them makes a
-/// mesh with the surface's volume to 25 %. A program that crashes or takes too long counts as
-/// failed. An interrupt ends everything, with its exit code.
+/// if no permitted program is installed. Error with the messages of the programs if no mesh has the
+/// volume of the surface to within 25 %. A program that crashes or takes too long counts as failed.
+/// An interrupt ends everything, as an Error with its exit code.
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source);
 

@@ -4,12 +4,12 @@
 
 #include "common/mesh/mesh.hpp"
 
-/// Bodies divided into tetrahedra in code, for verification, tests and benchmarks. All are finished
+/// Meshes of simple bodies, made in code for verification, tests and benchmarks. All are finished
 /// (finishMesh), positively oriented, linear, in metres, and the same on every machine.
 ///
 /// The node groups of a box are its six sides: "xmin", "xmax", "ymin", "ymax", "zmin" and "zmax".
-/// Layered bodies have the groups "first" and "last", the two ends of their layers. Curved bodies
-/// have flat faces, with a geometric error of second order in the element size.
+/// Bodies made of layers have the groups "first" and "last", the two ends of their layers. Curved
+/// bodies have flat faces, with a geometric error of second order in the element size.
 namespace palpate::verification {
 
 /// Returns the box [0, size], divided into cells[0] x cells[1] x cells[2] bricks of six Kuhn
@@ -30,21 +30,21 @@ Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cel
 /// left to lower right. The faces are "first" and "last".
 Mesh cookMesh(int n, double thickness);
 
-/// Returns a cylinder around the z axis in `n` rings, with 6 n facets around. "first": z = 0,
-/// "last": z = length.
+/// Returns a cylinder around the z axis, in `n` rings with 6 n facets around. The group "first" is
+/// at z = 0, "last" at z = length.
 Mesh cylinderMesh(double radius, double length, int n, int layers);
 
 /// Returns a quarter (x, y >= 0) of a tube around the z axis: n cells around and n through the
 /// wall, in one layer of `thickness` along z. The node group "inner" is the inner wall.
 Mesh quarterTubeMesh(double inner, double outer, double thickness, int n);
 
-/// Returns an octant (x, y, z >= 0) of a ball: the cube [0, 1]^3 with n cells per edge, with its
-/// cubical shells moved onto spheres. Node k <= n is on the x axis. "outside" is the sphere;
-/// "xmin", "ymin" and "zmin" are the flat sides.
+/// Returns an octant (x, y, z >= 0) of a ball. It is the cube [0, 1]^3 with n cells per edge, where
+/// each cubical shell of nodes is moved onto a sphere. Nodes 0 to n lie on the x axis. The group
+/// "outside" is the sphere; "xmin", "ymin" and "zmin" are the flat sides.
 Mesh ballOctantMesh(double radius, int n);
 
-/// Returns an octant (x, y, z >= 0) of a hollow sphere: n^2 triangles on the wall, n layers.
-/// "first" is the inner wall.
+/// Returns an octant (x, y, z >= 0) of a hollow sphere, in n layers of n^2 triangles each. The
+/// group "first" is the inner wall.
 Mesh sphereOctantMesh(double inner, double outer, int n);
 
 }  // namespace palpate::verification

@@ -7,8 +7,8 @@
 
 namespace palpate::verification {
 
-/// An integration point in an element, with the element's shape functions there. Written only for
-/// verification, independently of the element kernels that it checks.
+/// An integration point in an element, with the element's shape functions at this point. It does
+/// not use the element kernels, because it serves to check them.
 struct IntegrationPoint {
   double weight;      ///< m^3
   Eigen::Vector3d X;  ///< metres, at rest
@@ -16,7 +16,7 @@ struct IntegrationPoint {
   std::array<std::int32_t, 10> node;
   std::array<double, 10> N;
   std::array<Eigen::Vector3d, 10> gradient;  ///< of N, 1/m
-  std::array<double, 4> vertex_N;            ///< the linear shape functions of the first four nodes
+  std::array<double, 4> vertex_N;            ///< linear shape functions of the four vertices
 };
 
 /// Calls `visit` at the points of a rule of degree 7 in every tetrahedron (Gauss-Legendre,
