@@ -18,14 +18,15 @@
 namespace palpate {
 namespace {
 
-/// OpenBLAS reads both while it is loaded.
+/// Environment variables that OpenBLAS reads while it is loaded.
 constexpr const char* core_type = "OPENBLAS_CORETYPE";
 constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
-/// Holds the value that chooseBlasKernels set for core_type. Any other value of core_type is the
-/// user's.
+/// Environment variable that holds the value to which chooseBlasKernels set core_type. If core_type
+/// has another value, the user set it.
 constexpr const char* pinned_variable = "PALPATE_OPENBLAS_PINNED";
 
-/// Memory that a thread's first product allocates, bytes: 128 MiB and its alignment.
+/// Bytes that OpenBLAS allocates at the first matrix product of a thread: 128 MiB and their
+/// alignment.
 constexpr std::size_t workspace = (128u << 20) + (64u << 10);
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }
@@ -44,7 +45,8 @@ bool choosesWhenLoaded() {
   return std::string_view(openblas_get_config()).find("DYNAMIC_ARCH") != std::string_view::npos;
 }
 
-/// Returns whether the system grants the workspace. If it refuses, OpenBLAS asks again forever.
+/// Returns whether the system grants the workspace. If the system refused it to OpenBLAS, OpenBLAS
+/// would ask again forever.
 bool workspaceIsGranted() {
   void* const room =
       mmap(nullptr, workspace, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -63,8 +65,8 @@ std::string whyNotGranted() {
   return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
 }
 
-/// Allocates the workspace with a product too large for the kernels of small matrices, which need
-/// none.
+/// Makes OpenBLAS allocate its workspace, by a product of matrices that are too large for its
+/// kernels of small matrices. Those kernels need no workspace.
 void takeWorkspace() {
   constexpr int n = 97;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);
@@ -84,7 +86,8 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 
 void chooseBlasKernels(char** argv) {
   const std::string wanted = kernelsOfThisCpu();
-  // Replaces a core type that a process on another CPU pinned and left in the environment.
+  // Also replaces a core type that this function set on another CPU and that was left in the
+  // environment.
   const bool pins = choosesWhenLoaded() && !userChose() && environmentValue(core_type) != wanted;
   if (!pins && environmentValue(threads_variable) == "1") return;
   const bool set = setenv(threads_variable, "1", 1) == 0 &&
@@ -93,7 +96,8 @@ void chooseBlasKernels(char** argv) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (set && !error) execv(program.c_str(), argv);
-  // The restart failed: this process continues with its kernels, which nobody chose.
+  // The restart failed. This process continues with the kernels that OpenBLAS chose, so the
+  // variable must not name others.
   if (pins) unsetenv(core_type);
 }
 

@@ -7,11 +7,14 @@
 namespace palpate {
 namespace {
 
-// Both buffers end with the sums of the tool and then a sink for dropped rows and entries.
+// rows_ and entries_ end with the sums of the tool, and then one number, the sink, to which all
+// dropped rows or entries are added.
 constexpr std::int32_t tool_rows = 3;
-/// K_aa from diagonal local entries, one per direction.
+/// Number of sums for the diagonal of K_aa, the tangent of the tool: diagonal entries of elements,
+/// one sum per direction.
 constexpr std::int32_t tool_diagonal = 3;
-/// K_aa from local entries above the diagonal, to be added with its transpose.
+/// Number of sums for the rest of K_aa: entries of elements above the diagonal, to be added
+/// together with their transpose.
 constexpr std::int32_t tool_off_diagonal = 9;
 
 }  // namespace
@@ -62,7 +65,8 @@ std::int32_t Assembler::entrySlot(const Dof& place_a, const Dof& place_b) const 
   const std::int32_t a = unknowns_.at(place_a), b = unknowns_.at(place_b);
   const int i = place_a.component, j = place_b.component;
   if (a < 0 || b < 0) return sink;
-  // The elements around an idle pressure move as a whole, which changes no volume.
+  // All elements around an idle pressure move as a rigid body. Their volume does not change, so
+  // these entries are zero and are dropped.
   if ((held_[a] && i == pressure_component) || (held_[b] && j == pressure_component)) return sink;
   if (held_[a] && held_[b]) return a == b ? tool_begin + i : tool_begin + tool_diagonal + 3 * i + j;
   if (held_[a]) return coupling_begin + 3 * b + i;
@@ -74,7 +78,7 @@ void Assembler::findSlots(std::int32_t number) {
   const ElementBatch& batch = batches_.all[number];
   std::int32_t* row_slot = row_slots_.data() + number * row_stride_;
   std::int32_t* entry_slot = entry_slots_.data() + number * entry_stride_;
-  // Unused lanes go to the sink. Their volume is zero, but a NaN times zero would not be.
+  // Unused lanes are added to the sink. Their volume is zero, but zero times a NaN is NaN.
   const auto sinkOf = [](const std::vector<double>& sums) {
     return static_cast<std::int32_t>(sums.size()) - 1;
   };

@@ -53,8 +53,9 @@ void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
   const Mesh& mesh = model.mesh;
   for (const Triangle& face : faces) {
     const Eigen::Vector3d a = mesh.nodes[face[0]], b = mesh.nodes[face[1]], c = mesh.nodes[face[2]];
-    // Linear shape functions of vertices integrate to a third of the area. Quadratic ones integrate
-    // to zero at vertices and to a third of the area at mid-edge nodes.
+    // The integral of a linear shape function over a face is a third of the area. Of the quadratic
+    // shape functions, those of vertices integrate to zero, those of mid-edge nodes to a third of
+    // the area.
     const Eigen::Vector3d third = traction * ((b - a).cross(c - a).norm() / 2) / 3;
     for (int corner = 0; corner < 3; ++corner) {
       const std::int32_t node = isQuadratic(model)
@@ -72,8 +73,8 @@ void addGravity(BodyModel& model, const Eigen::Vector3d& acceleration) {
     const auto& density = model.materials[model.region_of[element]].density;
     if (!density) throw badInput("gravity needs the density of every material");
     const Eigen::Vector3d weight = acceleration * (*density * sixVolume(mesh, element) / 6);
-    // Volume means of the shape functions: linear 1/4; quadratic -1/20 at vertices, 1/5 at mid-edge
-    // nodes.
+    // The mean value of a shape function over the volume is 1/4 if it is linear. If it is
+    // quadratic, it is -1/20 for a vertex and 1/5 for a mid-edge node.
     for (const std::int32_t node : mesh.tetrahedra[element])
       addLoad(model, node,
               isQuadratic(model) ? Eigen::Vector3d(-weight / 20) : Eigen::Vector3d(weight / 4));

@@ -11,8 +11,9 @@ namespace palpate {
 namespace {
 
 constexpr int columns = 4, most_iterations = 60;
-constexpr double converged = 1e-6;  ///< relative change of the eigenvalue
-/// Components of at least this share of the largest one count as equal to it, despite round-off.
+constexpr double converged = 1e-6;  ///< relative change of the eigenvalue per iteration
+/// A component counts as equal to the largest one from this fraction of it on, so that round-off
+/// does not decide which of two equal components comes first.
 constexpr double as_large = 1 - 1e-6;
 
 /// Returns 1 for the displacement unknowns that no tool holds, 0 for all others.
@@ -28,7 +29,8 @@ Eigen::VectorXd freeDisplacements(const System& system) {
   return mask;
 }
 
-/// Returns columns that span the same space and whose displacement parts are orthonormal.
+/// Returns columns that span the same space as X and have orthonormal displacement parts. `mask`
+/// selects the displacements (freeDisplacements).
 Eigen::MatrixXd orthonormal(Eigen::MatrixXd X, const Eigen::VectorXd& mask) {
   for (Eigen::Index k = 0; k < X.cols(); ++k) {
     for (Eigen::Index other = 0; other < k; ++other)
@@ -59,8 +61,8 @@ std::optional<Eigen::VectorXd> criticalMode(const System& system, TangentSolver&
     if (!solver.solve(Y) || !Y.allFinite()) return std::nullopt;
     const Eigen::MatrixXd A = MX.transpose() * Y;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
-    // The eigenvalues are inverse and ascending: the last negative one belongs to the tangent's
-    // most negative eigenvalue.
+    // These eigenvalues are inverses of the tangent's, in ascending order. So the last negative one
+    // belongs to the tangent's most negative eigenvalue.
     worst = (eigen.eigenvalues().array() < 0).count() - 1;
     X = orthonormal(Y * eigen.eigenvectors(), mask);
     const double inverse = worst < 0 ? 0 : eigen.eigenvalues()[worst];

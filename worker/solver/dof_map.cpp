@@ -32,10 +32,10 @@ class DeterminedPressures {
         determined_(slots.count(), 0),
         pieces_(slots.count()) {}
 
-  /// Returns 1 for each determined slot. `of_held`: also counts compressible elements without a
-  /// free node.
+  /// Returns 1 for each slot whose pressure has an equation. `of_held`: compressible elements
+  /// without a free node give their pressures an equation too.
   std::vector<std::uint8_t> find(bool of_held) {
-    std::vector<std::int32_t> moving;  // slots of stabilised elements with a node that moves
+    std::vector<std::int32_t> moving;  // slots of stabilised elements that have a free node
     for (std::size_t element = 0; element < model_.mesh.tetrahedra.size(); ++element) {
       const std::uint16_t region = model_.region_of[element];
       const PressureSpace space = pressureSpaceOf(model_, region);
@@ -58,9 +58,9 @@ class DeterminedPressures {
   }
 
  private:
-  /// Returns whether free nodes change the volume of an element, weighted by the pressure's shape
-  /// function b. With Taylor-Hood elements a vertex changes it for all b, a mid-edge node only for
-  /// the ends of its edge.
+  /// Returns whether the free nodes of an element can change its volume, weighted by the pressure's
+  /// shape function b. In Taylor-Hood elements a vertex can do so for every b, a mid-edge node only
+  /// if b is an end of its edge.
   bool changesVolume(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (held_[at(nodes[n])]) continue;
@@ -71,8 +71,9 @@ class DeterminedPressures {
     return false;
   }
 
-  // Stabilisation determines the differences of pressures within a component of connected elements.
-  // Their mean has an equation if a node of the component moves.
+  // Stabilisation determines the differences between the pressures of a component, which is a set
+  // of connected elements. The mean pressure of a component has an equation if a node of it is
+  // free.
   void spread(const std::vector<std::int32_t>& moving) {
     std::vector<std::uint8_t> moves(determined_.size(), 0);
     for (const std::int32_t slot : moving) moves[at(pieces_.lowest(slot))] = 1;
@@ -87,7 +88,7 @@ class DeterminedPressures {
   JoinedSets pieces_;
 };
 
-/// Returns the slots of a node of the mesh, ascending.
+/// Returns the pressure slots of a node, ascending.
 std::vector<std::int32_t> slotsAt(const PressureSlots& slots, std::int32_t node) {
   std::vector<std::int32_t> of_node;
   if (at(node) < slots.nodes()) of_node.push_back(node);
@@ -111,7 +112,7 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
   return idle;
 }
 
-// Node by node, so that the unknowns of an element are close together in the matrix.
+// Numbers the unknowns node by node, so that those of an element are close together in the matrix.
 DofMap::DofMap(const BodyModel& model, const PressureSlots& slots)
     : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
   const std::vector<std::uint8_t> fixed = fixedNodes(model),

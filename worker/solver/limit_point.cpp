@@ -11,10 +11,12 @@ constexpr int max_factorizations = 120;
 constexpr int max_corrections = 6;
 constexpr int easy_corrections = 3;
 constexpr double absolute_tolerance = 1e-8, relative_tolerance = 1e-7;
-/// Arc lengths. The unit is the length of the way to the target, by the metric at the start.
+/// First and smallest arc length of a step. The unit is the length of the path to the target, in
+/// the metric at the start.
 constexpr double first_length = 1.0 / 16, smallest_length = 1.0 / 65536;
 
-/// The equilibrium curve (x, s), followed one arc length at a time.
+/// Follows a curve of equilibria (x, s) step by step. x holds the unknowns; s is the position of
+/// the tool, as a fraction of the straight path from the start to the target.
 class Curve {
  public:
   Curve(const System& system, TangentSolver& solver, State start, const Eigen::Vector3d& target)
@@ -38,8 +40,8 @@ class Curve {
     return true;
   }
 
-  /// Advances by `length`. Returns the number of corrections; 0 if they failed, and then the state
-  /// is unchanged.
+  /// Advances by the arc length `length`. Returns the number of corrections, or 0 if they did not
+  /// converge; the state is then unchanged.
   int advance(double length) {
     double s = s_ + length * s_direction_;
     State state = system_.moved(state_, x_direction_, length, origin_ + s * way_);
@@ -61,7 +63,8 @@ class Curve {
   }
 
  private:
-  /// Computes Newton's correction at fixed s, and dx/ds.
+  /// Computes Newton's correction at fixed s, and dx/ds. Returns false if the state is not
+  /// admissible or the solve fails.
   bool linearize(const State& state) {
     system_.assemble(state, residual_, tangent_);
     if (!std::isfinite(residual_.norm)) return false;
@@ -76,7 +79,8 @@ class Curve {
     return true;
   }
 
-  /// Sets the direction of the curve here, oriented as the previous one.
+  /// Sets the direction of the curve at the current state, with the orientation of the previous
+  /// direction.
   void turn() {
     const double length = std::hypot(along_.norm(), weight_) / weight_;
     const double same =
@@ -99,7 +103,7 @@ class Curve {
 
 /// The point where the equilibrium path of a tool that moves along a line turns back.
 struct LimitPoint {
-  double at = 0;                     ///< the farthest point, as a fraction of the way to the target
+  double at = 0;                     ///< largest s of the path
   std::int32_t negative_pivots = 0;  ///< of the tangent beyond the turn
 };
 
@@ -107,10 +111,10 @@ struct LimitPoint {
 /// with p = p0 + s (target - p0) and s as an unknown. Corrections lie in the plane normal to the
 /// predictor (Riks 1979, Crisfield 1981).
 ///
-/// Returns a limit point if s decreased along the continuous path and the tangent's inertia
-/// changed. This branch has no equilibrium beyond it, so no step size could have reached the
-/// target. Returns nothing if the target is reached after all, or if the path cannot be followed
-/// (an element inverts, or max_factorizations are spent).
+/// Returns a limit point if s decreased along the continuous path and the inertia of the tangent
+/// changed. Beyond the limit point this branch has no equilibrium, so no step size could have
+/// reached the target. Returns nothing if the target is reached after all, or if the path cannot be
+/// followed (an element inverts, or max_factorizations are spent).
 std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& solver,
                                          const State& start, const Eigen::Vector3d& target) {
   Curve curve(system, solver, start, target);
@@ -140,7 +144,7 @@ std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& so
 void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
                                            Reached& failed) {
   const auto expected = system_.expectedNegativePivots();
-  if (!expected) return;  // spurious modes: a change of inertia would prove nothing
+  if (!expected) return;  // with spurious modes, a change of inertia would prove nothing
   const double reached = failed.outcome.failure().step_reached;
   const State& from = failed.end ? failed.end->state : start.state;
   const auto limit = findLimitPoint(system_, solver_, from, target);

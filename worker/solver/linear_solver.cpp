@@ -13,31 +13,31 @@
 namespace palpate {
 namespace {
 
-/// Values of JOB, by the phases of the MUMPS manual.
+/// Values of MUMPS's parameter JOB, one per phase of its manual.
 constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, substitute = 3;
 constexpr int use_comm_world = -987654;
-/// INFOG(1): the real or the integer workspace is too small.
+/// Values of INFOG(1) if the workspace of reals or of integers is too small.
 constexpr int short_of_reals = -8, short_of_integers = -9;
-/// SCOTCH orders about as well, but differently in every process, so that factors would differ in
-/// the last bits.
+/// Ordering methods, ICNTL(7). SCOTCH orders about as well, but not the same in every process, so
+/// the factors would differ in their last bits.
 constexpr int ordering_pord = 4, ordering_amd = 0;
-/// INFOG(1): MUMPS could not allocate integers or reals, INFOG(2) of them.
+/// Values of INFOG(1) if MUMPS could not allocate integers or reals. INFOG(2) is then their number.
 constexpr int no_integers = -7, no_reals = -13;
 constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
 
-/// Returns whether every unknown is coupled to every other. PORD merges them into one and ends the
-/// process.
+/// Returns whether every unknown is coupled to every other one. PORD would then merge all unknowns
+/// into one, and end the process.
 bool isFull(const SparsityPattern& pattern) {
   const auto n = static_cast<std::size_t>(pattern.n);
   return pattern.row.size() == n * (n + 1) / 2;
 }
 
-/// Throws an Error if MUMPS ran out of memory. A matrix that cannot be factorised is an answer
-/// about the body; a machine without memory is not.
+/// Throws an Error if MUMPS ran out of memory. If a matrix cannot be factorised, this is a result
+/// about the body; if the machine has too little memory, it is not.
 void refuseWithoutMemory(int infog1, int infog2) {
   if (infog1 != no_integers && infog1 != no_reals) return;
-  // Negative values are millions (MUMPS manual, INFOG(2)).
+  // A negative INFOG(2) is a number of millions (MUMPS manual).
   const double numbers = infog2 >= 0 ? infog2 : -1e6 * infog2;
   throw failure(
       "out of memory: MUMPS could not allocate {:.3g} numbers (INFOG(1) = {}): give this process "
@@ -45,7 +45,7 @@ void refuseWithoutMemory(int infog1, int infog2) {
       numbers, infog1);
 }
 
-/// One of MUMPS's arithmetics: its structure, real type and entry point.
+/// A solver in one of MUMPS's arithmetics, given by its structure, real type and entry point.
 template <class Structure, class Real, void (*call)(Structure*)>
 class Mumps : public LinearSolver {
  public:
@@ -100,8 +100,8 @@ class Mumps : public LinearSolver {
 
   bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
     PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "MUMPS writes n rows of each column");
-    // Scaled so that the largest entry of a column is one: small residuals would underflow in
-    // single precision.
+    // Scales each column so that its largest entry is one. Without this, small residuals would
+    // underflow in single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
     scale = (scale.array() > 0).select(scale, 1.0);
     columns_ = (right_hand_sides.array().rowwise() / scale.array()).template cast<Real>();
@@ -117,7 +117,7 @@ class Mumps : public LinearSolver {
   }
 
   double factorEntries() const override {
-    // Negative values are millions (MUMPS manual, INFOG(29)).
+    // A negative INFOG(29) is a number of millions (MUMPS manual).
     return infog(29) >= 0 ? infog(29) : -1e6 * infog(29);
   }
   double factorFlops() const override { return static_cast<double>(data_.rinfog[2]); }

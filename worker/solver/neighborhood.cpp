@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the nodes outside the tool, nearest first; equally distant nodes by ascending number.
+/// Returns the `count` nodes outside the tool that are nearest to it, nearest first. Equally
+/// distant nodes are in ascending order.
 std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
                                        const std::vector<std::int32_t>& tool_nodes,
                                        std::size_t count) {

@@ -16,13 +16,14 @@ constexpr double sufficient_decrease = 1e-4;
 /// Limits of the relaxation near the tool: iterations, and halvings of a step.
 constexpr int most_relaxations = 12, most_halvings = 6;
 
-/// Applies to `step`, a solution with the factorised tangent, Broyden's updates from the steps
-/// taken with that tangent.
+/// Corrects `step`, which was solved with the factorised tangent, by Broyden's updates. `taken`
+/// holds the steps since that factorisation.
 void updateByBroyden(const std::vector<Eigen::VectorXd>& taken, Eigen::VectorXd& step) {
   if (taken.empty()) return;
   for (std::size_t n = 0; n + 1 < taken.size(); ++n)
     step += taken[n + 1] * (taken[n].dot(step) / taken[n].squaredNorm());
-  // Limits the growth of the step: the update must not make the inverse singular.
+  // The last update may lengthen the step at most by this factor. Without a limit it could make the
+  // updated inverse singular.
   constexpr double longest = 5;
   const Eigen::VectorXd& last = taken.back();
   const double shrink = 1 - last.dot(step) / last.squaredNorm();
@@ -72,7 +73,8 @@ class Newton {
     return now_.factorization.ok;
   }
 
-  /// Takes one step. Returns false if the tangent is used up.
+  /// Takes one step. Returns false if the next step needs a new tangent, or if Newton failed
+  /// (now_.cause).
   bool step() {
     ++now_.iterations;
     Eigen::VectorXd step = -now_.residual.free;
@@ -89,7 +91,7 @@ class Newton {
     const double before = now_.residual.norm;
     double factor = 1;
     for (int halvings = 0; !advance(step, factor); ++halvings, factor /= 2) {
-      if (!fresh) return false;  // the updated inverse does not lead downhill
+      if (!fresh) return false;  // the updated inverse gives no descent
       if (halvings == options_.max_halvings) {
         now_.cause = Cause::line_search_stalled;
         return false;
@@ -107,7 +109,7 @@ class Newton {
   bool advance(const Eigen::VectorXd& step, double factor) {
     State next = system_.moved(now_.state, step, factor, displacement_);
     system_.assemble(next, trial_);
-    // A NaN compares false, so an inadmissible trial counts as an increase.
+    // The comparison with a NaN is false, so an inadmissible trial counts as an increase.
     if (!(trial_.norm <= (1 - sufficient_decrease * factor) * now_.residual.norm) &&
         !(options_.affine_descent && isNearer(step, factor)))
       return false;
@@ -116,7 +118,8 @@ class Newton {
     return true;
   }
 
-  /// Returns whether the same tangent's correction at the trial state is smaller than the step.
+  /// Returns whether the correction that the same tangent gives at the trial state is smaller than
+  /// `step` (NewtonOptions::affine_descent).
   bool isNearer(const Eigen::VectorXd& step, double factor) {
     if (!std::isfinite(trial_.norm)) return false;
     Eigen::VectorXd left = -trial_.free;

@@ -12,7 +12,8 @@
 namespace palpate {
 namespace {
 
-/// Distance of a detour from the middle of a transition, in lengths of the transition.
+/// Distances of the detour points from the middle of the failed transition, in lengths of the
+/// transition.
 constexpr std::array<double, 3> detour_widths = {0.5, 1.0, 2.0};
 constexpr int detours_around = 6;
 
@@ -53,7 +54,7 @@ Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d
         reached = std::move(*around);
         ++path.detours;
       } else {
-        // Costs as much as many transitions, so it is the last resort.
+        // The search for a limit point costs as much as many transitions, so it comes last.
         solver.explainByLimitPoint(*at, next, reached);
       }
     }

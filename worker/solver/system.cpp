@@ -113,8 +113,8 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
         pressure >= 0 && !sums_.isHeld(pressure))
       next.q[slot] += factor * step[pressure];
   next.displacement = displacement;
-  // Set from the rest state and not by a step, so that the tool's position is exact to the last
-  // bit.
+  // The nodes of a rigid tool are set from the rest state and not moved by a step, so that their
+  // positions are exact to the last bit.
   if (const Tool* rigid = rigidTool())
     for (const std::int32_t node : rigid->nodes)
       ofNode(next.u, node) = ofNode(rest_.u, node) + displacement;
@@ -153,7 +153,7 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
   sums_.add(number, result);
   for (int lane = 0; lane < lanes && batch.element[lane] >= 0; ++lane) {
     residual.energy += result.energy[lane];
-    // This condition keeps a NaN as the worst.
+    // A NaN replaces any number here, and no number replaces a NaN.
     if (!(result.det_F[lane] >= residual.min_det_F) && !std::isnan(residual.min_det_F)) {
       residual.min_det_F = result.det_F[lane];
       residual.worst_element = batch.element[lane];
@@ -164,7 +164,7 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
 void System::run(const State& state, Residual& residual, Tangent* tangent) const {
   PALPATE_ASSERT(state.u.size() == rest_.u.size() && state.q.size() == rest_.q.size(),
                  "kernels read the state by the node numbers of this body");
-  // Callers reuse one Residual for many states.
+  // Callers pass the same Residual for many states, so it may hold old values.
   residual.energy = 0;
   residual.min_det_F = std::numeric_limits<double>::infinity();
   residual.worst_element = -1;
@@ -216,7 +216,7 @@ void System::finishResidual(const State& state, Residual& residual) const {
 void System::finishTangent(Tangent& tangent) const {
   tangent.values = sums_.entries();
   for (std::int32_t unknown = 0; unknown < unknowns(); ++unknown)
-    // A positive pivot of the size of its neighbours.
+    // A positive entry of the size of the other diagonal entries.
     if (sums_.isHeld(unknown))
       tangent.values[pattern_.row_begin[unknown]] = shear_modulus_ * mean_edge_;
   tangent.border = border_;

@@ -7,14 +7,16 @@
 namespace palpate {
 namespace {
 
-/// Enough for sensitivity tolerances at the slowest contraction. Two to five are usual.
+/// Maximum number of refinements. It suffices for the tolerances of sensitivities even at the
+/// slowest accepted contraction. Two to five are usual.
 constexpr int max_refinements = 30;
-/// Slowest accepted contraction of the residual per refinement. Below this rate a new factorisation
-/// is cheaper than the remaining refinements.
+/// The slowest accepted contraction of the residual per refinement. If the contraction is slower, a
+/// new factorisation is cheaper than the remaining refinements.
 constexpr double slowest_contraction = 0.5;
 
-/// Returns double precision if the pressure block is zero, because a pivot may be small there. Also
-/// if the body has a nearly rigid part, because single precision would lose the soft part.
+/// Returns double precision if the pressure block is zero, because pivots may be small in that
+/// block, and if the body has a nearly rigid part, because single precision would lose the soft
+/// part.
 Precision precisionFor(const BodyModel& body) {
   const PressureSpace pressure = body.discretization.pressure;
   const bool zero_block = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
@@ -41,7 +43,8 @@ Factorization TangentSolver::factorize(const Tangent& tangent) {
     return result;
   }
   complement_.compute(complement);
-  // Sylvester: the inertia of [K B; B^T 0] is the sum of the inertias of K and of -B^T K^-1 B.
+  // By Sylvester's law, the inertia of [K B; B^T 0] is the sum of the inertias of K and of -B^T
+  // K^-1 B.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(complement, Eigen::EigenvaluesOnly);
   result.negative_pivots += static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
   return result;
@@ -89,7 +92,8 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(
   Refined refined;
   refined.solution = Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols());
   refined.residual = -right_hand_sides;
-  // The right-hand sides of a weighted tool are displacements; the residuals are forces.
+  // The right-hand sides of a weighted tool are displacements, but their residuals are forces. So
+  // the tolerance is relative to a stiffness at least.
   const double stiffness = system_.forceScale() / system_.meanEdge();
   const Eigen::RowVectorXd size = right_hand_sides.colwise().norm().cwiseMax(stiffness);
   Eigen::MatrixXd correction;

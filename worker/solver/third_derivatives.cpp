@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Step of the differences, in mean edges of the mesh, so about a strain. Truncation grows with its
-/// square, round-off with its inverse.
+/// Step of the central differences, in mean edges of the mesh; this is about the strain that the
+/// step causes. The truncation error grows with the square of the step, round-off with its inverse.
 constexpr double difference = 1e-4;
 
-/// x^T A y for all pairs of six columns.
+/// The numbers x_a^T A x_b for all pairs of six columns.
 using Pairs = Eigen::Matrix<double, 6, 6>;
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
@@ -43,7 +43,7 @@ Pairs elementPart(const System& system, const State& state, const Eigen::MatrixX
   return pairsOf(system.pattern(), up.values, x);
 }
 
-/// The derivatives of B by s, applied to nodal displacements: one vector each.
+/// The derivatives of B by s, applied to nodal displacements u. Each is one vector.
 struct Weighted {
   std::array<Eigen::Vector3d, 3> first;                  ///< B'_j u
   std::array<std::array<Eigen::Vector3d, 3>, 3> second;  ///< B''_jk u
@@ -88,7 +88,8 @@ void setThirdDerivatives(const System& system, const State& state,
   const Weighted whole = weighted(finger, [&](std::int32_t node) -> Eigen::Vector3d {
     return ofNode(state.u, node) - ofNode(rest.u, node);
   });
-  // The terms in which s moves along k and the columns a and b are the other two directions.
+  // Returns the terms with one derivative of B. s moves along axis k; a and b are the columns of
+  // the other two directions.
   const auto of_one_place = [&](int a, int b, int k) {
     return multiplier.col(a).dot(moved[at(b)].first[at(k)]) +
            multiplier.col(b).dot(moved[at(a)].first[at(k)]);

@@ -16,24 +16,27 @@
 namespace palpate {
 namespace {
 
-/// Relative residual of du/dp. It enters the stiffness squared, which is then right to about 1e-10.
+/// Largest relative residual of du/dp. The stiffness depends on the square of this residual, and is
+/// then right to about 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// At intermediate steps, where du/dp only predicts.
+/// The same for intermediate steps, where du/dp only serves as a predictor.
 constexpr double loose_sensitivity_tolerance = 1e-2;
-/// Tolerance of the relaxation near the tool, times System::forceScale(). It need not be accurate,
-/// because Newton follows.
+/// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
+/// be accurate, because Newton follows it.
 constexpr double relaxation_tolerance = 1e-3;
-/// Smallest parts in which a step is relaxed and in which gravity is applied.
+/// Smallest part of a step that is relaxed at once, and smallest part of gravity that is applied at
+/// once.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
-/// Largest displacement along a critical mode, relative to the first one tried.
+/// Largest displacement along a critical mode that is tried, relative to the first one that is
+/// tried.
 constexpr double widest_step_aside = 4;
 constexpr int aside_factorizations = 12;
 /// Relative difference of energies below which two equilibria count as symmetric twins.
 constexpr double twin_energy = 1e-6;
 
-/// Returns the CPU time of this thread, which solves alone. Time in which the process was stopped
-/// does not count.
+/// Returns the CPU time of this thread, which does all of the solving. Time in which the process
+/// was stopped does not count.
 double threadSeconds() {
   timespec time{};
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) != 0)
@@ -41,7 +44,8 @@ double threadSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Returns a twentieth of the nodes, within the range in which dense matrices are cheap.
+/// Returns the number of nodes in the neighbourhood of a rigid tool: a twentieth of all nodes,
+/// within a range in which dense matrices are cheap.
 std::size_t nodesNearTool(const Mesh& mesh) {
   return std::clamp<std::size_t>(mesh.nodes.size() / 20, 16, 80);
 }
@@ -62,10 +66,10 @@ bool isUnstable(const Failure& failure) {
          failure.negative_pivots > failure.expected_negative_pivots;
 }
 
-/// Adapts the options to bodies with fibres: the stiffness jumps where a fibre becomes taut. Newton
-/// finds the set of taut fibres with one tangent per iteration (semismooth Newton; Qi and Sun
-/// 1993). That takes 5 tangents if k1 is ten times mu, 25 if it is a thousand times, and several
-/// steps if the tool moves far.
+/// Adapts the options to bodies with fibres, whose stiffness jumps where a fibre becomes taut.
+/// Newton finds the set of taut fibres with one tangent per iteration (semismooth Newton; Qi and
+/// Sun 1993). This takes 5 tangents if k1 is ten times mu, and 25 if k1 is a thousand times mu. If
+/// the tool moves far, it also takes several steps.
 TransitionOptions optionsFor(const Problem& problem, TransitionOptions options) {
   if (problem.fibers.empty()) return options;
   options.newton.renew_always = true;
@@ -82,7 +86,7 @@ struct TransitionSolver::Step {
   /// Cause::none if accepted. In either case the numbers describe Newton's last state.
   Failure failure;
   Cost cost;
-  bool easy = false;  ///< Newton took few tangents, so the next step may be longer
+  bool easy = false;  ///< Newton took few tangents; the next step may be longer
   // Only for an accepted step:
   Equilibrium equilibrium;
   Start end;
@@ -91,9 +95,10 @@ struct TransitionSolver::Step {
 /// The equations around a state that Newton converged to.
 struct TransitionSolver::Linearization {
   Tangent tangent;
-  /// -d(Residual::free)/dp; at the end of a finger's transition followed by slopeByPlace().
+  /// -d(Residual::free)/dp. At the end of a finger's transition the columns of slopeByPlace()
+  /// follow.
   Eigen::MatrixXd right_hand_sides;
-  TangentSolver::Refined sensitivity;  ///< solution of the tangent for these
+  TangentSolver::Refined sensitivity;  ///< solution for these right-hand sides
 };
 
 TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
@@ -148,7 +153,8 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
   std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
   for (std::size_t node = 0; node < state.q.size(); ++node)
     state.q[node] = fields.pressure[node] / system_.pressureScale();
-  // This also resets a rigid tool's nodes, which float32 moved by half a unit in the last place.
+  // This also returns the nodes of a rigid tool to their exact positions, which float32 had
+  // rounded.
   const Eigen::VectorXd nowhere = Eigen::VectorXd::Zero(system_.unknowns() + system_.multipliers());
   state = system_.moved(state, nowhere, 0, displacement);
   return linearize(std::move(state), failure);
@@ -166,7 +172,8 @@ bool TransitionSolver::solveRest(Failure& failure) {
     NewtonResult newton =
         findEquilibrium(system_, solver_, state, Eigen::Vector3d::Zero(), options_.newton);
     const auto expected = system_.expectedNegativePivots();
-    // Without a factorisation the load was too small to move anything, and there is no pivot count.
+    // If Newton needed no factorisation, the load was too small to move anything, and there is no
+    // count of pivots.
     const bool unstable = newton.cause == Cause::none && newton.factorizations > 0 && expected &&
                           newton.factorization.negative_pivots != *expected;
     if (unstable) newton.cause = Cause::wrong_inertia;
@@ -203,7 +210,8 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   PALPATE_ASSERT(sensitivity->solution.rows() == system_.unknowns() + system_.multipliers(),
                  "every unknown and multiplier moves with the tool");
   Start start = {std::move(state), std::move(sensitivity->solution)};
-  // The multiplier that balances the body best; near an equilibrium it is the equilibrium's.
+  // The multiplier that balances the body best (least squares). At an equilibrium it is the
+  // multiplier of the equilibrium.
   if (system_.multipliers() > 0) {
     const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
     start.exerted = start.state.multiplier -
@@ -213,13 +221,15 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   return start;
 }
 
-/// Returns whether the stiffness predicts too large a force at the end of the way.
+/// Returns whether the stiffness at `start` predicts too large a force of the finger after the
+/// movement `way`.
 bool TransitionSolver::givesUp(const Start& start, const Eigen::Vector3d& way) const {
   return finger_ && isTooStrong(start.exerted + start.sensitivity.bottomRows<3>() * way);
 }
 
-/// Returns the state with the tool at `displacement` after the predictor and the relaxation near
-/// the tool. Nodes farther away follow the predictor, in as many parts as the relaxation needs.
+/// Returns the state with the tool at `displacement`, after the predictor and the relaxation near
+/// the tool. Nodes outside the neighbourhood of the tool follow the predictor. The movement is
+/// divided into as many parts as the relaxation needs.
 State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displacement) {
   const Eigen::Vector3d way = displacement - from.state.displacement;
   const Eigen::VectorXd predictor = from.sensitivity * way;
@@ -239,8 +249,8 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
   return system_.moved(state, predictor, 1 - at, displacement);
 }
 
-/// Solves for du/dp, and for du/ds if it is among the right-hand sides. Refines with Newton's
-/// factors; if that does not converge, factorises `tangent` and records the factorisation in
+/// Solves for du/dp, and for du/ds if the right-hand sides include it. Refines with Newton's last
+/// factors. If that does not converge, factorises `tangent` and records this factorisation in
 /// `newton`.
 std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
     NewtonResult& newton, const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides,
@@ -253,8 +263,9 @@ std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
   return solver_.solveWith(tangent, right_hand_sides, tolerance);
 }
 
-/// Returns -d(Residual::free)/ds of the finger, one column per axis. With B' the derivative of its
-/// weights: B'^T multiplier at the unknowns and B' (u - u_rest) at the multipliers.
+/// Returns -d(Residual::free)/ds of the finger, one column per axis. With B' the derivative of the
+/// finger's weights by s, the rows of unknowns are B'^T multiplier, and the multiplier rows are B'
+/// (u - u_rest).
 Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
   const State& rest = system_.restState();
@@ -275,7 +286,7 @@ Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
 ///   dE/ds = -m . B' (u - u_rest)
 ///   d2E/dp ds = -(du/dp)^T r
 ///   d2E/ds2 = -r^T A^-1 r - m . B'' (u - u_rest)
-/// The residuals of the refinement are taken into account, so errors of the solutions enter
+/// The code also uses the residuals of the solutions, so that errors of the solutions enter
 /// squared.
 void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
                                 const TangentSolver::Refined& refined,
@@ -297,8 +308,8 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
   equilibrium.drive_slope = Eigen::Matrix3d::Zero() + 0.5 * (slope + slope.transpose());
 }
 
-/// Returns why the state that Newton converged to may not be stored (Cause::none if it may). Leaves
-/// the equations around it in `here`.
+/// Returns why the state to which Newton converged may not be stored (Cause::none if it may).
+/// Stores the equations around this state in `here`.
 Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& here) {
   system_.assemble(newton.state, newton.residual, here.tangent);
   if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
@@ -328,7 +339,8 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   const Tangent& tangent = here.tangent;
   PALPATE_ASSERT(here.sensitivity.solution.cols() == here.right_hand_sides.cols(),
                  "judge() solved for each of them");
-  // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
+  // The stiffness is K_aa + S^T K S + 2 S^T C. As K S = -C + R with the residual R, it equals K_aa
+  // + C^T S + S^T R. Errors of S enter squared.
   const Eigen::MatrixXd S = here.sensitivity.solution.leftCols<3>();
   const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
                             S.transpose() * here.sensitivity.residual.leftCols<3>();
@@ -345,8 +357,8 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   return equilibrium;
 }
 
-/// Takes the state that Newton converged to as the end of `step`. Returns Cause::none, or why it
-/// may not be stored.
+/// Makes the state to which Newton converged the end of `step`. Returns Cause::none, or why the
+/// state may not be stored.
 Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
   Linearization here;
   if (const Cause cause = judge(newton, last, here); cause != Cause::none) return cause;
@@ -357,8 +369,8 @@ Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
   return Cause::none;
 }
 
-/// Moves from `from` to the tool at `displacement` in one step, with at most this many
-/// factorisations by Newton. `last`: the end of the transition, solved to full precision.
+/// Moves the tool from its position in `from` to `displacement` in one step. Newton may use at most
+/// this many factorisations. `last`: this step ends the transition and is solved to full precision.
 TransitionSolver::Step TransitionSolver::step(const Start& from,
                                               const Eigen::Vector3d& displacement, bool last,
                                               int factorizations) {
@@ -382,13 +394,14 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
   return step;
 }
 
-/// Finds the stable equilibrium beside the unstable one at the end of `before`, beyond a
+/// Finds a stable equilibrium near the unstable one at the end of `before`, which lies beyond a
 /// bifurcation.
 ///
-/// Newton starts from displacements along the critical mode, to both sides, farther each time. The
-/// solution with the lower energy wins. Of symmetric twins it is the one on the side where the
-/// mode's largest component is positive. `way`: metres the tool has moved since the branch was
-/// stable. Fails with Cause::bifurcation if there is no stable equilibrium.
+/// Newton starts from displacements along the critical mode, to both sides, and farther in each
+/// round. Of two solutions, the one with the lower energy is taken. If the two are symmetric twins,
+/// the one on the side where the mode's largest component is positive is taken. `way`: metres that
+/// the tool has moved since the branch was stable. Fails with Cause::bifurcation if no stable
+/// equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
   PALPATE_ASSERT(isUnstable(before.failure), "a stable body has no mode to be pushed along");
   const State& unstable = before.end.state;
@@ -397,7 +410,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
   const auto mode = criticalMode(system_, solver_, unstable);
   NewtonOptions options = options_.newton;
   options.max_factorizations = std::max(options.max_factorizations, aside_factorizations);
-  // Amplitudes grow with the square root of the distance beyond a bifurcation.
+  // Beyond a bifurcation, the amplitude of the mode grows with the square root of the distance.
   const double unit = std::sqrt(system_.meanEdge() * way);
   for (double size = 1; mode && !found && size <= widest_step_aside; size *= 2)
     for (const double side : {1.0, -1.0}) {
@@ -447,8 +460,8 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   Cost& cost = reached.outcome.cost;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
-  double at = 0, length = 1;     // fractions of the whole way
-  std::optional<Step> unstable;  // the last step that ended unstable, at unstable_at
+  double at = 0, length = 1;     // fractions of the whole movement
+  std::optional<Step> unstable;  // last step to an unstable equilibrium, at unstable_at
   double unstable_at = 1;
   int budget = options_.max_factorizations;
   bool stepped_aside = false;
