@@ -16,9 +16,9 @@ ExitCode printKernels() {
   return ExitCode::done;
 }
 
-/// `palpate-worker kernels`: prints the kernels of this machine's solver ("avx512/SkylakeX"). A
-/// second line says why they are not the kernels of its CPU's family, if so. For `palpate doctor`,
-/// which has no OpenBLAS itself. Exit 1 if the system refuses OpenBLAS memory.
+/// `palpate-worker kernels`: prints the kernels with which this machine solves ("avx512/SkylakeX").
+/// If they are not the kernels of the CPU's family, a second line says why. `palpate doctor` runs
+/// this command, because it has no OpenBLAS itself. Exit 1 if the system refuses OpenBLAS memory.
 const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
                            [](CLI::App&) { return std::function<ExitCode()>(printKernels); }};
 

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// A mesher needs a minute or more for surfaces with more triangles.
+/// If a surface has more triangles than this, a mesher needs a minute or more.
 constexpr std::size_t many_triangles = 200'000;
 
 struct MeshOptions {
@@ -96,7 +96,7 @@ void printUnit(const MeshOptions& options, const LengthUnit& unit,
                guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
 }
 
-/// Prints the command that makes a scene of the mesh, if its unit is plausible.
+/// Prints the command that makes a scene of the mesh, if the unit gives a body of a plausible size.
 void printNext(const MeshOptions& options, const LengthUnit& unit, double extent) {
   if (!makesABody(extent, unit)) return;
   fmt::print("next: palpate new {} --mesh {}{}\n",

@@ -19,7 +19,7 @@ struct NewOptions {
 
 constexpr const char* scene_file_name = "scene.toml";
 
-/// Returns a valid scene name from the name of its folder.
+/// Returns a valid scene name, made from the name of the scene's folder.
 std::string sceneNameOf(const std::filesystem::path& directory) {
   const std::filesystem::path plain = (directory / "").parent_path();
   std::string name;
@@ -38,7 +38,8 @@ void refuseDirectory(const std::filesystem::path& directory) {
                    (directory / scene_file_name).string());
 }
 
-/// Returns true if the mesh is there already. Error if there is another file: none is overwritten.
+/// Returns whether `copy` exists and contains this mesh. Error if it contains anything else,
+/// because no file is overwritten.
 bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
   std::error_code ignored;
   if (!std::filesystem::exists(copy, ignored)) return false;
@@ -48,7 +49,8 @@ bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
       copy.string());
 }
 
-/// Returns the unit of a mesh, with its uncertainty.
+/// Returns the unit of a mesh: the user's choice, or a guess from its size. Error (bad input) if
+/// the body would not have a plausible size.
 GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
   const double extent = boundingBox(as_metres).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);
@@ -85,7 +87,7 @@ ExitCode writeScene(const NewOptions& options) {
       proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(directory),
                     mesh_file.filename().string(), unit.unit, unit.doubt);
   makeFolder(directory);
-  // The scene is written last, so that its presence means that everything is there.
+  // The scene is written last, so that a folder with a scene has everything.
   if (!is_there) replaceFile(copy, msh, "mesh");
   replaceFile(directory / scene_file_name, scene.toml, "scene");
 

@@ -25,8 +25,8 @@ struct SolveOptions {
   bool json = false;
 };
 
-/// Refuses displacements so large that the tool would leave the body: the unit was probably
-/// mistaken.
+/// Refuses displacements so large that the tool would leave the body. The user has probably used
+/// another unit.
 void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
   const double diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
@@ -37,7 +37,8 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
         vectorText(displacement, 6), diagonal);
 }
 
-/// Solves the whole way from rest to `target`; by default one transition per lattice spacing.
+/// Solves along the straight path from rest to `target`; by default with one transition per lattice
+/// spacing.
 Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
                 const Eigen::Vector3d& target) {
   PALPATE_ASSERT(!steps || *steps > 0, "--steps is checked when it is read");
@@ -52,7 +53,7 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
   return outcome;
 }
 
-/// Solves at points of the surface, one after the other, with the scene's tool there.
+/// Solves for given displacements of the scene's tool. A finger can be moved between two solves.
 class Solving {
  public:
   Solving(const SolveOptions& options, const Problem& problem)
@@ -150,8 +151,8 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
              counted(outcome.cost.factorizations, "factorisation"), outcome.cost.seconds);
 }
 
-/// Prints the answer to one of many lines that cannot be solved, with the reason. It has the same
-/// keys as the other answers.
+/// Prints the answer to an input line that cannot be solved, with the reason. It has the same keys
+/// as other answers.
 void printRefusal(const TouchInput& touch, const char* why, bool json) {
   const Eigen::Vector3d& d = touch.displacement;
   if (json) {

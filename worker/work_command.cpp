@@ -29,8 +29,8 @@ struct WorkOptions {
   bool alone = false;  ///< no supervisor watches this process
 };
 
-/// The solver thread. A solve cannot be interrupted, and a hung one never ends. The destructor
-/// waits a moment and then leaves a busy thread running.
+/// The solver thread. A solve cannot be interrupted, and a hung solve never ends. So the destructor
+/// waits only for a moment. If the thread is still busy then, it is left running.
 class SolverThread {
  public:
   SolverThread(std::shared_ptr<Mailbox> mailbox, const ElementKernels& kernels)
@@ -69,7 +69,7 @@ std::string randomWorkerId() { return randomBytes(16); }
 
 ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys) {
   catchInterrupts();
-  prepareBlas();  // a worker that cannot solve reports it before it gets work
+  prepareBlas();  // a worker that cannot solve must fail before it gets work
   const ElementKernels& kernels = chooseKernels();
   SessionOptions session = options.session;
   if (session.worker_id.empty()) session.worker_id = randomWorkerId();
@@ -94,7 +94,7 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
   beginAnewWith(wanted_kernels);
 }
 
-/// Encodes bytes for the command line of a child.
+/// Returns bytes in hexadecimal, for the command line of a child.
 std::string hexOf(const std::string& bytes) {
   const std::vector<unsigned char> numbers(bytes.begin(), bytes.end());
   return fmt::format("{:02x}", fmt::join(numbers, ""));
@@ -118,7 +118,7 @@ struct Child {
 /// Starts `palpate-worker work ... --alone`, which ends with this process.
 pid_t startChild(const WorkOptions& options, const std::string& id,
                  const std::vector<std::string>& ended) {
-  // Made before fork(): the child must not allocate memory.
+  // The arguments are made before fork(), because the child must not allocate memory.
   std::vector<std::string> words = {"palpate-worker",
                                     "work",
                                     "--alone",
@@ -144,18 +144,20 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", errnoText());
   if (child > 0) return child;
-  // SIGTERM and not SIGKILL, so that the work in progress is delivered if the parent dies.
+  // If the parent dies, the child gets SIGTERM and not SIGKILL, so that it delivers the work in
+  // progress.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  // The supervisor receives signals from the terminal, and passes them on once.
+  // In a process group of its own, the child gets no signals from the terminal. The supervisor gets
+  // them and passes them on once.
   setpgid(0, 0);
   execv("/proc/self/exe", arguments.data());
   _exit(127);
 }
 
 /// Keeps the requested number of workers running. A worker that dies is replaced, after a pause if
-/// it lived only shortly. The replacement reports the death to the scheduler, which sets aside
-/// transitions that kill workers repeatedly.
+/// it lived only shortly. The new worker reports the death to the scheduler, which sets aside
+/// transitions that kill workers again and again.
 class Supervisor {
  public:
   explicit Supervisor(const WorkOptions& options) : options_(&options) {}
@@ -177,8 +179,8 @@ class Supervisor {
  private:
   static constexpr std::chrono::seconds short_life{10};
   static constexpr std::chrono::milliseconds first_pause{500};
-  /// After this many workers in a row that died right after their start, the machine is at fault
-  /// and not the work.
+  /// If this many workers in a row die right after their start, the machine is taken for the cause
+  /// and not the work, and the last one is not replaced.
   static constexpr int most_short_lives = 8;
 
   void start() {
@@ -194,22 +196,23 @@ class Supervisor {
     for (const auto& [pid, child] : children_) kill(pid, SIGTERM);
   }
 
-  /// Returns false if no child has ended.
+  /// Handles the end of one child. Returns false if no child has ended.
   bool reapOne() {
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
     if (pid < 0 && errno != EINTR && errno != ECHILD) throw failure("waitpid: {}", errnoText());
     if (pid <= 0) return false;
     const auto child = children_.extract(pid);
-    if (child.empty()) return true;  // a child of the shell that this program replaced
+    if (child.empty()) return true;  // a child of the shell whose process this program took over
     if (ending_) return true;
     if (!WIFSIGNALED(status)) {
-      // A worker that fails reports why: it was refused, the scheduler is silent, or memory is
-      // short. A replacement would fail as well.
+      // A worker that exits with an error reports why: it was refused, the scheduler is silent, or
+      // memory is short. A replacement would fail as well.
       const bool done = WEXITSTATUS(status) == static_cast<int>(ExitCode::done);
       if (!done) result_ = ExitCode::failed;
-      // The scheduler has no more work, so workers that have not reached it yet would wait in vain.
-      // A worker that leaves because it was idle does not mean that for the others.
+      // This worker ended because the scheduler has no more work, so workers that have not reached
+      // the scheduler yet would wait in vain. With --leave-idle, however, a worker may have ended
+      // only because it was idle itself.
       if (done && options_->session.leave_idle_s == 0) endOthers();
       return true;
     }
@@ -273,7 +276,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       "on any machine that reaches the scheduler.");
   return [options] {
     checkEndpoint(options->session.endpoint);
-    auto keys = options->keys.keys();  // a supervisor, too, reports missing keys
+    auto keys = options->keys.keys();  // here, so that a supervisor too reports missing keys
     return options->alone ? runOneWorker(*options, std::move(keys)) : Supervisor(*options).run();
   };
 }

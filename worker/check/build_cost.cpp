@@ -11,29 +11,32 @@
 namespace palpate {
 namespace {
 
-/// A point that cannot be reached from one neighbour is tried from others; every second one is
-/// reached.
+/// If a point cannot be reached from one neighbour, a build tries it from others. The estimate
+/// assumes two tries in total for such a point, and that every second such point is reached.
 constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
-/// Overhead for waiting: for ready transitions, for messages, and for the disk.
+/// Factor on the time of a build for waiting: for ready transitions, for messages, and for the
+/// disk.
 constexpr double waiting = 1.2;
 
-/// Ratio of the error that halves a cell to the error half-way along a straight way. The former is
-/// the likely error in the worst place of the cell (nextRefinement).
+/// Ratio of two errors. The first is the likely error at the worst place of a cell, which decides
+/// whether the cell is halved (nextRefinement). The second is measured half-way along a step of a
+/// way.
 constexpr double worst_in_cell = 5;
-/// Number of points that a halved cell adds among other halved cells.
+/// Number of points that a halved cell adds if its neighbours are halved too.
 constexpr double points_of_cell = 7;
 
 /// Estimates for the lattice points between n and n + 1 spacings from rest.
 struct Shell {
   double points = 0;
   double seconds = 0;  ///< average per point; nothing for points that are not tried
-  double reached = 0;  ///< share of the points
+  double reached = 0;  ///< share of the points that are reached
   double more = 0;     ///< average number of points that halving adds per point
 };
 
-/// Returns the number of points that halving adds per lattice point at the end of step n of a way.
-/// A reached point is refined as its error demands, an unreached one to the last level. Unreached
-/// cells of a finger are halved once; beside rest their part at rest is halved again
+/// Returns how many points halving adds per lattice point, for lattice points like the end of step
+/// n of `way`. The cells at a reached point are halved as often as its error demands. The cells at
+/// an unreached point are halved at every level. For a finger, however, they are halved only once;
+/// if they touch the rest position (n = 0), their part at rest is halved at every level
 /// (nextRefinement).
 double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   const WayStep& step = way.steps[n];
@@ -42,7 +45,8 @@ double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   return points_of_cell * cellsHalved(std::numeric_limits<double>::infinity(), levels);
 }
 
-/// Adds the points of one space. The lattice of a finger that only pushes is the pushed part.
+/// Counts the lattice points of one space. The lattice of a finger that only pushes is the pushed
+/// part.
 void add(const Lattice& lattice, std::vector<Shell>& shells) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const double spacings = lattice.displacement(n).norm() / lattice.spacing();
@@ -52,12 +56,14 @@ void add(const Lattice& lattice, std::vector<Shell>& shells) {
   }
 }
 
-/// Fills the shells with the estimator of Kaplan and Meier, for survival of patients of whom some
-/// leave the study. A shell's share of ending ways counts only the ways that got to it; ways that
-/// were cut earlier do not matter. A shell that no way reached costs as much as the one before it.
+/// Estimates time and reach of each shell with the estimator of Kaplan and Meier. It estimates the
+/// survival of patients of whom some leave the study; here these are the ways that were cut. The
+/// share of ways that end in a shell is taken among the ways that got to it, so ways that were cut
+/// earlier do not matter. A shell to which no way got costs as much per point as the shell before
+/// it.
 void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
           std::int32_t levels) {
-  double going_on = ways.empty() ? 0 : 1;  // share of the ways
+  double going_on = ways.empty() ? 0 : 1;  // share of the ways that have not ended
   double seconds_each = 0;
   for (std::size_t n = 0; n < shells.size(); ++n) {
     double tried = 0, stopped = 0, too_strong = 0, seconds = 0, more = 0;
@@ -71,7 +77,7 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
       stopped += step.reached ? 0 : 1;
       too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
     }
-    // Other neighbours lead to a point as often as they are reached themselves.
+    // A point can be reached from another neighbour only if that neighbour is reached itself.
     const double failed =
         tried > 0 ? stopped * (1 - reached_after_failure * (1 - stopped / tried)) : 0;
     if (tried > 0) seconds_each = seconds / tried;

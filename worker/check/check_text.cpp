@@ -41,7 +41,7 @@ void sayConversion(std::string& text, const Scene& scene) {
   }
 }
 
-/// Writes elastic constants at rest, and mass, of each region.
+/// Writes the elastic constants at rest, and the mass, of each region.
 void sayModuli(std::string& text, const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
@@ -79,7 +79,7 @@ void sayBody(std::string& text, const SceneReport& report) {
 
 void sayActives(std::string& text, const SceneReport& report) {
   const std::size_t n_spaces = report.spaces.size();
-  // A few more spaces are better than "and 1 more", which takes a line too.
+  // Somewhat longer lists are shown in full, because "and 1 more" takes a line too.
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const SceneReport::Space& space : std::span(report.spaces).first(shown)) {
     const bool finger = space.patch->finger.has_value();
@@ -138,7 +138,7 @@ bool isOfFingersThatPush(const Problem& problem) {
 
 void sayCost(std::string& text, const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
-  if (!measured.no_rest.empty()) return;  // a warning reports it, and there is no estimate
+  if (!measured.no_rest.empty()) return;  // a warning says so, and there is no estimate
   const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
   say(text, "cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",

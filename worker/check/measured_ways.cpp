@@ -28,20 +28,23 @@ Eigen::Vector3d directionAt(double height, double turn) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Returns the direction, or its mirror image if a contact that only pushes does not reach it.
+/// Returns the direction. If a contact that only pushes does not reach it, returns its mirror
+/// image, which points into the tissue.
 Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
   if (part.contains(1e-6 * direction)) return direction;
   return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;
 }
 
-/// Returns the force half-way between two lattice points, interpolated from forces and stiffnesses.
+/// Returns the force half-way between two lattice points, interpolated from their forces and
+/// stiffnesses.
 Eigen::Vector3d interpolated(const Equilibrium& from, const Equilibrium& to,
                              const Eigen::Vector3d& step) {
   return (from.force + to.force) / 2 + (from.stiffness - to.stiffness) * step / 8;
 }
 
-/// Returns WayStep::error of the step to `to`, by a solution half-way from `start`. 0 if that
-/// fails, or if a finger's force exceeds max_force.
+/// Returns WayStep::error of the step between the equilibria `from` and `to`: solves half-way from
+/// `start`, and compares the force with the interpolated one. 0 if this solve fails, or if the
+/// force of a finger exceeds max_force there.
 double errorHalfWay(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                     const Start& start, const Equilibrium& from, const Equilibrium& to,
                     const Eigen::Vector3d& at, const Eigen::Vector3d& step) {
@@ -54,14 +57,14 @@ double errorHalfWay(TransitionSolver& solver, const Problem& problem, const Acti
   return (interpolated(from, to, step) - half.equilibrium().force).norm() / allowed;
 }
 
-/// Follows the straight way from rest in this direction, until it ends, leaves the computed part of
-/// the ball, or the measurement is `over`.
+/// Solves one way and adds it to `found`. The way goes from rest in this direction until it ends
+/// (WayEnd), leaves `part`, or `over` returns true.
 void walkOutward(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                  const PushedPart& part, const Eigen::Vector3d& direction,
                  const std::function<bool()>& over, MeasuredWays& found) {
   const Workspace& workspace = problem.scene.workspace;
   const bool adaptive = problem.scene.accuracy.adaptive();
-  // The time of the start counts, because a worker prepares it for every job too.
+  // The time to prepare the start counts, because a worker prepares one for every job too.
   double step_began = processorSeconds();
   Failure failure;
   std::optional<Start> start = solver.startAtRest(failure);
@@ -80,8 +83,8 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
   for (double at = 0; at < workspace.radius;) {
     if (over()) return end(WayEnd::cut);
     const double from = at;
-    // The last step includes the rest of a spacing, which would be a transition that no lattice
-    // has.
+    // If less than half a spacing would remain, the last step includes it. Alone, it would be a
+    // shorter transition than any of the lattice.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
     if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// Fewer ways than these do not show where most ways end.
+/// With fewer ways than this, it is not clear where most ways end.
 constexpr std::size_t fewest_telling_ways = 4;
 
 std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
@@ -30,7 +30,7 @@ std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   return spaces;
 }
 
-/// Adds the warnings that need measured ways.
+/// Adds the warnings that are based on the measured ways.
 void warnOfWays(SceneReport& report) {
   const std::vector<Way>& ways = report.measured.ways;
   if (!report.measured.no_rest.empty()) {
@@ -52,7 +52,8 @@ void warnOfWays(SceneReport& report) {
   const auto ended = [&](WayEnd end) {
     return static_cast<std::size_t>(std::ranges::count(ways, end, &Way::end));
   };
-  // The workspace of a finger is deep, so that the force limits its pushes.
+  // The workspace of a finger is deep on purpose, so that max_force limits the pushes. Ways that
+  // end there need no warning.
   const bool fingers = std::ranges::all_of(
       report.spaces, [](const SceneReport::Space& space) { return bool(space.patch->finger); });
   if (fingers && 2 * ended(WayEnd::failed) < ways.size()) return;

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-/// The solver of one problem. It also writes the origin of each result.
+/// Solves the jobs of one problem. Fills in each result, together with the build, target and start
+/// that it belongs to.
 class ProblemSolver {
  public:
   ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
@@ -33,12 +34,14 @@ class ProblemSolver {
     const auto start =
         ready.start ? solver_.startFrom(*ready.start, displacementOf(job.start()), start_failure)
                     : solver_.startAtRest(start_failure);
-    // If the start cannot be prepared, every target fails; each failure is a result as usual.
+    // If the start cannot be prepared, every target fails, and each failure is reported as a
+    // result.
     for (int n = 0; n < job.targets_size(); ++n) {
       const wire::Target& target = job.targets(n);
       if (!mailbox.begin(job.id(), target.point())) return;
       const int transitions = static_cast<int>(std::max(1U, target.steps()));
-      // No rescue on the way: the plan decides which targets are retried, and from where.
+      // A failed transition ends the path without a rescue, because the scheduler's plan decides
+      // which targets are tried again, and from which start.
       const Outcome outcome =
           start ? walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
                       .outcome

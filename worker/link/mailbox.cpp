@@ -42,7 +42,8 @@ void Mailbox::close() {
 
 std::vector<FinishedTarget> Mailbox::takeFinished() {
   eventfd_t count = 0;
-  // Read before the results are taken, so that a result in between wakes the network thread again.
+  // The counter is read before the results are taken, so that a result which arrives in between
+  // wakes the network thread again.
   if (eventfd_read(event_, &count) != 0 && errno != EAGAIN)
     throw failure("eventfd read: {}", errnoText());
   const std::lock_guard lock(mutex_);
@@ -67,7 +68,7 @@ bool Mailbox::hasWork() {
 std::optional<ReadyJob> Mailbox::next(bool waits) {
   std::unique_lock lock(mutex_);
   progress_.heartbeat.set_solving(false);
-  // A request to drop the current job concerned the previous one.
+  // If a drop of the current job was requested, it concerned the previous job.
   forget_current_ = false;
   if (waits) changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
   if (jobs_.empty()) return std::nullopt;
@@ -75,7 +76,8 @@ std::optional<ReadyJob> Mailbox::next(bool waits) {
   jobs_.pop_front();
   progress_.heartbeat.set_solving(true);
   progress_.heartbeat.set_job(job.job.id());
-  // Until begin() names a target, the solver prepares the start, which may kill it too.
+  // Until begin() names a target, the solver prepares the start. The start is reported as the
+  // target, because its preparation may kill the process too.
   *progress_.heartbeat.mutable_target() = job.job.start();
   ++progress_.begun;
   progress_.hung_after = std::chrono::seconds(job.job.hung_after_s());
@@ -96,7 +98,7 @@ void Mailbox::finish(FinishedTarget target) {
   PALPATE_ASSERT(progress_.heartbeat.solving(), "a target is finished while its job is in work");
   const bool last = target.last_of_job;
   finished_.push_back(std::move(target));
-  // The network thread also polls, so no result waits forever.
+  // A result that wakes nobody does not wait forever, because the network thread also polls.
   const auto now = std::chrono::steady_clock::now();
   if (!last && woke_ && now - *woke_ < gathers_for_) return;
   woke_ = now;

@@ -16,7 +16,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds poll_interval{50};
 
-/// Last resort if this thread deadlocks on a lock of the solver thread.
+/// Makes the system end this process (SIGALRM) about one second after `drain_s`. This is the last
+/// resort, for a thread that waits forever for a lock of the solver thread.
 void endAnyway(double drain_s) { alarm(static_cast<unsigned>(std::ceil(drain_s)) + 1); }
 
 }  // namespace
@@ -28,16 +29,16 @@ SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionO
 void SchedulerLink::connect() {
   handshakes_.reset();
   socket_ = makeDealer(context_);
-  // Read on each connection: keys may be replaced while workers run.
+  // Keys are read for each connection, because they may be replaced while workers run.
   if (keys_) proveAsClient(socket_, *keys_, options_.endpoint);
   handshakes_.emplace(context_, socket_);
-  // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
+  // The prefix is needed because the random id may begin with a zero byte, which ZeroMQ reserves.
   socket_.set(zmq::sockopt::routing_id, "w" + options_.worker_id);
   tellTrouble(connectDealer(socket_, options_.endpoint));
 }
 
-/// Reports an obstacle once. Connecting goes on, because the key may be admitted, or the host name
-/// may resolve, while this worker waits.
+/// Logs why the scheduler is not reached, once per reason. The worker keeps trying, because
+/// meanwhile its key may be admitted, or the host name may become known.
 void SchedulerLink::tellTrouble(std::string trouble) {
   if (trouble.empty() || trouble == told_) return;
   spdlog::warn("{} is not reached: {}; trying again", options_.endpoint, trouble);
@@ -78,7 +79,7 @@ ExitCode SchedulerLink::run() {
         wanted_kernels_ = session.wantedKernels();
         return ExitCode::done;
       case WorkerSession::Next::end:
-        // LINGER is 0; this gives the goodbye a moment to leave.
+        // LINGER was 0 until now. The new value gives the goodbye a moment to leave.
         socket_.set(zmq::sockopt::linger, 500);
         return session.exitCode();
       case WorkerSession::Next::killed:

@@ -12,18 +12,20 @@
 namespace palpate {
 namespace {
 
-/// Size of the cache of start configurations: many hundred of a coarse mesh, dozens of a fine one.
+/// Size limit of the cache of start configurations. It holds many hundreds for a coarse mesh,
+/// dozens for a fine one.
 constexpr std::size_t cache_limit_bytes = 64u << 20;
 constexpr std::chrono::milliseconds hello_interval{1000};
-/// Answers and acknowledgements take milliseconds. After this long the message or its answer was
-/// lost; a broken connection loses the messages in transit.
+/// A message without an answer is repeated after this time. Answers and acknowledgements take
+/// milliseconds, so the message or its answer was lost, for instance with a broken connection.
 constexpr std::chrono::milliseconds say_again_after{10000};
 /// After this long without a message from the scheduler, a new socket is made.
 constexpr std::chrono::milliseconds reconnect_after{20000};
-/// Number of jobs requested in advance: the one in work, and one to hide the network's latency.
+/// Number of jobs that are requested in advance: one to solve, and one to hide the latency of the
+/// network.
 constexpr std::uint32_t jobs_in_advance = 2;
-/// A worker that does nothing for this long was suspended or had no processor time. The gap then
-/// counts neither as silence of the scheduler nor as time of the solver.
+/// If this thread does not run for this long, the process was suspended or had no processor time.
+/// Such a gap counts neither as silence of the scheduler nor as time of the solver.
 constexpr std::chrono::milliseconds own_gap{3000};
 
 using Seconds = std::chrono::duration<double>;
@@ -101,7 +103,8 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
 }
 
 void WorkerSession::handleHeartbeat(const wire::HeartbeatReply& reply, Time now) {
-  // A new epoch does not know us, our jobs, or results that it has not acknowledged.
+  // A restarted scheduler has a new epoch. It knows neither this worker nor its jobs, nor the
+  // results that were not acknowledged.
   if (epoch_.empty() || reply.epoch() == epoch_) return;
   spdlog::info("the scheduler was restarted; introducing this worker again");
   introduceAgain(now);
@@ -113,7 +116,7 @@ void WorkerSession::drain() {
 }
 
 void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
-  // The second answer to a repeated hello.
+  // This is the second answer to a hello that was repeated.
   if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
   if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
@@ -121,10 +124,11 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
-  // The scheduler that told this worker to leave is gone.
+  // If a scheduler told this worker to leave, that scheduler is gone. Only an interrupt remains
+  // valid.
   draining_ = interrupted_at_.has_value();
-  // After a change of build nothing is worth keeping. Jobs are requested once its problem has
-  // arrived.
+  // If the build has changed, results and start configurations of the old one are useless. Jobs are
+  // requested once the new problem has arrived.
   if (*build != build_ || !problem_) {
     build_ = *build;
     problem_.reset();
@@ -154,7 +158,8 @@ void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
   last_delivered_ = now;
 }
 
-/// A hello makes the scheduler take back this worker's jobs and hand them out again.
+/// Drops all work and says hello. The hello makes the scheduler take back this worker's jobs and
+/// hand them out again.
 void WorkerSession::introduceAgain(Time now) {
   epoch_.clear();
   forgetWork();
@@ -163,10 +168,10 @@ void WorkerSession::introduceAgain(Time now) {
 
 void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::string& payload,
                                   Time now) {
-  // The reply to a repeated request, or to a request after an earlier welcome.
+  // This reply answers a repeated request, or one for the problem of an earlier build.
   if (problem_ || reply.build() != build_.bytes()) return;
   auto problem = std::make_shared<Problem>(decodeProblem(payload));
-  // The whole problem is compared, because the bits of every result depend on it.
+  // The id covers the whole problem, because the bits of every result depend on all of it.
   if (problemId(*problem) != build_)
     throw failure("the problem that the scheduler at {} sent is not build {}", options_.endpoint,
                   build_.shortHex());
@@ -224,8 +229,8 @@ void WorkerSession::handleFields(const wire::FieldsReply& reply, const std::stri
 void WorkerSession::startReadyJobs() {
   while (!waiting_.empty()) {
     std::shared_ptr<const NodalFields> start;
-    // Jobs keep their order, even if a later one has its start: the scheduler relies on it when it
-    // guesses which target killed a worker.
+    // Jobs are solved in order, even if a later job already has its start. The scheduler relies on
+    // this order when it guesses which target killed a worker.
     if (const auto id = ContentId::fromBytes(waiting_.front().start_id())) {
       start = cached(*id);
       if (!start) return;
@@ -249,7 +254,8 @@ void WorkerSession::remember(const ContentId& id, const std::string& payload) {
                     n_pressures = problem_->pressures.count();
   cache_.emplace_front(
       id, std::make_shared<const NodalFields>(NodalFields::decode(payload, n_nodes, n_pressures)));
-  // All fields of a problem have the same size. The newest entry stays, whatever its size.
+  // The fields of all configurations of a problem have the same size. The newest entry stays,
+  // whatever its size.
   const std::size_t most = std::max<std::size_t>(1, cache_limit_bytes / payload.size());
   if (cache_.size() > most) cache_.pop_back();
 }
@@ -257,8 +263,9 @@ void WorkerSession::remember(const ContentId& id, const std::string& payload) {
 void WorkerSession::deliverFinished(Time now) {
   for (FinishedTarget& finished : mailbox_.takeFinished()) {
     const wire::Result& result = finished.result;
-    if (result.build() != build_.bytes()) continue;  // of a build that this scheduler abandoned
-    // The next job is likely to start where this one ended. Without a problem its start is fetched.
+    if (result.build() != build_.bytes()) continue;  // the result belongs to an earlier build
+    // The next job is likely to start from this result, so it is cached. Without a problem it
+    // cannot be decoded, and is requested when it is needed.
     if (const auto id = ContentId::fromBytes(result.fields_id()); id && problem_)
       remember(*id, finished.fields);
     deliver(finished, now);
@@ -300,7 +307,8 @@ void WorkerSession::forgiveOwnGap(Time now) {
   if (idle_since_) *idle_since_ += gap;
 }
 
-/// Returns whether nothing has been queued, solved or undelivered for leave_idle_s.
+/// Returns whether, for leave_idle_s, no job was queued or being solved and every result was
+/// acknowledged.
 bool WorkerSession::isIdleForLong(Time now) {
   if (!waiting_.empty() || !unacknowledged_.empty() || mailbox_.hasWork())
     idle_since_.reset();
@@ -337,7 +345,7 @@ WorkerSession::Next WorkerSession::advance(Time now) {
   if (!wanted_kernels_.empty()) return Next::anew;
   deliverFinished(now);
   if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
-  // Without a goodbye, so that the scheduler learns which target ended this process.
+  // No goodbye is sent, so that the scheduler learns which target ended this process.
   if (solverHangs(now)) return Next::killed;
   if (draining_ && unacknowledged_.empty() && !mailbox_.progress().heartbeat.solving()) {
     sayGoodbye(interrupted_at_ ? "interrupted" : finished_ ? "no more work" : "drained");

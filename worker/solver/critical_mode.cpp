@@ -12,8 +12,8 @@ namespace {
 
 constexpr int columns = 4, most_iterations = 60;
 constexpr double converged = 1e-6;  ///< relative change of the eigenvalue per iteration
-/// A component counts as equal to the largest one from this fraction of it on, so that round-off
-/// does not decide which of two equal components comes first.
+/// A component of at least this fraction of the largest one counts as equal to it, so that
+/// round-off does not decide which of several equal components comes first.
 constexpr double as_large = 1 - 1e-6;
 
 /// Returns 1 for the displacement unknowns that no tool holds, 0 for all others.
