@@ -25,8 +25,9 @@ namespace {
 /// Maximum number of bodies listed with their sizes in an error.
 constexpr std::size_t listed_bodies = 5;
 
-/// Gaps up to the first width are closed, in diagonals of the body: a hundredth of a millimetre for
-/// an organ. Wider gaps, up to the second width, are reported as gaps and not as holes.
+/// Widths of gaps, in diagonals of the body's bounding box. Gaps up to closed_gap (a hundredth of a
+/// millimetre for an organ) are closed. If most open edges belong to gaps up to told_gap, the error
+/// says so and does not speak of holes.
 constexpr double closed_gap = 1e-4, told_gap = 1e-2;
 
 std::vector<std::int32_t> countUp(std::size_t count) {
@@ -35,7 +36,8 @@ std::vector<std::int32_t> countUp(std::size_t count) {
   return numbers;
 }
 
-/// One edge of one triangle, identified by its lower and its higher end.
+/// One edge of one triangle. The edge is identified by its end with the lower number and its end
+/// with the higher number.
 struct Side {
   std::int32_t low, high, triangle;
   bool upward;  ///< the triangle runs from low to high
@@ -55,7 +57,8 @@ std::vector<Side> sidesOf(const std::vector<Triangle>& triangles) {
   return sides;
 }
 
-/// Calls visit(run) with the sides of each edge.
+/// Calls visit(span) once per edge, with all sides of that edge. `sides` must be sorted as by
+/// sidesOf().
 template <class Visit>
 void forEachEdge(const std::vector<Side>& sides, Visit visit) {
   for (std::size_t first = 0, next; first < sides.size(); first = next) {
@@ -67,7 +70,8 @@ void forEachEdge(const std::vector<Side>& sides, Visit visit) {
   }
 }
 
-/// Edges with one triangle, and edges with more than two; one side of each.
+/// Edges with one triangle (open), and edges with more than two (crowded). Each edge is given by
+/// one of its sides.
 struct OddEdges {
   std::vector<Side> open, crowded;
 };
@@ -88,7 +92,7 @@ struct SurfaceShell {
   double area = 0;
   std::int64_t open_edges = 0;
   int depth = 0;             ///< number of shells around it
-  std::int32_t around = -1;  ///< the smallest of these
+  std::int32_t around = -1;  ///< the smallest of these shells; -1 if there is none
 };
 
 class SurfaceRepair {
@@ -144,7 +148,8 @@ class SurfaceRepair {
       }
   }
 
-  /// Merges equal corners, which STL repeats, and then nearly equal ones.
+  /// Merges equal corners, because an STL file repeats a corner in each of its triangles. Then
+  /// merges nearly equal corners.
   void mergePoints() {
     const auto less = [this](std::int32_t a, std::int32_t b) {
       const Eigen::Vector3d &p = points_[a], &q = points_[b];
@@ -182,7 +187,7 @@ class SurfaceRepair {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
   }
 
-  /// Drops triangles with two equal corners, and repetitions.
+  /// Drops triangles with two equal corners, and triangles that are there already.
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
     if (flat > 0) note("{} triangles without area are left out", flat);
@@ -195,7 +200,8 @@ class SurfaceRepair {
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
   }
 
-  /// Corners at open edges merged with corners near them, and the odd edges that remain.
+  /// The result of merging corners at open edges with corners near them. `left` has the odd edges
+  /// that remain.
   struct JoinedCorners {
     std::vector<std::int32_t> same_as;
     std::int64_t count = 0;
@@ -203,7 +209,8 @@ class SurfaceRepair {
     OddEdges left;
   };
 
-  /// Merges within `reach` and within a quarter of the mean open edge, so that holes remain.
+  /// Merges corners at the open edges that are within `reach` of each other, and also within a
+  /// quarter of the mean length of these edges, so that holes remain. Does not change the surface.
   JoinedCorners joinedCorners(const std::vector<Side>& open, double reach) const {
     std::vector<std::int32_t> corners;
     double length = 0;
@@ -229,8 +236,8 @@ class SurfaceRepair {
     return joined;
   }
 
-  /// Closes gaps too narrow to be visible. Programs leave them when they cut a surface, or round
-  /// its corners one triangle at a time.
+  /// Closes gaps too narrow to be visible. Programs leave gaps when they cut a surface, or when
+  /// they round the coordinates of a corner differently in each of its triangles.
   void closeGaps() {
     const OddEdges before = oddEdgesOf(triangles_);
     if (before.open.empty()) return;
@@ -244,16 +251,17 @@ class SurfaceRepair {
     dropIdleTriangles();
   }
 
-  /// Removes triangles without area. Programs use them to close a crack, if one side of the surface
-  /// has a corner in the middle of an edge. The triangle behind the long edge is cut at that corner
-  /// instead.
+  /// Removes triangles without area. Programs insert such a triangle to close a crack, if a corner
+  /// on one side of it lies in the middle of an edge on the other side. Instead, the triangle at
+  /// that edge is cut in two at that corner.
   void cutBesideFlatTriangles() {
     bool cut = false;
     while (cutBesideOneEach()) cut = true;
     if (cut) note("triangles without area, by three corners on a line, are taken out");
   }
 
-  /// Cuts beside each flat triangle with an untouched neighbour. Returns false if there are none.
+  /// Removes each flat triangle and cuts its neighbour, unless that neighbour was already cut in
+  /// this pass. Returns false if nothing could be cut.
   bool cutBesideOneEach() {
     std::int32_t first = 0;
     const auto last = static_cast<std::int32_t>(triangles_.size());
@@ -286,7 +294,7 @@ class SurfaceRepair {
   /// Returns the corner of a flat triangle that lies on the opposite edge; -1 if it has an area.
   std::int32_t middleCorner(std::int32_t t) const {
     const Triangle& corners = triangles_[t];
-    int first = 0;  // of the longest edge
+    int first = 0;  // first corner of the longest edge
     double longest = 0;
     for (int i = 0; i < 3; ++i)
       if (const double length = (points_[corners[(i + 1) % 3]] - points_[corners[i]]).norm();
@@ -298,7 +306,8 @@ class SurfaceRepair {
     return height <= coincident_distance * box_.diagonal().norm() ? corners[(first + 2) % 3] : -1;
   }
 
-  /// Finds the shells. Triangles that share an edge belong to one shell.
+  /// Finds the shells, which are the connected parts of the surface: triangles that share an edge
+  /// belong to one shell.
   void findShells() {
     JoinedSets shells(triangles_.size());
     const std::vector<Side> sides = sidesOf(triangles_);
@@ -325,8 +334,8 @@ class SurfaceRepair {
     return (points_[b] - points_[a]).cross(points_[c] - points_[a]);
   }
 
-  /// Drops open pieces beside the largest one: only the largest body is wanted, so they are no
-  /// error.
+  /// Drops all open pieces except the largest piece. Only the largest body is wanted, so they are
+  /// no error.
   void leaveOutOpenScraps() {
     const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
     const std::size_t count = leaveOut(
@@ -334,7 +343,7 @@ class SurfaceRepair {
     if (count > 0) note("{} open pieces beside the largest are left out", count);
   }
 
-  /// Drops the shells for which `idle` is true. Returns their number.
+  /// Drops the shells for which `idle` returns true. Returns the number of dropped shells.
   template <class Idle>
   std::size_t leaveOut(Idle idle) {
     std::vector<bool> gone(triangles_.size());
@@ -392,8 +401,8 @@ class SurfaceRepair {
             : "");
   }
 
-  /// Orients the triangles of each shell, from the first one over all edges, until neighbours run
-  /// through their common edge in opposite directions.
+  /// Turns triangles until neighbours run through their common edge in opposite directions. Starts
+  /// from the first triangle of each shell and proceeds from neighbour to neighbour.
   void turnAlike() {
     const std::vector<Side> sides = sidesOf(triangles_);
     std::vector<std::array<std::int32_t, 3>> neighbours(triangles_.size(), {-1, -1, -1});
@@ -446,7 +455,7 @@ class SurfaceRepair {
       for (const std::int32_t t : shell.triangles)
         shell.volume += (points_[triangles_[t][0]] - origin).dot(crossOf(t)) / 6;
     }
-    // The ratio of a sphere is 0.094.
+    // Shells with a smaller ratio |volume| / area^1.5 are dropped. A sphere has 0.094.
     constexpr double flat = 1e-6;
     const std::size_t left_out = leaveOut([](const SurfaceShell& shell) {
       return std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5);
@@ -458,8 +467,8 @@ class SurfaceRepair {
     measureShells();
   }
 
-  /// Returns whether a point lies inside a shell: the solid angle of the shell is then 4 pi, else
-  /// zero.
+  /// Returns whether a point lies inside a shell. The shell's solid angle at the point is 4 pi if
+  /// it does, otherwise zero.
   bool isInside(const Eigen::Vector3d& point, const SurfaceShell& shell) const {
     if (!shell.box.contains(point)) return false;
     double angle = 0;
@@ -495,7 +504,7 @@ class SurfaceRepair {
     std::vector<std::int32_t> bodies;
     for (std::int32_t s = 0; s < static_cast<std::int32_t>(shells_.size()); ++s)
       if (isBody(shells_[s])) bodies.push_back(s);
-    // Intersecting shells may each seem to be inside another.
+    // If shells intersect, each may seem to be inside another.
     if (bodies.empty())
       throw wrong(
           "its {} pieces reach into each other: join them in the program that made them (Blender: "
@@ -526,8 +535,8 @@ class SurfaceRepair {
     if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
   }
 
-  /// Fills specks, which scans leave inside a body. A mesh cannot resolve a cavity narrower than
-  /// its edges, and would spend a dozen nodes on each.
+  /// Fills cavities narrower than an element edge, such as the specks that scans leave inside a
+  /// body. A mesh cannot resolve them, and would spend a dozen nodes on each.
   void fillSpecks() {
     const SurfaceShell& body = *std::ranges::find_if(shells_, isBody);
     const double whole = std::abs(body.volume),
@@ -588,13 +597,13 @@ class SurfaceRepair {
         placeText((points_[triangle[0]] + points_[triangle[1]] + points_[triangle[2]]) / 3));
   }
 
-  /// Returns a point inside a cavity: halfway from its largest triangle to the next wall behind.
+  /// Returns a point inside a cavity: halfway between its largest triangle and the opposite wall.
   Eigen::Vector3d pointInside(const SurfaceShell& shell) const {
     const std::int32_t largest = *std::ranges::max_element(
         shell.triangles, {}, [this](std::int32_t t) { return crossOf(t).norm(); });
     const Triangle& from = triangles_[largest];
     const Eigen::Vector3d start = (points_[from[0]] + points_[from[1]] + points_[from[2]]) / 3;
-    // Cavities face inward.
+    // The normals of a cavity point into it.
     const Eigen::Vector3d along = crossOf(largest).normalized();
     double nearest = box_.diagonal().norm();
     for (const std::int32_t t : shell.triangles) {
@@ -662,7 +671,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
 
 double edgeFor(double volume, double area, double nodes) {
   PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses others");
-  // nodes(h) falls with h, so h is found by bisection.
+  // The number of nodes falls with the edge length h, so bisection finds h.
   double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
   for (int n = 0; n < 60; ++n) {
     const double h = (low + high) / 2;

@@ -12,9 +12,10 @@
 namespace palpate {
 namespace {
 
-/// Largest extents taken for metres and for centimetres.
+/// The largest extents that are taken for metres and for centimetres.
 constexpr double most_metres = 1, most_centimetres = 40;
-/// Extents for which metres or millimetres are certain.
+/// The guess is certain from sure_metres to most_metres (metres), and from sure_millimetres to
+/// most_millimetres (millimetres).
 constexpr double sure_metres = 0.01, sure_millimetres = 100, most_millimetres = 1000;
 
 LengthUnit unitOf(std::string_view word) {

@@ -21,28 +21,32 @@
 namespace palpate {
 namespace {
 
-/// Words in the names of groups that hold a body, the most telling first.
+/// Words in the name of a node group that suggest that it is fixed, the most telling first.
 constexpr const char* words_of_fixed[] = {"fix",  "clamp",  "encastre", "support",
                                           "held", "anchor", "ground",   "attach",
                                           "base", "bottom", "bone",     "ligament"};
-/// Largest share of the surface's nodes in a fixed group; a larger group holds too much.
+/// Largest share of the surface's nodes that a fixed group may contain. A larger group would hold
+/// too much of the body.
 constexpr double most_fixed = 0.6;
-/// Length of the fixed end, as a fraction of the longest axis.
+/// Length of the fixed end, as a fraction of the body's longest extent.
 constexpr double fixed_end = 0.15;
-/// Radius of the finger, in mean edges of the surface. Other shares are tried if a radius causes
-/// warnings.
+/// Wanted radius of the finger, in mean edges of the surface, and the factors on this radius that
+/// are tried one after another while there are warnings.
 constexpr double wanted_edges = 1.5;
 constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
-/// Limits a surface to about 330 sites; there are about 1.7 area / radius^2.
+/// Largest surface area in units of the finger's radius^2. There are about 1.7 area / radius^2
+/// sites, so this limits their number to about 330.
 constexpr double area_per_finger = 190;
-/// Largest number of places for a smaller finger; more would make a first build long.
+/// Largest number of sites that a smaller finger may need. More sites would make a first build
+/// long.
 constexpr double most_places = 1000;
 constexpr const DeviceProfile& proposed_device = device_profiles.front();
 /// The proposed tissue, Pa, and its Young's modulus.
 constexpr double c10 = 1300, c01 = 1280, tissue_young = 6 * (c10 + c01);
-/// Depth at which most places reach the device's largest force, measured on livers: E r d = 1.6 F.
+/// A finger of radius r meets the force F at the depth d with E r d = 1.6 F at most places.
+/// Measured on livers; E is Young's modulus.
 constexpr double force_depth = 1.6;
-/// Largest depth in radii of the finger. Deeper pushes would tear the tissue.
+/// Largest depth of the workspace in radii of the finger. Deeper pushes would tear the tissue.
 constexpr double deepest = 1.5;
 
 struct FixedProposal {
@@ -102,7 +106,7 @@ FixedProposal proposedFixed(const Mesh& mesh) {
   int axis = 0;
   boundingBox(mesh).sizes().maxCoeff(&axis);
   const char word = "xyz"[axis];
-  // For nearly equal ends the lower one.
+  // If both ends are nearly equal, the lower one is taken.
   const bool below = areaAtEnd(mesh, axis, true) >= 0.98 * areaAtEnd(mesh, axis, false);
   return {fmt::format("{} = {{ axis = \"{}\", fraction = {} }}", below ? "below" : "above", word,
                       fixed_end),
@@ -127,8 +131,8 @@ SurfaceMeasure measuredSurface(const Mesh& mesh) {
   return measured;
 }
 
-/// Returns whether a finger of this radius, metres, reaches around the body at so large a share of
-/// the places of `problem` that it would cause a warning as well.
+/// Returns whether a finger of this radius, metres, would touch both sides of the body at more than
+/// a tenth of the sites of `problem`. That would cause a warning as well.
 bool reachesAround(const Problem& problem, double radius) {
   const auto both_sides = std::ranges::count_if(problem.active, [&](const ActivePatch& patch) {
     return patch.finger && isOnBothSides(problem.mesh, {patch.finger->center, radius});
@@ -142,8 +146,8 @@ std::size_t warningsOfMesh(const Mesh& mesh) {
 }
 
 /// Returns whether a finger of this radius, metres, may be better than the finger of `problem`,
-/// which causes this number of warnings. Does not compute its sites, which takes seconds on a thin
-/// body.
+/// which causes this number of avoidable warnings. Does not compute the sites of the new finger,
+/// because that takes seconds on a thin body.
 bool mayBeBetter(double radius, const Problem& problem, std::size_t warnings) {
   const double smaller = problem.scene.active.front().radius / radius;
   const auto places = static_cast<double>(problem.active.size()) * smaller * smaller;
@@ -157,14 +161,14 @@ double rounded(double value) {
   return std::round(value / unit) * unit;
 }
 
-/// Writes the scene for one size of the finger.
+/// Writes the text of the scene for a given finger.
 class SceneText {
  public:
   SceneText(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
             const LengthUnit& unit, const std::string& doubt)
       : mesh_(mesh), name_(name), mesh_file_(mesh_file), unit_(unit), doubt_(doubt) {}
 
-  /// radius: of the finger, in the unit of the file.
+  /// `radius` of the finger and `depth` of the workspace, in the unit of the file.
   std::string with(double radius, double depth, const FixedProposal& fixed) const {
     const Eigen::Vector3d size = boundingBox(mesh_).sizes() / unit_.metres;
     std::string text;
@@ -224,7 +228,7 @@ precision = "int16"                  # of displacements, which only the picture 
   }
 
  private:
-  /// Returns the spaces up to the column of the comments.
+  /// Returns the spaces between a number and the column in which comments begin.
   static std::string pad(double number, std::size_t longer_key = 0) {
     const std::size_t written =
         std::string("radius = ").size() + longer_key + fmt::format("{:.4g}", number).size();
@@ -279,8 +283,8 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
       tried = resolve(parseScene(scene.toml, "the proposed scene"), mesh);
       scene.warnings = warningsOf(tried);
     } catch (const Error& error) {
-      // Another finger may fit. But if two of them cause the same error, it does not depend on
-      // their size.
+      // Another finger may be accepted. But if two fingers cause the same error, the error does not
+      // depend on the size of the finger.
       const bool told = !best && refusal && std::string_view(error.what()) == refusal->what();
       if (told || error.exitCode() != ExitCode::usage) throw;
       if (!refusal) refusal = error;

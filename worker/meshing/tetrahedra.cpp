@@ -21,16 +21,16 @@
 namespace palpate {
 namespace {
 
-/// Maximum number of sizes tried to reach the requested number of nodes.
+/// Maximum number of edge lengths that are tried to reach the requested number of nodes.
 constexpr int most_tries = 5;
-/// Exponent of the number of nodes as a function of edge length, between the interior's (-3) and
-/// the surface's (-2).
+/// Exponent of the number of nodes as a function of the edge length. It is -3 in the interior and
+/// -2 on the surface.
 constexpr double nodes_by_size = -2.5;
-/// Relative differences in volume from the surface: above the first the mesh is rejected, above the
-/// second a note reports it.
+/// Relative differences between the volumes of the mesh and the surface. Above lost_volume the mesh
+/// is rejected; above told_volume a note reports the difference.
 constexpr double lost_volume = 0.25, told_volume = 0.05;
-/// Angle in degrees between neighbouring triangles from which their edge is a crease of the body,
-/// if such edges form lines.
+/// An edge is a crease of the body if its two triangles form at least this angle (degrees between
+/// the normals), and if such edges form lines (hasCreases).
 constexpr double crease = 40;
 
 /// The result of one program: the text of a .msh file, or the reason why there is none.
@@ -63,7 +63,7 @@ std::string coordinates(const Eigen::Vector3d& x) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", x[0], x[1], x[2]);
 }
 
-/// Returns the triangles and a point in each cavity, for tetgen.
+/// Returns the triangles, and a point in each cavity, in tetgen's format .smesh.
 std::string trianglesAsSmesh(const ClosedSurface& surface) {
   std::string text;
   auto out = std::back_inserter(text);
@@ -97,7 +97,7 @@ std::string asMsh(const char* group_names, const std::vector<Eigen::Vector3d>& p
   return text + "$EndElements\n";
 }
 
-/// Returns the mesh with its groups.
+/// Returns a file with the mesh and its groups "surface" and "body".
 std::string meshAsMsh(const Mesh& mesh) {
   return asMsh("$PhysicalNames\n2\n2 1 \"surface\"\n3 2 \"body\"\n$EndPhysicalNames\n", mesh.nodes,
                mesh.surface, 1, mesh.tetrahedra);
@@ -152,21 +152,22 @@ class Filling {
   Filling(const ClosedSurface& surface, std::filesystem::path folder)
       : surface_(surface), folder_(std::move(folder)) {}
 
-  /// Makes new triangles of this size, and tetrahedra.
+  /// Makes new triangles of this edge length, and then tetrahedra.
   Attempt byGmsh(double size) {
     const double angle = (creases() ? crease : 180) * std::numbers::pi / 180;
     return runGmsh(fmt::format("ClassifySurfaces{{{:.6g}, 1, 1, Pi}};\nCreateGeometry;", angle),
                    size);
   }
 
-  /// Makes tetrahedra between the given triangles.
+  /// Makes tetrahedra and keeps the given triangles.
   Attempt byGmshOnTriangles(double size) { return runGmsh("", size); }
 
   Attempt byTetgen(double size) {
     if (!isInstalled("tetgen")) return missing("tetgen");
     replaceFile(folder_ / "surface.smesh", trianglesAsSmesh(surface_), "surface");
-    // The volume of a regular tetrahedron with this edge length, which is tetgen's upper limit.
-    // Without -Y it splits the triangles: five times as many nodes on a sphere, with worse shapes.
+    // tetgen takes a largest volume of tetrahedra. It is the volume of a regular tetrahedron with
+    // this edge length. Without -Y, tetgen splits the triangles, which gives five times as many
+    // nodes on a sphere, with worse shapes.
     const double volume = size * size * size / (6 * std::numbers::sqrt2);
     const std::filesystem::path node = folder_ / "surface.1.node";
     std::error_code ignored;
@@ -203,7 +204,7 @@ class Filling {
     const std::filesystem::path body = folder_ / "body.msh";
     std::error_code ignored;
     std::filesystem::remove(body, ignored);
-    // Otherwise options saved by the user would change the mesh.
+    // Without this, options that the user saved in gmsh would change the mesh.
     setenv("GMSH_HOME", folder_.c_str(), 1);
     const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
                                           "msh22", "-o", body.string(), "-v", "3"},
@@ -225,8 +226,8 @@ double volumeOf(const Mesh& mesh) {
   return volume;
 }
 
-/// Reads the mesh of an attempt. Returns nothing, and sets its problem, if that is no mesh of this
-/// body.
+/// Reads the mesh of an attempt. If it is no mesh of this body, returns nothing and sets
+/// Attempt::problem.
 std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surface) {
   if (!attempt.problem.empty()) return std::nullopt;
   Tetrahedra made;
@@ -250,8 +251,8 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
   return made;
 }
 
-/// Refuses sizes that would keep the machine busy for hours, or give no element. The likely cause
-/// is another unit than the file's.
+/// Refuses sizes that would keep the machine busy for hours, or give no element. The user has
+/// probably given the size in another unit than the file's.
 void refuseSize(double size, const ClosedSurface& surface, const std::string& source) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : surface.points) box.extend(point);
@@ -265,7 +266,8 @@ void refuseSize(double size, const ClosedSurface& surface, const std::string& so
       extent);
 }
 
-/// Runs one attempt. A signal or a timeout becomes its problem; an interrupt is passed on.
+/// Runs one attempt. If the program dies of a signal or takes too long, this becomes
+/// Attempt::problem. An interrupt is passed on as an Error.
 template <class Fill>
 Attempt tried(Fill fill, double size) {
   try {
@@ -276,7 +278,9 @@ Attempt tried(Fill fill, double size) {
   }
 }
 
-/// Fills a surface in one way, and adapts the size until the number of nodes is right.
+/// Fills a surface by one program, and adapts the edge length until the number of nodes is near
+/// enough to the requested one. Returns the best mesh, or nothing if there is none. `last` becomes
+/// the last attempt.
 template <class Fill>
 std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,
                                   Attempt& last, Fill fill) {
@@ -292,7 +296,8 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
     const double off = std::abs(std::log(nodes / fineness.nodes)),
                  change = std::abs(volumeOf(made->mesh) / surface.volume - 1);
     spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
-    // Details of the surface need nodes at every size. Fewer nodes must not cost the body's volume.
+    // Fine details of the surface need nodes at every edge length. If a coarser mesh loses volume
+    // of the body, the finer mesh is kept.
     if (best && change > told_volume && best_change <= told_volume) break;
     if (!best || off < best_off) {
       best_change = change;

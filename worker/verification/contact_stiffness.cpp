@@ -1,7 +1,7 @@
-// Stiffness k(h) of four tools on a unit cube against the element size h (bottom fixed, the middle
-// of the top moved up, linear law, nu = 0.3). For a single node it is proportional to h without a
-// limit, because a point load in three dimensions is singular. For patches of radius 1/8 it
-// converges.
+// Stiffness k of four tools on a unit cube as a function of the element size h (bottom fixed, the
+// middle of the top moved up, linear law, nu = 0.3). For a single node, k falls in proportion to h
+// and has no positive limit, because a point load in three dimensions is singular. For patches of
+// radius 1/8, k converges.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,12 +13,12 @@ namespace palpate::verification {
 namespace {
 
 constexpr double patch_radius = 0.125;      ///< metres
-const Eigen::Vector3d middle(0.5, 0.5, 1);  ///< of the top
+const Eigen::Vector3d middle(0.5, 0.5, 1);  ///< of the top face
 
 const Material linear = {
     .law = LawName::linear, .young = tissue::young, .poisson = tissue::poisson};
 
-/// Returns k/E, metres, of the body's tool moved along z.
+/// Returns k/E, metres, for the body's tool, moved along z.
 double stiffness(const BodyModel& body) {
   Rig rig(body);
   const System& system = rig.system();
@@ -28,7 +28,8 @@ double stiffness(const BodyModel& body) {
   return result.residual.tool[2] / up[2] / tissue::young;
 }
 
-/// Returns k/E for the top nodes within `radius` of the middle as one rigid tool. h is 1/elements.
+/// Returns k/E, metres, where the top nodes within `radius` of the middle are one rigid tool. h is
+/// 1/elements.
 double discStiffness(DisplacementSpace displacement, int elements, double radius) {
   BodyModel body = bodyOf(cubeMesh(1, elements), {displacement, PressureSpace::none}, linear);
   hold(body, "zmin", "xyz");
@@ -39,8 +40,8 @@ double discStiffness(DisplacementSpace displacement, int elements, double radius
   return stiffness(body);
 }
 
-/// Returns k/E of a scene's tool. A rigid one includes the nodes inside the body within the radius,
-/// a weighted one only nodes of the surface.
+/// Returns k/E, metres, of a tool as a scene defines it. A rigid tool includes all nodes within the
+/// radius, also inside the body; a weighted tool includes only nodes of the surface.
 double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind,
                       const Eigen::Vector3d& place = middle) {
   Scene scene;
@@ -62,27 +63,28 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
           discStiffness(displacement, elements, patch_radius), reference, 0.005, "m"};
 }
 
-/// Returns k/E of the weighted average on a half-space.
+/// Returns k/E, metres, of a weighted-average tool on a half-space.
 ///
 /// The normal load is p(r) = 3/(pi a^2) (1 - (r/a)^2)^2. Its Hankel transform is 48 J3(z)/z^3 with
 /// z = k a. The half-space has the compliance 2 (1 - nu^2)/(E k) (Johnson, Contact Mechanics,
 /// 1985). So
 ///   E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz,
-/// in gamma functions by Weber and Schafheitlin.
+/// where the integral is known in gamma functions (Weber and Schafheitlin).
 double halfSpace() {
   const double integral = 48 * 48 * std::tgamma(6) * std::tgamma(0.5) /
                           (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
   return std::numbers::pi * patch_radius / ((1 - tissue::poisson * tissue::poisson) * integral);
 }
 
-/// The cube is a half-space to about 1 %; the rest of the deviation is due to the mesh.
+/// The cube behaves as a half-space to about 1 %. The rest of the deviation is due to the mesh.
 Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
   return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
           sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(),
           tolerance, "m"};
 }
 
-/// The same load by a finger. Its centre is near the middle, and not a node of any of these meshes.
+/// Applies the same load by a finger. The centre of the finger is near the middle, and is not a
+/// node of any of these meshes.
 Row finger(DisplacementSpace displacement, int elements, double tolerance) {
   const Eigen::Vector3d beside(0.473, 0.519, 1);
   return {fmt::format("finger {}, h = 1/{}: k/E", word(displacement), elements),

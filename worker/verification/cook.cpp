@@ -1,5 +1,5 @@
-// Cook's membrane: a tapered plate, clamped at the left edge and sheared at the right one. Plane
-// strain, by one layer of tetrahedra of constant thickness.
+// Cook's membrane: a tapered plate, clamped at the left edge and sheared at the right edge. It is
+// one layer of tetrahedra of constant thickness, so it is in plane strain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Row incompressible(int n, double reference, double tolerance) {
           "mm"};
 }
 
-/// Uses the data of deal.II's tutorial.
+/// Compares with the data of deal.II's tutorial.
 Row compressible(int n, double tolerance) {
   constexpr double shear = 0.4225 * newton_per_mm2, poisson = 0.3;
   const Material material = neoHookean(shear, 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson)));
@@ -48,7 +48,7 @@ Row compressible(int n, double tolerance) {
           tipDisplacement(p2_displacement, material, 1, n), 13.772, tolerance, "mm"};
 }
 
-/// In plane strain with J = 1 both invariants are equal.
+/// In plane strain with J = 1 both invariants are equal, so both laws give the same result.
 Row equalLaws(int n, double tolerance) {
   const Material shared = mooneyRivlin(0.3 * mu_of_plate / 2, 0.7 * mu_of_plate / 2);
   return {fmt::format("Mooney-Rivlin as neo-Hookean P2/P1, n = {}: tip", n),

@@ -11,12 +11,13 @@ namespace {
 constexpr double length = 1, height = length / 50, modulus = 1e6;  ///< m, m, Pa
 constexpr double second_moment = height * height * height * height / 12;
 
-/// A point of the centre line with arc length 1: along, down, angle, curvature.
+/// A point of the centre line of a beam of length 1: its position along and down, angle and
+/// curvature.
 using Section = Eigen::Vector4d;
 
-/// Returns the centre line at `stations` + 1 points, clamped at the first one.
-/// Integrates angle'' = -load cos(angle) by Runge and Kutta, and bisects the curvature at the clamp
-/// for zero moment at the tip.
+/// Returns the centre line at `stations` + 1 points, clamped at the first one. Integrates angle'' =
+/// -load cos(angle) by the method of Runge and Kutta, and finds by bisection the curvature at the
+/// clamp for which the moment at the tip is zero.
 std::vector<Section> elastica(double load, int stations) {
   constexpr int substeps = 20;
   const double ds = 1.0 / (stations * substeps);
@@ -43,9 +44,9 @@ std::vector<Section> elastica(double load, int stations) {
   return shot(low);
 }
 
-/// Returns a position by Bernoulli's hypothesis: sections stay plane and normal to the centre line.
-/// Newton starts here, because a step of bending from the straight beam stretches it, which is
-/// thousands of times stiffer.
+/// Returns the displacement of the point X by Bernoulli's hypothesis: sections stay plane and
+/// normal to the centre line. Newton starts from these displacements. A step from the straight beam
+/// would stretch the beam, and stretching is thousands of times stiffer than bending.
 Eigen::Vector3d bentAlong(const std::vector<Section>& line, const Eigen::Vector3d& X) {
   const auto station =
       static_cast<std::size_t>(std::lround(X[0] / length * double(line.size() - 1)));
@@ -59,7 +60,7 @@ struct Tip {
   double down, back;  ///< relative to the length: v/L and u/L
 };
 
-/// `load` is P L^2/(E I).
+/// Returns the tip of the solved beam. `load` is P L^2/(E I).
 Tip bent(double load, int cells) {
   BodyModel body = bodyOf(boxMesh({length, height, height}, {cells, 1, 1}), p2_displacement,
                           stVenantKirchhoff(modulus, 0));

@@ -1,6 +1,7 @@
 // Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
-// reference forces were computed with GetFEM on the same meshes. All are in
-// tests/worker/verification/hard_reference.py, except skins, columns and the linear bone.
+// reference forces were computed with GetFEM on the same meshes.
+// tests/worker/verification/hard_reference.py computes them all, except those of the skins, the
+// columns and the linear bone.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -36,7 +37,8 @@ Problem problemOf(const Push& push) {
   return resolve(std::move(scene), push.mesh);
 }
 
-/// Returns the share of the way that the tool got; if it arrived, validity and force.
+/// Solves a push. If the tool does not arrive, returns one row with the share of the path that it
+/// covered. Otherwise returns a row for validity and a row for the force.
 std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
   const Problem problem = problemOf(push);
   TransitionSolver solver(problem, chooseKernels());
@@ -75,7 +77,8 @@ Push skin(const std::string& element, const Discretization& discretization, doub
   return push;
 }
 
-/// The same cube with a top quarter of capsule: it contains crossed collagen.
+/// The same cube, with a top quarter of capsule tissue that contains two crossed families of
+/// collagen fibres.
 Push capsule(double depth) {
   Push push = skin("", taylor_hood, 1, 4);
   Material& collagen = push.regions[1].material;
@@ -133,8 +136,8 @@ Push fibers(double stiffness, double depth) {
                 {.mu = soft_mu, .k1 = stiffness * soft_mu, .k2 = 0.84}, depth);
 }
 
-/// Carotid media of a rabbit (Holzapfel, Gasser, Ogden 2000), and iliac adventitia of a man
-/// (Gasser, Ogden, Holzapfel 2006).
+/// Tissues of arteries: carotid media of a rabbit (Holzapfel, Gasser, Ogden 2000), and iliac
+/// adventitia of a man (Gasser, Ogden, Holzapfel 2006).
 Push media(double depth) {
   return fibers("media", {.mu = 3000, .k1 = 2363.2, .k2 = 0.8393}, depth, 29);
 }

@@ -1,5 +1,5 @@
-// A box with distorted elements, pulled or sheared to a uniform strain. Any element must find that
-// state and its stress to round-off (patch test).
+// A box with distorted elements, pulled or sheared to a uniform strain. Every kind of element must
+// find this uniform state and its stress to round-off (patch test).
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -15,7 +15,7 @@ namespace {
 constexpr double edge = 0.1;  ///< metres
 constexpr double tolerance = 1e-9;
 
-/// The expected value of a component of the mean nominal stress, or of a combination.
+/// The expected value of a stress component, or of a combination of stress components.
 struct Expected {
   std::string name;
   double (*measured)(const Eigen::Matrix3d& P, const Eigen::Matrix3d& cauchy);
@@ -28,12 +28,12 @@ using Held = std::pair<std::string, std::string>;
 struct Homogeneous {
   std::string name;
   Eigen::Matrix3d F;
-  std::vector<Held> held;  ///< at the positions given by F
+  std::vector<Held> held;  ///< node groups that are held at the positions given by F
   std::vector<Expected> expected;
 };
 
-/// A box pulled along x, with these lateral stretches. The sides in `held` keep their position, in
-/// addition to the symmetry planes.
+/// A box pulled along x, with these lateral stretches. In addition to the symmetry planes and the
+/// pulled side, the sides in `held` are held at their final positions.
 Homogeneous pulled(const char* name, double l, double y, double z, double stress,
                    std::vector<Held> held = {}) {
   held.insert(held.end(), {{"xmin", "x"}, {"ymin", "y"}, {"zmin", "z"}, {"xmax", "x"}});
@@ -43,7 +43,7 @@ Homogeneous pulled(const char* name, double l, double y, double z, double stress
           {{"", [](const auto& P, const auto&) { return P(0, 0); }, stress}}};
 }
 
-/// A box pulled along x, free laterally, with this lateral stretch.
+/// A box pulled along x and free laterally, where it has this lateral stretch.
 Homogeneous uniaxial(double l, double stress, double lateral) {
   return pulled("uniaxial", l, lateral, lateral, stress);
 }
@@ -69,7 +69,8 @@ Homogeneous simpleShear(double k, double mu, double c01) {
 State disturbed(State state, const BodyModel& body) {
   std::mt19937 random(7);
   for (std::size_t component = 0; component < state.u.size(); ++component) {
-    // Drawn for held components too, so that a start does not depend on the other supports.
+    // A number is drawn for held components too, so that the disturbance of one component does not
+    // depend on which others are held.
     const double off = 0.01 * edge / 3 * (2.0 * random() / 4294967295.0 - 1);
     if (!body.fixed[component]) state.u[component] += off;
   }
@@ -102,12 +103,12 @@ std::vector<Row> rowsOfStates(const std::string& material_name, const Material& 
   return rows;
 }
 
-/// Nominal stress along x of an incompressible body, free along z. Its stretches are l along x, y
-/// along y, and 1/(l y) along z.
+/// Nominal stress along x of an incompressible body that is free along z. Its stretches are l along
+/// x, y along y, and 1/(l y) along z.
 using StressAlongX = std::function<double(double l, double y)>;
 
-/// Returns the stress of an isotropic law with the derivatives `slopes` by the two invariants
-/// (Rivlin 1948).
+/// Returns the stress of an isotropic law. `slopes` returns the derivatives of its energy by the
+/// two invariants (Rivlin 1948).
 StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>& slopes) {
   return [slopes](double l, double y) {
     const double z = 1 / (l * y);
@@ -182,7 +183,7 @@ std::vector<Row> ogdenRows() {
                       statesOf(stress));
 }
 
-/// One family along the pull, so that both sides contract equally.
+/// There is one fibre family, along the pull, so that both lateral directions contract equally.
 std::vector<Row> holzapfelGasserOgdenRows() {
   constexpr double mu = tissue::mu, k1 = 4000, k2 = 0.8, kappa = 0.1;
   const auto state = [](double l) {

@@ -1,7 +1,7 @@
-// The discrete inf-sup constant beta, from the smallest eigenvalue beta^2 of the problem
-// B A^-1 B^T q = beta^2 M q. A is the H1 seminorm of displacements, M the mass matrix of pressures,
-// and B is taken from the system's tangent. Unit cube, clamped at the bottom (Chapelle and Bathe
-// 1993).
+// The discrete inf-sup constant beta. beta^2 is the smallest non-zero eigenvalue of the problem B
+// A^-1 B^T q = beta^2 M q. A is the H1 seminorm of displacements, M the mass matrix of pressures,
+// and B is taken from the system's tangent. The body is a unit cube, clamped at the bottom
+// (Chapelle and Bathe 1993).
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -15,8 +15,8 @@
 namespace palpate::verification {
 namespace {
 
-/// Returns B with one row per pressure: the integral of p div v for each component of the nodes,
-/// zero at held nodes.
+/// Returns B as one matrix per displacement component, with one row per pressure and one column per
+/// node. Entries are integrals of p div v, and zero at held nodes.
 std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes,
                                         Eigen::Index pressures) {
   std::vector<Dof> dof_of(system.unknowns());
@@ -42,8 +42,9 @@ std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes
   return B;
 }
 
-/// The references were published with three digits, on the same meshes: the constant, and the
-/// number of pressure modes without an effect on any displacement.
+/// Returns a row for the constant beta, and a row for the number of pressure modes that have no
+/// effect on any displacement. The references were published for the same meshes, with three
+/// digits.
 std::vector<Row> infSupRows(const char* element, const Discretization& discretization, int n,
                             int zero_modes, double beta) {
   BodyModel body = bodyOf(cubeMesh(1, n), discretization, mooneyRivlin());

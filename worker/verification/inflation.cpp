@@ -1,6 +1,6 @@
-// A hollow sphere, and a tube in plane strain, with an inner wall that is pushed outwards. The
-// pressure is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed forms
-// for Mooney-Rivlin).
+// A hollow sphere, and a tube in plane strain, whose inner wall is pushed outwards. The pressure is
+// computed as the work of the wall's reaction forces per change of the hollow's volume. Rivlin and
+// Ogden give closed forms for Mooney-Rivlin.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using std::numbers::pi;
 using tissue::c01, tissue::c10;
 
 constexpr double inner = 0.01, outer = 0.02, thickness = 0.005;  ///< metres
-constexpr double stretch = 1.5;                                  ///< of the inner wall
+constexpr double stretch = 1.5;                                  ///< hoop stretch of the inner wall
 
 double exactSphere() {
   const double a = stretch, ratio = inner / outer;
@@ -32,9 +32,9 @@ double exactTube() {
 
 /// Returns the pressure that keeps the nodes of `wall` at `stretch` times their rest position.
 ///
-/// `radial` has a 1 for each coordinate that grows: d = 3 for a sphere, 2 for a tube. `hollow` is
-/// the volume inside at rest; it grows by the factor d stretch^(d-1) per unit of stretch. Newton
-/// starts at r^d = R^d + const, which preserves volumes.
+/// `radial` has a 1 for each coordinate that grows. Their number d is 3 for a sphere and 2 for a
+/// tube. `hollow` is the volume of the hollow at rest; its derivative by the stretch is d
+/// stretch^(d-1) hollow. Newton starts from r^d = R^d + const, which preserves volumes.
 double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial,
                 double hollow) {
   const double d = radial.sum(), growth = (std::pow(stretch, d) - 1) * std::pow(inner, d);
@@ -51,7 +51,7 @@ double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& 
   state = rig.equilibrium(std::move(state)).state;
 
   const NodalForces forces = nodalForces(body, state);
-  double work = 0;  // of the wall's reactions per unit of stretch
+  double work = 0;  // work of the wall's reaction forces per unit of stretch
   for (const std::int32_t node : nodes)
     work += forces.row(node).dot(body.mesh.nodes[node].cwiseProduct(radial));
   return work / (d * std::pow(stretch, d - 1) * hollow);

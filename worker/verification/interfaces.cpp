@@ -49,12 +49,12 @@ Row laminateRow(const std::string& element, const Discretization& discretization
 constexpr double body_radius = 2, ball_radius = 1;  ///< metres
 const Eigen::Vector3d far_strain(1e-4, -0.5e-4, -0.5e-4);
 
-/// Returns the share of the far strain that a ball `contrast` times stiffer than its surroundings
-/// does not follow.
+/// Returns the share of the far strain that a ball does not follow, if it is `contrast` times
+/// stiffer than its surroundings.
 double keptOut(double contrast) { return 0.4 * (contrast - 1) / (1 + 0.4 * (contrast - 1)); }
 
-/// Returns the displacement in an infinite body. The strain is uniform within the ball; outside,
-/// the displacement balances the tractions on the ball.
+/// Returns the displacement at X in an infinite body with a ball. The strain is uniform within the
+/// ball. Outside, the displacement balances the tractions on the ball.
 Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
   const Eigen::Vector3d far = far_strain.cwiseProduct(X);
   const double c = keptOut(contrast), q = ball_radius / std::max(X.norm(), ball_radius);
@@ -62,21 +62,22 @@ Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
          2.5 * c * (std::pow(q, 3) - std::pow(q, 5)) * (X.dot(far) / X.squaredNorm()) * X;
 }
 
-/// Returns the strain of the ball along x, relative to the far strain. The outside of the body has
-/// the displacement of an infinite body.
+/// Returns the strain of the ball along x, relative to the far strain. The outer sphere of the body
+/// gets the displacement that an infinite body would have there.
 double strainWithin(const Discretization& discretization, double contrast, int n) {
   BodyModel body = bodyOfTwo(ballOctantMesh(body_radius, n), discretization, contrast,
                              [](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
   holdSymmetryPlanes(body);
   hold(body, "outside", "xyz");
-  // The sphere consists of triangles, so its displacement does not quite preserve the volume.
+  // The outer sphere consists of flat triangles, so the prescribed displacement does not quite
+  // preserve the volume. A large bulk modulus permits this.
   for (Material& material : body.materials) material.bulk = 1e4 * mu_of_soft;
   Rig rig(body);
   const NewtonResult result =
       rig.equilibrium(displaced(rig.system(), [&](const Eigen::Vector3d& X) {
         return X.norm() > 0 ? exactAround(X, contrast) : X;
       }));
-  const std::int32_t on_axis = n / 2;  // of the lattice of the ball
+  const std::int32_t on_axis = n / 2;  // the node where the x axis leaves the ball
   return ofNode(result.state.u, on_axis)[0] / (far_strain[0] * ball_radius);
 }
 

@@ -22,8 +22,8 @@ BodyModel cube() {
   return body;
 }
 
-/// Returns the equilibrium with the side xmax held at `stretch`, on either side of the limit point,
-/// reached in steps.
+/// Returns the equilibrium with the side xmax held at `stretch`, which may lie on either side of
+/// the limit point. It is reached in steps.
 State compressedTo(double stretch) {
   BodyModel body = cube();
   hold(body, "xmax", "x");
@@ -39,14 +39,14 @@ State compressedTo(double stretch) {
   return state;
 }
 
-/// Returns the number of negative eigenvalues of the tangent with the side xmax free. Without any,
-/// the state is stable under the load that keeps it.
+/// Returns the number of negative eigenvalues of the tangent when the side xmax is free. If there
+/// are none, the state is stable under the load that keeps it.
 int negativeUnderLoad(double stretch) {
   const State state = compressedTo(stretch);
   return Rig(cube()).negativeEigenvalues(state);
 }
 
-/// Finds by bisection where the tangent loses definiteness.
+/// Returns the stretch at which the tangent ceases to be positive definite, found by bisection.
 double stretchOfLimitPoint() {
   double stable = 0.65, unstable = 0.5;
   while (stable - unstable > 1e-8) {
@@ -56,7 +56,8 @@ double stretchOfLimitPoint() {
   return stable;
 }
 
-/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, until there is none.
+/// Raises the pressure as long as there is a stable equilibrium, by ever smaller steps. Returns
+/// rows for the last pressure and its stretch.
 std::vector<Row> rowsOfLastLoad() {
   Rig rig(cube());
   double reached = 0, step = 1000;

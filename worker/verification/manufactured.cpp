@@ -45,8 +45,9 @@ Eigen::Matrix3d neoHookeanStress(const Eigen::Matrix3d& F) {
          tissue::bulk / 2 * (J * J - 1) * F_inverse_T;
 }
 
-/// Returns the load of the body force -Div P on the inner nodes: integral of P : grad N, because N
-/// vanishes on the boundary. All nodes on the boundary are held, so their load does no work.
+/// Returns the nodal loads of the body force -Div P. On inner nodes this is the integral of P :
+/// grad N, because N vanishes on the boundary. All nodes on the boundary are held, so their loads
+/// do no work.
 std::vector<double> loadOf(const Mesh& mesh, Stress stress) {
   std::vector<double> load(3 * mesh.nodes.size(), 0.0);
   integrate(mesh, [&](const IntegrationPoint& point) {

@@ -12,12 +12,13 @@
 namespace palpate::verification {
 namespace {
 
-/// The six orders of the axes along a path from one corner of a brick to the opposite one. The last
-/// three are odd permutations.
+/// The six orders in which a path along edges from one corner of a brick to the opposite corner can
+/// take the axes. The last three are odd permutations.
 constexpr std::array<std::array<int, 3>, 6> axis_orders = {
     {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
 
-/// Returns the nodes along the path from `corner` that takes the axes in this order.
+/// Returns the tetrahedron of the four nodes on the path from `corner` that takes the axes in this
+/// order.
 Tetrahedron kuhnTetrahedron(std::int32_t corner, const std::array<int, 3>& strides, int order) {
   Tetrahedron nodes = {corner};
   for (int i = 0; i < 3; ++i) nodes[i + 1] = nodes[i] + strides[axis_orders[order][i]];
@@ -49,9 +50,9 @@ Mesh latticeBox(const std::array<int, 3>& cells) {
   return mesh;
 }
 
-/// Cuts the prism over triangle (a, b, c), with ascending a, b, c, into tetrahedra. Neighbours
-/// agree, because each diagonal of a side face joins the lower number below to the higher number
-/// above.
+/// Cuts the prism over the triangle (a, b, c), with ascending a, b, c, into three tetrahedra.
+/// Neighbouring prisms agree on the diagonal of their common side face. It joins the lower of two
+/// node numbers on the lower triangle with the higher one on the upper triangle.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
   PALPATE_ASSERT(a < b && b < c, "neighbours agree on a diagonal by the order of their nodes");
@@ -66,8 +67,8 @@ struct Grid {
   std::vector<Triangle> triangles;  ///< counter-clockwise
 };
 
-/// Returns [0, 1]^2 divided into n x m cells of two triangles each. Their common edge runs from
-/// lower left to upper right.
+/// Returns [0, 1]^2 divided into n x m cells of two triangles each. The edge between the two
+/// triangles runs from lower left to upper right.
 Grid squareGrid(int n, int m) {
   Grid grid;
   for (int j = 0; j <= m; ++j)
@@ -121,8 +122,9 @@ Grid discGrid(int n) {
   return grid;
 }
 
-/// Returns `grid` in `layers` layers of prisms, each cut into three tetrahedra. `position` maps (x,
-/// y, z), with x and y in the grid and z in [0, 1] across the layers, to metres.
+/// Returns `layers` layers of prisms over the triangles of `grid`, each prism cut into three
+/// tetrahedra. `position` maps (x, y, z) to metres, with x and y in the grid and z in [0, 1] across
+/// the layers.
 Mesh layeredMesh(const Grid& grid, int layers,
                  const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& position) {
   Mesh mesh;

@@ -10,8 +10,8 @@
 namespace palpate::verification {
 namespace {
 
-/// Returns points and weights on [0, 1]. The points are the eigenvalues of the Jacobi matrix of the
-/// Legendre polynomials (Golub and Welsch 1969).
+/// Returns the points and weights of the n-point Gauss-Legendre rule on [0, 1]. The points are the
+/// eigenvalues of the Jacobi matrix of the Legendre polynomials (Golub and Welsch 1969).
 std::pair<Eigen::VectorXd, Eigen::VectorXd> gaussLegendre(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = i / std::sqrt(4.0 * i * i - 1);
@@ -21,7 +21,7 @@ std::pair<Eigen::VectorXd, Eigen::VectorXd> gaussLegendre(int n) {
 
 struct ReferencePoint {
   Eigen::Vector4d barycentric;
-  double weight;  ///< sum 1
+  double weight;  ///< the weights of a rule add up to 1
 };
 
 std::vector<ReferencePoint> collapsedRule() {

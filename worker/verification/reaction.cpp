@@ -1,5 +1,5 @@
-// The force on a tool is minus the gradient of the stored energy, has a symmetric derivative, and
-// is the paper's Lagrange multiplier.
+// Checks that the force on a tool is minus the gradient of the stored energy, that its derivative
+// is symmetric, and that it equals the Lagrange multiplier of the paper.
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -22,8 +22,8 @@ Problem clampedBox() {
 
 const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
 
-/// Returns the tissue's force as a multiplier l. The tool's displacement is an unknown a,
-/// constrained to p: r_f = 0, r_a + l = 0, a - p = 0.
+/// Returns the tissue's force on the tool, computed as a Lagrange multiplier l. The tool's
+/// displacement is an unknown a that is constrained to p: r_f = 0, r_a + l = 0, a - p = 0.
 Eigen::Vector3d multiplier(const System& system) {
   const int n = system.unknowns();
   State state = system.restState();

@@ -113,8 +113,8 @@ std::int32_t Rig::negativeEigenvalues(const State& state) {
 }
 
 NodalForces nodalForces(const BodyModel& body, const State& state) {
-  // With nothing fixed, loaded or moved, every displacement is an unknown, and the residual is the
-  // derivative of the stored energy alone.
+  // If nothing is fixed, loaded or moved by a tool, every displacement is an unknown, and the
+  // residual is the derivative of the stored energy alone.
   BodyModel loose = body;
   loose.fixed.assign(loose.fixed.size(), 0);
   loose.load.clear();

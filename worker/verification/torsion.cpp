@@ -1,5 +1,5 @@
-// A cylinder with ends that rotate against each other at a constant distance. The axial force
-// (Poynting's effect) distinguishes C10 from C01, the torque does not (Rivlin 1949).
+// A cylinder whose ends rotate against each other at a constant distance. The axial force
+// (Poynting's effect) distinguishes C10 from C01; the torque does not (Rivlin 1949).
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@ using tissue::c01, tissue::c10;
 constexpr double radius = 0.01, height_of_bar = 0.01, twist = 50;  ///< m, m, rad/m
 constexpr double R4 = radius * radius * radius * radius;
 constexpr double exact_torque = pi * (c10 + c01) * twist * R4;  ///< N m
-/// N; negative, because it presses.
+/// N; negative, because the bar presses outwards on its ends.
 constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;
 
 struct Reaction {

@@ -39,7 +39,7 @@ class Abaqus:
         keyword = ""  # a keyword line that continues in the next line
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
-            if keyword and text[0] in "+-.0123456789":  # data: the keyword's last comma continued nothing
+            if keyword and text[0] in "+-.0123456789":  # data: the comma before it continued nothing
                 self.begin(keyword)
                 keyword = ""
             if keyword or text.startswith("*"):

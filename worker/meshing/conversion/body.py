@@ -4,17 +4,19 @@ import numpy as np
 # Gmsh's number, dimension and number of nodes of every kind of cell that is written.
 WRITTEN = {"vertex": (15, 0, 1), "line": (1, 1, 2), "line3": (8, 1, 3), "triangle": (2, 2, 3), "triangle6": (9, 2, 6),
            "tetra": (4, 3, 4), "tetra10": (11, 3, 10)}
-# Corners of the edges of a tetrahedron, in the order of VTK's mid-edge nodes, which Abaqus and
-# FEBio share.
+# Corners of the edges of a tetrahedron, in the order in which VTK, Abaqus and FEBio number the
+# mid-edge nodes.
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-# Converts between VTK's and Gmsh's order: the last two change places.
+# Converts the ten nodes of a tetrahedron between VTK's and Gmsh's order: the last two change
+# places.
 GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-# Converts TetGen's order to VTK's. TetGen's manual does not give it; found from its -o2 output.
+# Converts TetGen's order to VTK's. TetGen's manual does not give its order, which was found from
+# output of its option -o2.
 TETGEN_ORDER = [0, 1, 2, 3, 6, 7, 9, 5, 8, 4]
 NODES_OF = {"hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "pyramid": 5, "quad": 4,
             **{kind: row[2] for kind, row in WRITTEN.items()}}
 DIMENSIONS = ("point", "curve", "surface", "volume")
-# Arrays with more different values are treated as data, not as numbers of parts.
+# An array with more different values than this is treated as data, not as numbers of parts.
 MOST_PARTS = 64
 
 

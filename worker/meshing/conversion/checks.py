@@ -29,7 +29,7 @@ def weld(body):
     used = np.unique(np.concatenate([nodes.reshape(-1) for _, nodes in body.blocks]))
     points = body.points[used]
     near = COINCIDENT * np.linalg.norm(np.ptp(points, axis=0))
-    # Sorted along a direction in which the points of a regular mesh have different positions.
+    # Points are sorted along a direction in which those of a regular mesh have different positions.
     position = points @ np.array([0.5129, 0.6427, 0.5691]) / np.linalg.norm([0.5129, 0.6427, 0.5691])
     order = np.argsort(position)
     lowest = np.arange(len(points))
@@ -42,7 +42,7 @@ def weld(body):
         close &= np.linalg.norm(points[second] - points[first], axis=1) <= near
         pairs.append(np.stack([first[close], second[close]]))
     first, second = np.concatenate(pairs, axis=1) if pairs else np.zeros((2, 0), dtype=int)
-    while (lowest[first] != lowest[second]).any():  # also merges chains
+    while (lowest[first] != lowest[second]).any():  # until chains of close points are merged too
         least = np.minimum(lowest[first], lowest[second])
         np.minimum.at(lowest, first, least)
         np.minimum.at(lowest, second, least)

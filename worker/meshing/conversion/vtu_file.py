@@ -118,7 +118,8 @@ class VtuFile:
             return self.part(data, width, self.numbers(data, 1)[0])
         head = base64_of(data, width)
         size = self.numbers(head, 1)[0]
-        # Some writers encode both together, others the length separately, which then ends with "=".
+        # Some writers encode the length and the data together. Others encode the length separately,
+        # and its code then ends with "=".
         alone = -(-width // 3) * 4
         return base64_of(data[alone:], size) if data[alone - 1:alone] == b"=" else base64_of(data, width + size)[width:]
 
