@@ -49,7 +49,7 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
   Outcome outcome = walk(solver, *rest, target,
                          steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
                         .outcome;
-  ++outcome.cost.factorizations;  // of the rest state
+  ++outcome.cost.factorizations;  // the one of the rest state
   return outcome;
 }
 

@@ -111,7 +111,7 @@ using Clock = std::chrono::steady_clock;
 
 /// A process that the supervisor keeps running.
 struct Child {
-  std::string id;  ///< the scheduler's id of this worker
+  std::string id;  ///< id by which the scheduler knows this worker
   Clock::time_point started;
 };
 

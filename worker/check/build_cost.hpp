@@ -8,7 +8,7 @@ namespace palpate {
 struct Estimate {
   std::int64_t configurations = 0;  ///< including probes
   double seconds = 0;               ///< on one core
-  double bytes = 0;                 ///< of nodal fields, before compression
+  double bytes = 0;                 ///< size of the nodal fields, before compression
 };
 
 /// The estimated cost of a build and its reach, from measured ways. A way is a straight path of
@@ -28,9 +28,9 @@ struct BuildCost {
   double usual_reach = 0;
 };
 
-/// Estimates the cost of a build from measured ways. A lattice point is taken to cost as much as
-/// the steps of the ways at the same distance from rest did on average, and nothing at distances
-/// that no way reached because all had ended before. If there are no ways, because the body has no
+/// Estimates the cost of a build from measured ways. The cost of a lattice point is the average
+/// cost of the steps that the ways took at the same distance from rest. It is zero at distances
+/// that no way reached because all ways had ended. If there are no ways, because the body has no
 /// rest state, no point counts as reached and the cost is zero.
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured);
 

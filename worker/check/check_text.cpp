@@ -61,7 +61,7 @@ void sayBody(std::string& text, const SceneReport& report) {
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Region& region = scene.regions[r];
-    // A scene without groups has no regions to name.
+    // If the scene assigns no groups, its only region has no name.
     if (scene.regions.size() == 1 && region.isRest())
       say(text, "material   {}\n", inWords(region.material));
     else
@@ -130,7 +130,8 @@ void sayAccuracy(std::string& text, const Scene& scene) {
   if (in_spaces) say(text, "probes     {} in each space\n", accuracy.probes);
 }
 
-/// Returns whether some lattices are only the pushed part of the ball.
+/// Returns whether some tool is a finger that only pushes. The lattice of such a finger is smaller
+/// than the ball (PushedPart).
 bool isOfFingersThatPush(const Problem& problem) {
   return problem.scene.contact == ContactMode::unilateral &&
          std::ranges::any_of(problem.active, [](const ActivePatch& p) { return bool(p.finger); });

@@ -42,9 +42,9 @@ Eigen::Vector3d interpolated(const Equilibrium& from, const Equilibrium& to,
   return (from.force + to.force) / 2 + (from.stiffness - to.stiffness) * step / 8;
 }
 
-/// Returns WayStep::error of the step between the equilibria `from` and `to`: solves half-way from
-/// `start`, and compares the force with the interpolated one. 0 if this solve fails, or if the
-/// force of a finger exceeds max_force there.
+/// Returns WayStep::error of the step between the equilibria `from` and `to`. Solves half-way,
+/// starting from `start`, and compares that force with the interpolated force. Returns 0 if this
+/// solve fails, or if its force on a finger exceeds max_force.
 double errorHalfWay(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                     const Start& start, const Equilibrium& from, const Equilibrium& to,
                     const Eigen::Vector3d& at, const Eigen::Vector3d& step) {

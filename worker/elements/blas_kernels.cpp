@@ -65,8 +65,8 @@ std::string whyNotGranted() {
   return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
 }
 
-/// Makes OpenBLAS allocate its workspace, by a product of matrices that are too large for its
-/// kernels of small matrices. Those kernels need no workspace.
+/// Makes OpenBLAS allocate its workspace, by a matrix product. The matrices are too large for the
+/// kernels of small matrices, which need no workspace.
 void takeWorkspace() {
   constexpr int n = 97;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);

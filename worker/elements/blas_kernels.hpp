@@ -22,8 +22,8 @@ void chooseBlasKernels(char** argv);
 /// Returns OpenBLAS's name of the kernels in use, such as "SkylakeX".
 std::string blasKernels();
 
-/// Returns whether a restarted process could use other kernels. This needs an OpenBLAS that
-/// contains several kernels, and a user who did not set OPENBLAS_CORETYPE.
+/// Returns whether a restarted process could use other kernels: this OpenBLAS contains several, and
+/// the user did not set OPENBLAS_CORETYPE.
 bool blasKernelsMayBeChosen();
 /// Selects the kernels of the program that will replace this one (execve). Error if the environment
 /// cannot be changed.

@@ -22,8 +22,8 @@ inline constexpr int lanes = 8;
 /// structs that pass between translation units set their own alignment (alignas).
 using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
-/// Number of displacement or pressure nodes of a tetrahedron. Vertices come first, then the
-/// mid-edge nodes in the order of tetrahedron_edges (common/mesh/mesh.hpp).
+/// Return the number of displacement or pressure nodes of a tetrahedron. Vertices come first, then
+/// the mid-edge nodes in the order of tetrahedron_edges (common/mesh/mesh.hpp).
 constexpr int displacementNodes(DisplacementSpace space) {
   return space == DisplacementSpace::p1 ? 4 : 10;
 }
@@ -31,10 +31,11 @@ constexpr int pressureNodes(PressureSpace space) {
   return space == PressureSpace::none ? 0 : space == PressureSpace::p2 ? 10 : 4;
 }
 
-/// Local unknowns: displacement component i of node a at 3 a + i, then the scaled pressures q with
-/// p = scale q.
+/// Largest number of unknowns of one element. Unknown 3 a + i is component i of the displacement of
+/// node a. The scaled pressures q follow; the pressure is p = pressure_scale * q.
 inline constexpr int most_local_unknowns = 40;
-/// Entries of the upper triangle of the local tangent, row by row: (0,0) ... (0,n-1) (1,1) ...
+/// Returns the number of entries in the upper triangle of an element's tangent. They are stored row
+/// by row: (0,0) ... (0,n-1) (1,1) ...
 constexpr int localEntries(int unknowns) { return unknowns * (unknowns + 1) / 2; }
 
 struct alignas(64) BatchGeometry {

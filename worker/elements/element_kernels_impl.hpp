@@ -42,7 +42,7 @@ PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nod
       for (int i = 0; i < 3; ++i) d[Space::end[a][e]][i] += Space::slope(a, e, x) * nodal[a][i];
 }
 
-/// Returns the derivative by component i of u_a, from the derivatives by d.
+/// Returns the derivative by component i of u_a, from the derivatives by d (`vertex`).
 template <class Space>
 PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex) {
   Pack sum = Space::slope(a, 0, x) * vertex[Space::end[a][0]][i];

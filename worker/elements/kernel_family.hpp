@@ -21,8 +21,8 @@ const ElementKernels& chooseKernels();
 std::string arithmetic(const ElementKernels& kernels);
 
 /// Returns the other pairs of kernels that this machine can run, fastest first, each written as
-/// arithmeticOf() writes it. They are those of older CPU families, for builds with older machines.
-/// Empty if the user chose the kernels by an environment variable.
+/// arithmeticOf() writes it. With kernels of an older CPU family, this machine can join a build of
+/// older machines. Empty if the user chose the kernels by an environment variable.
 std::vector<std::string> otherArithmetic();
 /// Restarts this program in the same process, with the same arguments and with the kernels
 /// `arithmetic`. Work in progress is lost. Error if the restart fails, or if `arithmetic` is not in

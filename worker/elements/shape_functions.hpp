@@ -85,7 +85,7 @@ struct P2 {
   static constexpr const auto& rule = degree_5_rule;
 };
 
-/// A space without nodes.
+/// The space of an absent field: it has no nodes.
 struct NoSpace {
   static constexpr int nodes = 0;
   static constexpr double value(int, const double (&)[4]) { return 0; }

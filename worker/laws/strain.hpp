@@ -3,9 +3,9 @@
 /// Definitions shared by the laws.
 ///
 /// T is double, or in the element kernels a pack of doubles (lane l belongs to element l of a
-/// batch). A branch cannot take both ways at once, so no code in this folder branches on values:
-/// `condition ? a : b` selects lane by lane, and functions of the C library are called lane by
-/// lane.
+/// batch). The lanes of a pack cannot take different branches, so no code in this folder branches
+/// on values. `condition ? a : b` selects lane by lane, and functions of the C library are called
+/// lane by lane.
 ///
 /// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear:
 ///

@@ -83,7 +83,7 @@ class Mailbox {
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
-  std::optional<std::chrono::steady_clock::time_point> woke_;  ///< last wake of the network
+  std::optional<std::chrono::steady_clock::time_point> woke_;  ///< last wake-up
   Progress progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;

@@ -7,22 +7,24 @@
 
 namespace palpate {
 
-/// The network thread of a worker process: the socket and the clock around a WorkerSession.
+/// Runs the network thread of a worker process: owns the socket, and passes messages and the time
+/// to a WorkerSession.
 class SchedulerLink {
  public:
   /// The references must outlive this object. `keys` is empty if the scheduler requires no keys.
   SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
                 std::optional<KeyFolder> keys);
 
-  /// Serves until there is no more work (done), or until SIGINT or SIGTERM (interrupted).
+  /// Serves until there is no more work (returns done), or until SIGINT or SIGTERM (returns
+  /// interrupted).
   ///
-  /// After a signal the work in progress is delivered or handed back within
-  /// SessionOptions::drain_s, whatever the solver does. Error if the scheduler refuses this worker
-  /// or is silent for SessionOptions::give_up_s, or if the solver thread failed. A hung solve ends
-  /// the process (SIGKILL).
+  /// After a signal, the work in progress is delivered or handed back within
+  /// SessionOptions::drain_s, even if the solver does not react. Error if the scheduler refuses
+  /// this worker or is silent for SessionOptions::give_up_s, or if the solver thread failed. A hung
+  /// solve ends the process (SIGKILL).
   ExitCode run();
-  /// Returns the kernels that the scheduler wants this worker to use (beginAnewWith), if that ended
-  /// run(); otherwise empty.
+  /// If run() ended because the scheduler wants this worker to use other kernels, returns these
+  /// kernels (for beginAnewWith). Otherwise empty.
   const std::string& wantedKernels() const { return wanted_kernels_; }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// The likely unit of a mesh file. Files do not state it.
+/// The likely length unit of a mesh. Mesh files do not state their unit.
 struct GuessedUnit {
   LengthUnit unit;
   /// Why another unit is possible, as a clause for the user: the sizes of the body in the possible

@@ -85,7 +85,8 @@ std::optional<std::string> fixedGroup(const Mesh& mesh) {
   return std::nullopt;
 }
 
-/// Returns the area, m^2, of the surface within the fraction `fixed_end` of one end of the axis.
+/// Returns the area, m^2, of the surface near one end of the axis: within the fraction `fixed_end`
+/// of the body's extent.
 double areaAtEnd(const Mesh& mesh, int axis, bool below) {
   const Eigen::AlignedBox3d box = boundingBox(mesh);
   const double depth = fixed_end * box.sizes()[axis];

@@ -103,8 +103,8 @@ std::string meshAsMsh(const Mesh& mesh) {
                mesh.surface, 1, mesh.tetrahedra);
 }
 
-/// Returns whether the sharp edges of the surface form lines, as those of a box do. The noise of a
-/// coarse or scanned surface has sharp edges that end after a triangle or two.
+/// Returns whether the sharp edges of the surface form lines, like the edges of a box. The noise of
+/// a coarse or scanned surface has sharp edges too, but they end after a triangle or two.
 bool hasCreases(const ClosedSurface& surface) {
   std::map<Edge, Eigen::Vector3d> normal_of;
   std::map<std::int32_t, int> sharp_at;

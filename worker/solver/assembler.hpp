@@ -18,8 +18,9 @@ SparsityPattern patternOf(const DofMap& unknowns, const ElementBatches& batches)
 /// tool. The coupling between the tool and the free unknowns is stored apart from the matrix. Rows
 /// of fixed displacements, and of pressures that are held, are dropped.
 ///
-/// Holds the sums of one assembly: clear them, add all elements, read them. Where each element adds
-/// its rows and entries is computed in advance, and again when the tool changes. One thread.
+/// Holds the sums of one assembly: clear them, add all elements, read them. The positions at which
+/// an element adds its rows and entries are computed in advance, and again when the tool changes.
+/// One thread.
 class Assembler {
  public:
   /// Keeps references to all arguments. At first the tool holds no unknown.

@@ -53,9 +53,8 @@ void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
   const Mesh& mesh = model.mesh;
   for (const Triangle& face : faces) {
     const Eigen::Vector3d a = mesh.nodes[face[0]], b = mesh.nodes[face[1]], c = mesh.nodes[face[2]];
-    // The integral of a linear shape function over a face is a third of the area. Of the quadratic
-    // shape functions, those of vertices integrate to zero, those of mid-edge nodes to a third of
-    // the area.
+    // The integral of a linear shape function over a face is a third of the area. The integral of a
+    // quadratic shape function is zero for a vertex and a third of the area for a mid-edge node.
     const Eigen::Vector3d third = traction * ((b - a).cross(c - a).norm() / 2) / 3;
     for (int corner = 0; corner < 3; ++corner) {
       const std::int32_t node = isQuadratic(model)

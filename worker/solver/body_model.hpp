@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Returns the three components of a node in an array of nNodes x 3, to read or to write.
+/// Returns the three values of a node in an array of nNodes x 3, to read or to write.
 inline auto ofNode(auto& rows, std::size_t node) { return Eigen::Vector3d::Map(&rows[3 * node]); }
 
 /// A tool. Its displacement p prescribes the displacement of each node (rigid tool), or only the

@@ -112,7 +112,8 @@ std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSl
   return idle;
 }
 
-// Numbers the unknowns node by node, so that those of an element are close together in the matrix.
+// Numbers the unknowns node by node, which keeps the unknowns of an element close together in the
+// matrix.
 DofMap::DofMap(const BodyModel& model, const PressureSlots& slots)
     : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
   const std::vector<std::uint8_t> fixed = fixedNodes(model),

@@ -10,8 +10,8 @@ struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
   int max_halvings = 6;  ///< of a step, by the line search
-  /// Factorises a new tangent in each iteration. This is for bodies whose stiffness jumps, because
-  /// Broyden's updates of an old tangent help little there.
+  /// Factorises a new tangent in each iteration. Use it for bodies whose stiffness jumps: Broyden's
+  /// updates of an old tangent help little there.
   bool renew_always = false;
   /// Also accepts a step if the next correction with the same tangent is smaller (natural
   /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). For bodies with a
@@ -29,9 +29,9 @@ struct NewtonOptions {
   double relative_tolerance = 1e-9;
 };
 
-/// Returns why the residual of a state is not finite: Cause::inverted_element if det F is at most
-/// zero somewhere (ln det F does not exist), or else Cause::not_finite, after an overflow (det F
-/// may then be NaN).
+/// Returns why the residual of a state is not finite. This is Cause::inverted_element if det F is
+/// at most zero somewhere (ln det F does not exist). Otherwise a number overflowed
+/// (Cause::not_finite), and det F may be NaN.
 Cause causeOfNotFinite(const Residual& residual);
 
 /// The state in which Newton ended, converged or not.

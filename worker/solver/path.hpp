@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// What walk() does after a failed transition.
+/// The reaction of walk() to a failed transition.
 enum class Rescue : std::uint8_t {
   none,  ///< ends the path at the failed transition
   /// Tries to reach the end of the transition via a point beside the path, at 3 distances and in 6

@@ -30,8 +30,8 @@ struct Residual {
   /// dL/dp, newtons: the force that the tool must exert. The tissue's force on the tool is its
   /// negative.
   Eigen::Vector3d tool;
-  double energy = 0;                ///< L relative to rest, J
-  double min_det_F = 1;             ///< smallest at the quadrature points
+  double energy = 0;                ///< L minus its value at rest, J
+  double min_det_F = 1;             ///< smallest det F at the quadrature points
   std::int32_t worst_element = -1;  ///< element of min_det_F, index into Mesh::tetrahedra
   /// Euclidean norm of `free`, newtons, with the gap multiplied by forceScale() / meanEdge(). NaN
   /// or infinite if the state is not admissible.

@@ -398,10 +398,10 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
 /// bifurcation.
 ///
 /// Newton starts from displacements along the critical mode, to both sides, and farther in each
-/// round. Of two solutions, the one with the lower energy is taken. If the two are symmetric twins,
-/// the one on the side where the mode's largest component is positive is taken. `way`: metres that
-/// the tool has moved since the branch was stable. Fails with Cause::bifurcation if no stable
-/// equilibrium is found.
+/// round. If both sides lead to a solution, the one with the lower energy is taken. If the two are
+/// symmetric twins, the one on the side where the mode's largest component is positive is taken.
+/// `way`: metres that the tool has moved since the branch was stable. Fails with Cause::bifurcation
+/// if no stable equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
   PALPATE_ASSERT(isUnstable(before.failure), "a stable body has no mode to be pushed along");
   const State& unstable = before.end.state;

@@ -22,10 +22,10 @@ struct TransitionOptions {
   int max_factorizations = 8;
   /// If a step takes at most this many factorisations, the next step is twice as long.
   int easy_factorizations = 1;
-  /// N. A finger's transition is abandoned (Cause::beyond_force) if the start's stiffness predicts
-  /// a larger force at the target, or if the force after an intermediate step is larger. A
-  /// transition that passes the prediction and converges in one step is kept, however strong the
-  /// force.
+  /// Largest force of a finger, N. A transition is abandoned (Cause::beyond_force) if the stiffness
+  /// at its start predicts a larger force at the target, or if the force after an intermediate step
+  /// is larger. If the prediction is not larger and the transition converges in one step, its
+  /// result is kept, however strong the force.
   double largest_force = std::numeric_limits<double>::infinity();
 };
 
@@ -36,10 +36,10 @@ struct TransitionOptions {
 /// With 1.5, the answers in stiff tissue ended at 2 N where max_force was 3.3 N.
 inline constexpr double solved_force_share = 2;
 
-/// A configuration that transitions start from, with its tangent predictor.
+/// A configuration from which transitions can start, with its tangent predictor.
 struct Start {
   State state;
-  Eigen::MatrixXd sensitivity;  ///< d(unknowns, multipliers)/dp, rows x 3
+  Eigen::MatrixXd sensitivity;  ///< derivative of unknowns and multipliers by p, 3 columns
   /// Force that the tool exerts, N; needed only for weighted tools. NodalFields do not contain the
   /// multiplier, so a start made from them has an estimate of this force.
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
@@ -57,8 +57,8 @@ struct Reached {
   double min_det_F = 1;  ///< smallest det F at the ends of the transitions
 };
 
-/// Solves the configurations of one problem. One per process (it owns the LinearSolver), one
-/// thread.
+/// Solves the configurations of one problem. Have at most one per process, because it owns a
+/// LinearSolver, and use it from one thread.
 class TransitionSolver {
  public:
   /// `problem` must outlive this object. Analyses the sparsity pattern once for all spaces; Error
@@ -70,8 +70,8 @@ class TransitionSolver {
   const System& system() const { return system_; }
   /// Chooses the tool of an active patch. Initially the first one is chosen.
   void chooseTool(std::size_t space);
-  /// Chooses a finger at any place of the surface as the tool. Errors (bad input) are those of
-  /// checkedFinger and begin with `what`.
+  /// Chooses a finger at any place of the surface as the tool. Error (bad input) as from
+  /// checkedFinger, with a message that begins with `what`.
   void placeFinger(const std::string& what, const Finger& finger);
 
   /// Prepare a start for transitions. startAtRest takes the rest state, which under gravity is an

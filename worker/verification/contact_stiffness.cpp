@@ -1,7 +1,7 @@
-// Stiffness k of four tools on a unit cube as a function of the element size h (bottom fixed, the
-// middle of the top moved up, linear law, nu = 0.3). For a single node, k falls in proportion to h
-// and has no positive limit, because a point load in three dimensions is singular. For patches of
-// radius 1/8, k converges.
+// The stiffness k of four tools as a function of the element size h. The body is a unit cube, fixed
+// at the bottom; the tool moves the middle of its top up (linear law, nu = 0.3). For a single node,
+// k falls in proportion to h and has no positive limit, because a point load in three dimensions is
+// singular. For patches of radius 1/8, k converges.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,7 +1,6 @@
 // Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
-// reference forces were computed with GetFEM on the same meshes.
-// tests/worker/verification/hard_reference.py computes them all, except those of the skins, the
-// columns and the linear bone.
+// reference forces were computed with GetFEM on the same meshes. All are in
+// tests/worker/verification/hard_reference.py, except the skins, the columns and the linear bone.
 #include <fmt/format.h>
 
 #include <cmath>

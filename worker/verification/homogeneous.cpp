@@ -142,7 +142,7 @@ std::vector<Row> neoHookeanRows() {
     return std::pair{mu / 2, 0.0};
   }));
   states.push_back(simpleShear(0.5, mu, 0));
-  // Held laterally, P = dW/dl of W(l) = mu/2 (l^(-2/3) (l^2 + 2) - 3) + U(l).
+  // If the sides are held, P = dW/dl with W(l) = mu/2 (l^(-2/3) (l^2 + 2) - 3) + U(l).
   constexpr double l = 0.8;
   const double stress =
       mu / 2 * (4.0 / 3 * std::cbrt(l) - 4.0 / 3 * std::pow(l, -5.0 / 3)) + bulk / 2 * (l - 1 / l);
@@ -169,7 +169,7 @@ std::vector<Row> verondaWestmannRows() {
                       taylor_hood, statesOf(stressBy(slopes)));
 }
 
-/// P = sum of mu (l^alpha - z^alpha)/l, with z the stretch of the free sides.
+/// Ogden's law gives P = sum of mu (l^alpha - z^alpha)/l, with z the stretch of the free sides.
 std::vector<Row> ogdenRows() {
   // Ogden 1972, rubber, in units of 0.01 kg/cm^2.
   const std::vector<OgdenTerm> terms = {{6300, 1.3}, {12, 5.0}, {-100, -2.0}};
@@ -210,7 +210,8 @@ std::vector<Row> stVenantKirchhoffRows() {
                       {state(0.8), state(1.2)});
 }
 
-/// Returns P = dW/dl of W(l) = lambda/2 (tr g)^2 + mu g:g, with the lateral stretch l^(-1/2).
+/// Returns the nominal stress P = dW/dl, Pa, with W(l) = lambda/2 (tr g)^2 + mu g:g and the lateral
+/// stretch l^(-1/2).
 double modifiedStress(double l, double lambda, double mu) {
   const double trace = (l * l + 2 / l - 3) / 2;
   return lambda * trace * (l - 1 / (l * l)) + mu * (l * (l * l - 1) - (1 / l - 1) / (l * l));

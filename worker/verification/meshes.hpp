@@ -27,7 +27,7 @@ Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cel
 
 /// Returns Cook's membrane, with corners (0,0) (48,44) (48,60) (0,44) mm and n x n cells in one
 /// layer of `thickness` metres along z. The two triangles of a cell share the diagonal from upper
-/// left to lower right. The faces are "first" and "last".
+/// left to lower right. The node groups "first" and "last" are the two faces of the layer.
 Mesh cookMesh(int n, double thickness);
 
 /// Returns a cylinder around the z axis, in `n` rings with 6 n facets around. The group "first" is

@@ -44,7 +44,8 @@ Row sameFromSteps(const std::string& element, const Discretization& discretizati
           depth(discretization, n, 80, 16), depth(discretization, n, 80, 1), 1e-8};
 }
 
-/// Compares Taylor-Hood with the extrapolated limit of fine meshes at p/p0 = 20, 40, 60, 80.
+/// Compares the depth found by Taylor-Hood elements at p/p0 = 20, 40, 60 and 80 with its limit,
+/// which was extrapolated from fine meshes.
 std::vector<Row> rowsOfLimits(int n, double tolerance) {
   const auto row = [&](double load, double limit) {
     return depthRow("P2/P1", taylor_hood, n, load, limit, tolerance);
