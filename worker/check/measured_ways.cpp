@@ -83,8 +83,8 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
   for (double at = 0; at < workspace.radius;) {
     if (over()) return end(WayEnd::cut);
     const double from = at;
-    // If less than half a spacing would remain, the last step includes it. Alone, it would be a
-    // shorter transition than any of the lattice.
+    // If less than half a spacing would remain after this step, the step goes on to the rim. A
+    // separate last step would be a shorter transition than any of the lattice.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
     if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);

@@ -66,7 +66,8 @@ class Mailbox {
   /// Returns the next job, and waits for one if `waits` is true. If it returns nothing, the mailbox
   /// is closed and the thread should end; without waiting, there may also just be no job yet.
   std::optional<ReadyJob> next(bool waits = true);
-  /// Call before each target. Returns false if the job was dropped: continue with next().
+  /// Announces that the solver begins a target. Returns false if the job was dropped; then call
+  /// next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
   /// Stores a target for the network thread. Wakes that thread, unless it was woken a moment ago
   /// and the job continues.

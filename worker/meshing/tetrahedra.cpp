@@ -165,9 +165,9 @@ class Filling {
   Attempt byTetgen(double size) {
     if (!isInstalled("tetgen")) return missing("tetgen");
     replaceFile(folder_ / "surface.smesh", trianglesAsSmesh(surface_), "surface");
-    // tetgen takes a largest volume of tetrahedra. It is the volume of a regular tetrahedron with
-    // this edge length. Without -Y, tetgen splits the triangles, which gives five times as many
-    // nodes on a sphere, with worse shapes.
+    // The upper limit that tetgen gets for the volume of a tetrahedron is the volume of a regular
+    // tetrahedron with this edge length. Without -Y, tetgen splits the triangles, which gives five
+    // times as many nodes on a sphere, with worse shapes.
     const double volume = size * size * size / (6 * std::numbers::sqrt2);
     const std::filesystem::path node = folder_ / "surface.1.node";
     std::error_code ignored;

@@ -19,7 +19,7 @@ enum class Mesher : std::uint8_t {
 struct Tetrahedra {
   std::string msh;  ///< a complete file, Gmsh 2.2 ASCII, in the unit of the surface
   Mesh mesh;        ///< the same mesh, read as if its unit were metres
-  std::vector<std::string> notes = {};  ///< for the user: corrections, the program and its limits
+  std::vector<std::string> notes = {};  ///< sentences for the user: corrections, program, limits
 };
 
 /// Upper limit of the number of nodes, far above what the solver can handle.

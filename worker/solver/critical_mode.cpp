@@ -61,8 +61,8 @@ std::optional<Eigen::VectorXd> criticalMode(const System& system, TangentSolver&
     if (!solver.solve(Y) || !Y.allFinite()) return std::nullopt;
     const Eigen::MatrixXd A = MX.transpose() * Y;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (A + A.transpose()));
-    // These eigenvalues are inverses of the tangent's, in ascending order. So the last negative one
-    // belongs to the tangent's most negative eigenvalue.
+    // These are the inverses of the tangent's eigenvalues, in ascending order. So the last negative
+    // one belongs to the tangent's most negative eigenvalue.
     worst = (eigen.eigenvalues().array() < 0).count() - 1;
     X = orthonormal(Y * eigen.eigenvectors(), mask);
     const double inverse = worst < 0 ? 0 : eigen.eigenvalues()[worst];

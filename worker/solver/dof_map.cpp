@@ -72,7 +72,7 @@ class DeterminedPressures {
   }
 
   // Stabilisation determines the differences between the pressures of a component, which is a set
-  // of connected elements. The mean pressure of a component has an equation if a node of it is
+  // of connected elements. The mean pressure of a component has an equation if one of its nodes is
   // free.
   void spread(const std::vector<std::int32_t>& moving) {
     std::vector<std::uint8_t> moves(determined_.size(), 0);

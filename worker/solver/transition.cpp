@@ -16,8 +16,8 @@
 namespace palpate {
 namespace {
 
-/// Largest relative residual of du/dp. The stiffness depends on the square of this residual, and is
-/// then right to about 1e-10.
+/// Largest relative residual of du/dp. This residual enters the error of the stiffness squared, so
+/// the stiffness is right to about 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
 /// The same for intermediate steps, where du/dp only serves as a predictor.
 constexpr double loose_sensitivity_tolerance = 1e-2;
@@ -28,7 +28,7 @@ constexpr double relaxation_tolerance = 1e-3;
 /// once.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
-/// Largest displacement along a critical mode that is tried, relative to the first one that is
+/// Limit of the displacements along a critical mode, relative to the first displacement that is
 /// tried.
 constexpr double widest_step_aside = 4;
 constexpr int aside_factorizations = 12;
@@ -92,7 +92,7 @@ struct TransitionSolver::Step {
   Start end;
 };
 
-/// The equations around a state that Newton converged to.
+/// The linearised equations at a state to which Newton converged.
 struct TransitionSolver::Linearization {
   Tangent tangent;
   /// -d(Residual::free)/dp. At the end of a finger's transition the columns of slopeByPlace()

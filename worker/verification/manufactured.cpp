@@ -12,7 +12,8 @@
 namespace palpate::verification {
 namespace {
 
-/// u_i = a sin(k_i . X + phase_i) on the unit cube: strains of up to 0.2, curved everywhere.
+/// The chosen displacement on the unit cube is u_i = a sin(k_i . X + phase_i), where k_i is row i
+/// of `waves`. Its strains reach 0.2 and vary everywhere.
 constexpr double amplitude = 0.05;
 const Eigen::Matrix3d waves =
     (Eigen::Matrix3d() << 2.0, 1.5, -1.0, -1.2, 2.2, 1.6, 1.4, -0.9, 2.4).finished();

@@ -51,8 +51,8 @@ Mesh latticeBox(const std::array<int, 3>& cells) {
 }
 
 /// Cuts the prism over the triangle (a, b, c), with ascending a, b, c, into three tetrahedra.
-/// Neighbouring prisms agree on the diagonal of their common side face. It joins the lower of two
-/// node numbers on the lower triangle with the higher one on the upper triangle.
+/// Neighbouring prisms divide their common side face by the same diagonal. This diagonal joins the
+/// lower of two node numbers on the lower triangle with the higher one on the upper triangle.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
   PALPATE_ASSERT(a < b && b < c, "neighbours agree on a diagonal by the order of their nodes");
