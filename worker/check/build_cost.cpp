@@ -45,8 +45,8 @@ double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
   return points_of_cell * cellsHalved(std::numeric_limits<double>::infinity(), levels);
 }
 
-/// Counts the lattice points of one space. The lattice of a finger that only pushes is the pushed
-/// part.
+/// Counts the lattice points of one space, shell by shell. For a finger that only pushes, the
+/// lattice covers only the pushed part.
 void add(const Lattice& lattice, std::vector<Shell>& shells) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const double spacings = lattice.displacement(n).norm() / lattice.spacing();

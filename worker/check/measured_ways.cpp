@@ -28,8 +28,8 @@ Eigen::Vector3d directionAt(double height, double turn) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Returns the direction. If a contact that only pushes does not reach it, returns its mirror
-/// image, which points into the tissue.
+/// Returns `direction`, or its mirror image, which points into the tissue, if a contact that only
+/// pushes does not reach `direction`.
 Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
   if (part.contains(1e-6 * direction)) return direction;
   return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;

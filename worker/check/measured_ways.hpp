@@ -39,8 +39,7 @@ struct MeasuredWays {
   /// Why the body has no rest state from which a way could start; usually empty. If set, there are
   /// no ways.
   std::string no_rest;
-  /// Why the first step of a way failed, for the earliest way that failed so; empty if there is
-  /// none.
+  /// If the first step of some way failed, the reason for the earliest such way. Otherwise empty.
   std::string no_first_step;
 };
 

@@ -25,7 +25,7 @@ struct VolumeFunction {
 };
 
 struct Response {
-  Pack energy;                ///< per volume at rest, volumetric part included, Pa
+  Pack energy;                ///< energy per volume at rest, with its volumetric part, Pa
   Voigt S;                    ///< second Piola-Kirchhoff stress, Pa
   Pack D[6][6];               ///< dS/dgamma, Pa; set only if the tangent is computed
   VolumeFunction constraint;  ///< c(J); set only if the material has a pressure

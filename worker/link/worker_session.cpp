@@ -124,8 +124,8 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
-  // If a scheduler told this worker to leave, that scheduler is gone. Only an interrupt remains
-  // valid.
+  // If a scheduler told this worker to leave, that scheduler is gone. The worker then stays, unless
+  // it was interrupted.
   draining_ = interrupted_at_.has_value();
   // If the build has changed, results and start configurations of the old one are useless. Jobs are
   // requested once the new problem has arrived.

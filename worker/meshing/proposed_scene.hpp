@@ -21,12 +21,12 @@ struct ProposedScene {
 /// with `unit`).
 ///
 /// The fixed part is a node group whose name suggests it, or else the broader end along the longest
-/// axis. The tool is a finger that touches all of the other surface. Several radii are tried: the
-/// proposal is the first that causes no avoidable warning, or else the one with the fewest
-/// warnings. The workspace is as deep as the force of the device pushes into soft tissue.
+/// axis. The tool is a finger that touches the whole surface outside the fixed part. Several radii
+/// are tried: the proposal is the first that causes no avoidable warning, or else the one with the
+/// fewest warnings. The workspace is as deep as the force of the device pushes into soft tissue.
 ///
-/// `mesh_file` is the name of the mesh beside the scene. `doubt` is GuessedUnit::doubt. Error (bad
-/// input), as from resolve(), if the mesh allows no scene.
+/// `mesh_file` is the name of the mesh, which lies next to the scene. `doubt` is
+/// GuessedUnit::doubt. Error (bad input), as from resolve(), if the mesh allows no scene.
 ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
                             const LengthUnit& unit, const std::string& doubt);
 

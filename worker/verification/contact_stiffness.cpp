@@ -92,7 +92,7 @@ Row finger(DisplacementSpace displacement, int elements, double tolerance) {
           "m"};
 }
 
-/// Compares k of a mesh with k of a mesh twice as fine.
+/// Compares the stiffness k on a mesh with k on a mesh twice as fine.
 Row rigidPatch(int elements) {
   return {fmt::format("rigid patch P2, h = 1/{} as 1/{}: k/E", elements, 2 * elements),
           sceneStiffness(DisplacementSpace::p2, elements, ToolKind::rigid),

@@ -1,6 +1,7 @@
 // Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
 // reference forces were computed with GetFEM on the same meshes. All are in
-// tests/worker/verification/hard_reference.py, except the skins, the columns and the linear bone.
+// tests/worker/verification/hard_reference.py, except those of skins, of columns, and of the bone
+// with linear elements.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -76,7 +77,7 @@ Push skin(const std::string& element, const Discretization& discretization, doub
   return push;
 }
 
-/// The same cube, with a top quarter of capsule tissue that contains two crossed families of
+/// The cube of skin(), with a top quarter of capsule tissue that contains two crossed families of
 /// collagen fibres.
 Push capsule(double depth) {
   Push push = skin("", taylor_hood, 1, 4);

@@ -107,8 +107,8 @@ std::vector<Row> rowsOfStates(const std::string& material_name, const Material& 
 /// x, y along y, and 1/(l y) along z.
 using StressAlongX = std::function<double(double l, double y)>;
 
-/// Returns the stress of an isotropic law (Rivlin 1948). `slopes` gives the derivatives of its
-/// energy by I1 and I2, as functions of I1.
+/// Returns the stress of an isotropic law (Rivlin 1948). `slopes` gives the derivatives of the
+/// law's energy by I1 and I2, as functions of I1.
 StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>& slopes) {
   return [slopes](double l, double y) {
     const double z = 1 / (l * y);
