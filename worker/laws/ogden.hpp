@@ -146,8 +146,8 @@ struct Ogden {
     return p;
   }
 
-  /// Returns dtau_i/dy_j, with the y_j as independent variables. tau is the deviator of b, and y_j
-  /// the deviator of ln lambda_j, so the derivative is deviatoric in both indices.
+  /// Returns dtau_i/dy_j, as the derivative by ln lambda_j. The three y_j are no independent
+  /// variables, because their sum is zero. Both indices are deviatoric.
   template <class T>
   static T slope(const Principal<T>& p, int i, int j) {
     const T deviatoric = (p.db[0] + p.db[1] + p.db[2]) / 9 - (p.db[i] + p.db[j]) / 3;

@@ -260,8 +260,8 @@ class SurfaceRepair {
     if (cut) note("triangles without area, by three corners on a line, are taken out");
   }
 
-  /// Removes each flat triangle and cuts its neighbour, unless that neighbour was already cut in
-  /// this pass. Returns false if nothing could be cut.
+  /// Removes each flat triangle and cuts its neighbour, unless that neighbour is flat too or was
+  /// already cut in this pass. Returns false if nothing could be cut.
   bool cutBesideOneEach() {
     std::int32_t first = 0;
     const auto last = static_cast<std::int32_t>(triangles_.size());
