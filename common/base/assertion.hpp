@@ -8,11 +8,11 @@ namespace palpate {
 
 }  // namespace palpate
 
-/// Checks a condition that must hold where one module hands over to another, and says why, in
-/// release builds too. Only a bug may break it: wrong input and failing systems are Errors
-/// (error.hpp). It throws instead of aborting, so that a service ends with everything on disk and
-/// libpalpate returns an error. It costs time, so it is not used in the haptic tick or in inner
-/// loops of kernels.
+/// Checks a condition that one module relies on and another guarantees; `why` says why it holds.
+/// Active in release builds too. Only a bug can break such a condition: wrong input and failing
+/// systems are Errors (error.hpp). A broken condition throws instead of aborting, so that a service
+/// can still write everything to disk and libpalpate can return an error. The check costs time, so
+/// do not use it in the haptic tick or in inner loops of kernels.
 #define PALPATE_ASSERT(condition, why) \
   ((condition) ? static_cast<void>(0)  \
                : ::palpate::assertionFailed(#condition, why, __FILE__, __LINE__))

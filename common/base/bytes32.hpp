@@ -35,8 +35,8 @@ class Bytes32 {
   std::array<std::uint8_t, 32> bytes_{};
 };
 
-/// Initialises libsodium, which is required before direct calls to it. May be repeated, from any
-/// thread. Error if it fails.
+/// Initialises libsodium. Call this before any direct call to libsodium. Calls may be repeated,
+/// from any thread. Error if the initialisation fails.
 void startSodium();
 
 /// Returns `count` unpredictable bytes from the system. Error if the system fails.
@@ -45,7 +45,7 @@ std::string randomBytes(std::size_t count);
 /// Identifies a start configuration, a problem or a dataset by the BLAKE2b-256 hash of its content.
 using ContentId = Bytes32;
 
-/// Computes a ContentId from bytes that are added piece by piece. Not thread-safe.
+/// Computes the ContentId of data that is added in parts. Not thread-safe.
 class ContentHasher {
  public:
   ContentHasher();

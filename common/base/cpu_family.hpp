@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Instruction sets for which hot loops are compiled, slowest first. Results of two families agree
-/// up to rounding, but not bit by bit.
+/// Instruction sets for which hot loops are compiled, slowest first. Two families compute the same
+/// results up to rounding, but not the same bits.
 enum class CpuFamily {
   baseline,  ///< x86-64
   avx2,      ///< AVX2 and FMA
@@ -23,14 +23,15 @@ constexpr std::string_view name(CpuFamily family) {
   return names[static_cast<std::size_t>(family)];
 }
 
-/// Returns OpenBLAS's name of its kernels for this family.
+/// Returns the name by which OpenBLAS calls its kernels for this family.
 constexpr std::string_view blasKernelsOf(CpuFamily family) {
   constexpr std::array<std::string_view, 3> names = {"Prescott", "Haswell", "SkylakeX"};
   return names[static_cast<std::size_t>(family)];
 }
 
-/// Returns the kernels that the bits of a result depend on, of elements and of OpenBLAS, as in
-/// "avx2/Haswell". They are the same on every machine with this family, whatever its CPU is called.
+/// Names the two sets of kernels that determine the bits of a result: the element kernels and those
+/// of OpenBLAS, as in "avx2/Haswell". The name depends on the family alone, not on the model of the
+/// CPU.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }
@@ -47,12 +48,13 @@ inline CpuFamily cpuFamily() {
 
 }  // namespace palpate
 
-/// Attribute of a function that is compiled once per CpuFamily; calls use the machine's version. It
-/// is for loops with results that may differ between machines in the last bits. Elsewhere
-/// cpuFamily() chooses, so that the choice can be recorded. Inlined functions are compiled along
-/// with it. It is off with the thread sanitizer, which is not ready when the loader chooses. It is
-/// also off with Clang (which builds the fuzzers), because Clang does not inline vectors wider than
-/// the default.
+/// Compiles the function, and the functions inlined into it, once per CpuFamily. The loader picks
+/// the version for this machine. Use this attribute only if results may differ between machines by
+/// rounding. Otherwise choose the version by cpuFamily(), so that the choice can be recorded.
+///
+/// The attribute does nothing under the thread sanitizer, which is not initialised yet when the
+/// loader picks a version. It also does nothing under Clang (which builds the fuzzers), because
+/// Clang does not inline functions with vectors wider than the default.
 #if defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define PALPATE_PER_CPU_FAMILY
 #else

@@ -14,8 +14,8 @@ namespace palpate {
 /// Exit codes of every program; part of the interface.
 enum class ExitCode { done = 0, failed = 1, usage = 2, partly_failed = 3, interrupted = 130 };
 
-/// Input or machine made it impossible to continue. Expected numerical failure is not an exception:
-/// it is a Failure (failure.hpp), returned as a value.
+/// Thrown if wrong input or a failing system makes it impossible to continue. A solve that does not
+/// converge is not an exception, but returns a Failure (failure.hpp).
 ///
 /// The message gives the problem, its place (file, line, key, id) and the remedy.
 class Error : public std::runtime_error {
@@ -27,7 +27,8 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Returns errno as text. Call it first, because other calls may change errno.
+/// Returns errno as text. Call it directly after the failed call, because other calls may change
+/// errno.
 inline std::string errnoText() {
   return errno == EFBIG ? "the limit of file sizes is reached (ulimit -f)" : std::strerror(errno);
 }
@@ -44,8 +45,8 @@ Error failure(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::failed, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-/// Writes a message to stderr. Unlike fmt::print, it does not throw if stderr is full: a full disk
-/// behind a log must not end a long run.
+/// Writes a message to stderr. Unlike fmt::print, it does not throw if that fails, because a log on
+/// a full disk must not end a long run.
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) {
   std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);

@@ -6,26 +6,28 @@
 
 namespace palpate {
 
-/// An external program that is run to its end, such as sbatch or gmsh.
+/// An external program to run, such as sbatch or gmsh.
 struct ForeignProgram {
   std::vector<std::string> words;  ///< the program, found in $PATH, then its arguments; no shell
-  std::string package;             ///< Debian package that the error names if it is missing
-  std::string input = {};          ///< contents of its stdin
-  std::chrono::seconds patience = std::chrono::seconds(60);  ///< it is killed after this time
-  /// Whether an interrupt of this process (interrupted()) kills it and ends the call with exit code
-  /// 130. Otherwise the call waits for its end.
+  std::string package;     ///< Debian package that the error names if the program is missing
+  std::string input = {};  ///< contents of its stdin
+  std::chrono::seconds patience =
+      std::chrono::seconds(60);  ///< the program is killed after this time
+  /// Whether an interrupt of this process (interrupted()) kills the program and makes runToItsEnd()
+  /// throw an Error with exit code 130. Otherwise the call waits until the program ends.
   bool heeds_interrupts = false;
 };
 
-/// Its exit code and output.
+/// Exit code and output of a program that has ended.
 struct Ran {
   int exit_code = -1;
   std::string out, err;  ///< text on its stdout and stderr
 };
 
-/// Runs the program in its own process group, beyond signals of the terminal, and waits for its
-/// end. The system kills it if this process dies. Error (bad input) with the package if it is not
-/// installed. Error if it cannot be started, is ended by a signal, or takes longer than `patience`.
+/// Runs the program in its own process group, which signals of the terminal do not reach, and waits
+/// until it ends. The system kills the program if this process dies. Error (bad input) that names
+/// the package if the program is not installed. Error if the program cannot be started, is ended by
+/// a signal, or takes longer than `patience`.
 Ran runToItsEnd(const ForeignProgram& program);
 
 /// Returns whether the program exists in $PATH or at this path.

@@ -13,7 +13,7 @@ namespace palpate {
 /// replaced.
 std::unique_ptr<spdlog::formatter> jsonLines(std::string program, std::string verb);
 
-/// Returns "2026-11-24T20:17:59.123Z": UTC, so that texts sort by time.
+/// Returns a time in UTC as text, such as "2026-11-24T20:17:59.123Z". Such texts sort by time.
 std::string utcText(std::chrono::system_clock::time_point when);
 
 }  // namespace palpate

@@ -3,17 +3,18 @@
 #include <filesystem>
 #include <optional>
 
-// The part of the machine that this process may use; containers, cluster jobs and taskset limit it.
-// Any thread.
+// The cores that this process may use. Containers, cluster jobs and taskset can limit it to a part
+// of the machine. Any thread.
 
 namespace palpate {
 
 /// Returns the number of cores, at least 1.
 unsigned coreCount();
 
-/// Returns the cores that control groups (versions 1 and 2) allow this process: the least over its
-/// groups and their parents, or nullopt without a limit. `groups` lists its groups like
-/// /proc/self/cgroup; `mounted` is the mount point of the hierarchy.
+/// Returns the number of cores, which may be a fraction, to which control groups (versions 1 and 2)
+/// limit this process. This is the smallest limit of its groups and their parents, or nullopt if
+/// none of them has a limit. `groups` is a file like /proc/self/cgroup that lists the groups of the
+/// process; `mounted` is the folder at which the group hierarchy is mounted.
 std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
 

@@ -11,10 +11,11 @@ namespace palpate {
 /// Escapes text for use between tags and in quoted attributes.
 std::string escaped(std::string_view text);
 
-/// Escapes JSON for use in a <script>, so that no text in it ends the script.
+/// Escapes JSON for use in a <script> element, so that a string in the JSON cannot end the element.
 std::string scriptJson(std::string json);
 
-/// Replaces names in double braces by their values in `by`, which must contain every name.
+/// Replaces each name in double braces, as in {{title}}, by its value in `by`, which must contain
+/// every name that occurs.
 std::string filledMarkup(std::string_view text,
                          const std::map<std::string, std::string, std::less<>>& by);
 

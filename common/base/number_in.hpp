@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-/// Parses `text` with std::from_chars. Returns nullopt unless all of it is one number that fits.
+/// Parses `text` with std::from_chars. Returns nullopt unless the whole text is one number that a
+/// Number can represent.
 template <class Number>
 std::optional<Number> numberIn(std::string_view text) {
   Number number{};

@@ -11,14 +11,16 @@
 
 namespace palpate {
 
-/// Returns "1 node" or "2 nodes"; `plural` is for irregular nouns, as in "3 tetrahedra".
+/// Returns a count with its noun, such as "1 node" or "2 nodes". Give `plural` for irregular nouns,
+/// as in "3 tetrahedra".
 template <std::integral Count>
 std::string counted(Count count, std::string_view noun, std::string_view plural = {}) {
   if (count == 1) return fmt::format("1 {}", noun);
   return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
 }
 
-/// Returns "0.0025, 0, -0.017": at most `figures` significant digits each, and zero without a sign.
+/// Returns the components as text, such as "0.0025, 0, -0.017", each with at most `figures`
+/// significant digits. Zero never has a sign.
 inline std::string vectorText(const Eigen::Vector3d& v, int figures,
                               std::string_view between = ", ") {
   // -0.0 + 0.0 is 0.0.

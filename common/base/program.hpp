@@ -14,8 +14,9 @@ class App;
 
 namespace palpate {
 
-/// A verb of a program, such as `check`. `prepare` declares its options on `app` and returns the
-/// function that runs after parsing. That function captures the options in a std::shared_ptr.
+/// A verb of a program, such as `check`. `prepare` declares the verb's options on `app` and returns
+/// the function that runs the verb after parsing. That function owns the options through a
+/// std::shared_ptr that it captures.
 struct Verb {
   const char* name;
   const char* summary;  ///< one line, for --help
@@ -23,15 +24,15 @@ struct Verb {
 };
 
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and
-/// palpate-answers. It parses the command line and runs the verb. Every exception becomes an exit
-/// code and one line on stderr ("palpate VERB: MESSAGE"). Exit code 2 stands for unknown options.
-/// It also reads the common options --version, -q/--quiet, -v/--verbose and --log-format. Programs
-/// that this one starts inherit --log-format through the environment (PALPATE_LOG_FORMAT). Logs go
-/// to stderr.
+/// palpate-answers. Parses the command line, including the common options --version, -q/--quiet,
+/// -v/--verbose and --log-format, and runs the verb. An exception ends the program with an exit
+/// code and one line on stderr ("palpate VERB: MESSAGE"). Unknown options give exit code 2. Logs go
+/// to stderr. Programs that this one starts inherit --log-format through the environment
+/// (PALPATE_LOG_FORMAT).
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs);
 
-/// Returns whether the log is JSON for other programs (--log-format json). Everything on stderr
-/// must then be log lines, and nothing may be drawn there.
+/// Returns whether the log is JSON for other programs (--log-format json). If so, write nothing but
+/// log lines to stderr, not even a progress display.
 bool logIsJson();
 
 /// Returns the version of the program, such as "0.1.0".
@@ -39,21 +40,22 @@ const char* version();
 /// Returns the commit of the build, such as "1a2b3c4", or "1a2b3c4+changed" for edited sources;
 /// "unknown" outside a git repository.
 const char* commit();
-/// Returns version and commit, if known: "0.1.0 (1a2b3c4)". Results of two builds may differ in
-/// their last bits.
+/// Returns the version and, if known, the commit: "0.1.0 (1a2b3c4)". It identifies the build,
+/// because two builds may compute results that differ by rounding.
 std::string buildName();
 
-/// Returns the path of the program `name` ("palpate-worker") in the folder of the running one.
-/// Error if it is not there.
+/// Returns the path of the program `name` ("palpate-worker") in the folder of the running program.
+/// Error if there is no such program in that folder.
 std::filesystem::path programBeside(const std::string& name);
 
-/// Returns true after SIGINT, SIGTERM or SIGHUP (unless that was ignored at start), once
-/// catchInterrupts() was called. A second signal ends the process at once with code 130, unless it
-/// follows the first within a second. Such pairs have one cause: timeout(1) signals a process and
-/// then its group, and Ctrl-C in a terminal also reaches children that their parent stops.
+/// Returns whether SIGINT, SIGTERM or SIGHUP has arrived since catchInterrupts() was called. SIGHUP
+/// does not count if it was ignored at start. A second signal ends the process at once with code
+/// 130, unless it arrives within a second of the first. Two signals within a second usually have
+/// one cause: timeout(1) signals a process and then its group; after Ctrl-C a child gets a signal
+/// from the terminal and another one from its parent.
 bool interrupted();
-/// Error with the exit code of an interrupt if interrupted(). For work that has not replaced any
-/// file yet.
+/// Throws an Error with the exit code of an interrupt if interrupted(). Only for work that has not
+/// replaced any file yet.
 inline void endWhenInterrupted() {
   if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; nothing was written");
 }

@@ -9,12 +9,12 @@ struct TerminalSize {
   std::size_t rows = 24, columns = 80;
 };
 
-/// Returns the current size of the terminal behind a file descriptor, since windows are resized; a
-/// default size if it is no terminal.
+/// Returns the size of the terminal behind a file descriptor, or a default size if the descriptor
+/// is not a terminal. Call it again for each page, because users resize windows.
 TerminalSize sizeOf(int terminal);
 
-/// Cuts a page of text to the size of a terminal, so that it does not scroll. Lines are cut, and
-/// the last row gives the number of lines left out.
+/// Cuts a page of text to the size of a terminal, so that the terminal does not scroll. Long lines
+/// are cut off. If there are too many lines, the last row gives the number of lines left out.
 std::string fitted(const std::string& text, TerminalSize size);
 
 /// Breaks text at blanks into lines of at most `columns` columns and indents continuation lines. A

@@ -8,20 +8,22 @@
 
 namespace palpate {
 
-/// Length of a sentence in which a peer gives the reason of a refusal; names are shorter.
+/// Length, in bytes, to which printable() cuts a whole sentence from a peer or an external program,
+/// such as the reason for a refusal. For names its shorter default applies.
 inline constexpr std::size_t longest_reason = 500;
 
-/// Makes text from a peer safe to display: at most `most` bytes, with ? for everything but
-/// printable ASCII, so that it cannot move the cursor or start a line.
+/// Makes text from a peer safe to display. Cuts it to `most` bytes and replaces everything but
+/// printable ASCII by ?, so that it cannot move the cursor or start a new line.
 std::string printable(std::string_view text, std::size_t most = 64);
 
-/// Returns a file name as one word of a POSIX shell, for commands to paste: quoted if necessary,
-/// and never mistaken for an option.
+/// Returns a file name as one word for a POSIX shell, for commands that users copy and paste. The
+/// word is quoted if necessary and cannot be mistaken for an option.
 std::string shellWord(std::string_view file);
 
-/// Returns the one of `words` that `word` probably misspells: the nearest by insertions, deletions,
-/// replacements and swaps of letters. At most a third of its letters, but always one, may be wrong.
-/// Empty if none is that close.
+/// Returns the entry of `words` that `word` is probably a misspelling of. This is the entry with
+/// the fewest insertions, deletions, replacements and swaps of adjacent letters. One edit is always
+/// allowed; more are allowed up to a third of the letters of `word`. Returns an empty string if no
+/// entry is that close.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words);
 
 /// Returns `words` as text for messages: "a, b or c", with `last` before the last one.

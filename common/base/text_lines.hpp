@@ -15,7 +15,8 @@ namespace palpate {
 /// line.
 class TextLines {
  public:
-  /// Skips a UTF-8 byte order mark, which some Windows programs write.
+  /// `source` names the file in errors. Skips a UTF-8 byte order mark, which some Windows programs
+  /// write.
   TextLines(std::string text, std::string source)
       : text_(std::move(text)),
         source_(std::move(source)),
@@ -62,8 +63,8 @@ class TextLines {
     return word;
   }
 
-  /// Reads an announced count. It is not trusted before its items are read, so only reserveFor()
-  /// may use it to allocate.
+  /// Reads the number of items that follow according to the file. It may be wrong, so pass it
+  /// through reserveFor() before memory is allocated for the items.
   std::size_t takeCount(const char* what) {
     const auto count = take<std::int64_t>(what);
     if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
@@ -71,8 +72,8 @@ class TextLines {
     return static_cast<std::size_t>(count);
   }
 
-  /// Limits an announced count to the items that the text can hold. The shortest item, a point,
-  /// takes six characters.
+  /// Limits a count from the file to the number of items that a text of this length can hold. The
+  /// shortest item, a point, takes six characters.
   std::size_t reserveFor(std::size_t announced) const {
     return std::min(announced, text_.size() / 6);
   }

@@ -13,26 +13,30 @@
 
 namespace palpate {
 
-/// Returns the content of a file. `what` ("scene", "mesh") names it in errors. Error (bad input) if
-/// it is a directory or cannot be opened; Error if it cannot be read to its end.
+/// Returns the content of a file. `what` ("scene", "mesh") says in errors what the file is. Error
+/// (bad input) if the file is a directory or cannot be opened; Error if it cannot be read to its
+/// end.
 std::string readText(const std::filesystem::path& file, std::string_view what);
 
-/// Follows symbolic links to their target, whether it exists or not; returns `file` if it is no
-/// link. Error for a circle of links.
+/// Follows symbolic links from `file` to a path that is not a link, whether or not that path
+/// exists. Returns `file` if it is not a link. Error if the links form a circle.
 std::filesystem::path linkTarget(std::filesystem::path file);
 
-/// Replaces `file`, or the target of a symbolic link, atomically: it is always the complete old or
-/// new one. `write` gets a name beside it (FILE.tmp); the result is flushed to disk and renamed.
-/// One process or thread at a time does so; others wait. If `write` throws or the disk fails
-/// (Error), FILE.tmp is removed. Error for a device, a directory and the like.
+/// Replaces `file`, or its target if it is a symbolic link, atomically: at any time the path holds
+/// the complete old or the complete new content. `write` must write the new content to the path
+/// that it gets (FILE.tmp); this file is then flushed to disk and renamed. If several processes or
+/// threads replace one file, they do so one after the other. If `write` throws or the disk fails
+/// (Error), FILE.tmp is removed. Error if `file` is anything but a regular file, such as a device
+/// or a directory.
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write);
 
-/// Replaces `file` by these bytes. `what` ("page", "picture") names it in errors.
+/// Replaces `file` by these bytes. `what` ("page", "picture") says in errors what the file is.
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
 
-/// Replaces `file` by the result of `bytes`, which may read the old content: no other process
-/// replaces it in between. `mode` 0600 keeps the file private at all times.
+/// Replaces `file` by the result of `bytes`. That function may read the old content, because no
+/// other process can replace the file in the meantime. With `mode` 0600 the file is never
+/// accessible to other users, not even while it is written.
 void replaceFile(const std::filesystem::path& file, const std::function<std::string()>& bytes,
                  std::string_view what, mode_t mode);
 
@@ -44,12 +48,13 @@ bool writeAt(int descriptor, std::uint64_t offset, std::string_view bytes);
 /// a power failure. Error if the disk fails.
 void syncFolder(const std::filesystem::path& folder);
 
-/// Error unless the folder of `file` exists and is writable. Call it before hours of work. `option`
-/// is the option for another file name, for the message.
+/// Error unless the folder of `file` exists and is writable. Call this before hours of work, so
+/// that the result can be written. `option` is the command-line option that the message suggests
+/// for choosing another file.
 void refuseUnwritable(const std::filesystem::path& file, const char* option);
 
-/// Error (bad input) if `file` is, under any name, one of the inputs, because it would replace it.
-/// `option` as above.
+/// Error (bad input) if `file`, which is about to be written, is one of the inputs, even under
+/// another path. `option` is the one that the message suggests, as in refuseUnwritable().
 void refuseInput(const std::filesystem::path& file, const char* option,
                  std::span<const std::filesystem::path> inputs);
 

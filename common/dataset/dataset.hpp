@@ -9,58 +9,62 @@
 
 namespace palpate {
 
-/// Returns the nodal fields of a solved point while a dataset is sealed. Throws Error if they
-/// cannot be read.
+/// Returns the nodal fields of a solved point, for sealDataset(). Throws Error if they cannot be
+/// read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
 
-/// Writes a sealed dataset. The file is written aside as FILE.tmp, closed, re-opened, checked
-/// against the hashes, fsynced and renamed over FILE; then the directory is fsynced. If the process
-/// is killed at any time, FILE is the old one, the new one or absent, never incomplete. The bytes
+/// Writes a sealed dataset. The data is first written to FILE.tmp, which is closed, re-opened,
+/// checked against its hashes, fsynced and renamed to FILE; then the directory is fsynced. If the
+/// process is killed at any time, FILE is absent or a complete dataset, old or new. The bytes
 /// depend on the arguments alone (no time stamps). docs/dataset.md describes the layout.
 ///
-/// `spaces` holds one entry per problem.active, in that order and with those patches. Each is on
-/// the lattice of problem.scene (with added points), has one record per point and passes faultOf;
-/// otherwise Error, and nothing is written. Besides its arguments, sealing takes some MB and 36
-/// bytes per point. `fields` is called once for every solved point, in order of space and point,
-/// and must return the fields that the record names; scene.storage decides which part is stored.
-/// Fields of probes are not stored. `partial` marks an unfinished build (Dataset::isPartial). Error
-/// on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
-/// thread-safe).
+/// `spaces` holds one entry per entry of problem.active, in the same order and with the same
+/// patches. The lattice of each must be the uniform lattice of the problem, to which points may
+/// have been added. Each must have one record per point and pass faultOf(). Otherwise an Error is
+/// thrown, and nothing is written.
+///
+/// `fields` is called once for every solved point, in order of space and point. It must return the
+/// fields with the id in the point's record (PointRecord::fields). scene.storage decides which part
+/// of them is stored. Fields of probes are not stored. `partial` marks an unfinished build
+/// (Dataset::isPartial).
+///
+/// Sealing takes some MB of memory, and 36 bytes per point. Error on any HDF5 or system failure;
+/// FILE.tmp is then removed. One thread at a time (HDF5 is not thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);
 
 /// A sealed dataset, opened for reading. Construction reads and verifies everything but the nodal
-/// fields, which are read and verified on demand. Any thread may read the tables; other calls are
-/// for one thread at a time (HDF5 is not thread-safe). References into it become invalid when it is
-/// moved.
+/// fields, which are read and verified on demand. Any thread may read the tables. Other calls are
+/// for one thread at a time (HDF5 is not thread-safe). Moving a Dataset invalidates references to
+/// its members.
 class Dataset {
  public:
-  /// Opens and verifies `file`. Error if it is missing, truncated, not a Palpate dataset or of
-  /// another major version, or if an array does not match its hash. The message names file and
-  /// array.
+  /// Opens and verifies `file`. Error that names the file and the array if the file is missing,
+  /// truncated, not a Palpate dataset or of a major version that is not supported, or if an array
+  /// does not match its hash.
   explicit Dataset(const std::filesystem::path& file);
   ~Dataset();
   Dataset(Dataset&&) noexcept;
   Dataset& operator=(Dataset&&) noexcept;
 
   const std::filesystem::path& file() const { return file_; }  ///< path as given to the constructor
-  /// Hash of all arrays and the scene; equal for equal results.
+  /// Hash of all arrays and the scene. Datasets with equal content have equal ids.
   ContentId contentId() const { return content_id_; }
   ContentId buildId() const { return build_id_; }  ///< problemId of the solved problem
-  /// Returns whether the build was unfinished: some points are unknown, or refinement is not
-  /// complete.
+  /// Returns whether the dataset was sealed before its build was finished. Some points may then be
+  /// unknown, and refinement incomplete.
   bool isPartial() const { return partial_; }
-  const std::string& kernelFamily() const { return kernel_family_; }  ///< of the workers
+  const std::string& kernelFamily() const { return kernel_family_; }  ///< CPU family of the workers
   const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene as text
   const Scene& scene() const { return scene_; }                       ///< parsed from sceneToml()
   /// Quadratic with P2 displacement. Groups are not stored.
   const Mesh& mesh() const { return body_.mesh; }
   const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted
-  /// One space per active node, in scene order, without the probe places of areas.
+  /// One space per active node, in scene order; probe places of areas are separate (probePlaces).
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
-  /// The probe places of areas, in scene order: each holds the origin and one probe
-  /// (ActivePatch::probe).
+  /// One space per probe place of an area, in scene order. Each holds the rest position and one
+  /// probe (ActivePatch::probe).
   const std::vector<SpaceTable>& probePlaces() const { return probe_places_; }
   /// Vertices on the visible surface, sorted.
   const std::vector<std::int32_t>& surfaceNodes() const { return body_.surface; }
@@ -71,8 +75,9 @@ class Dataset {
   /// pressures if all nodes are stored.
   NodalFields fields(std::size_t space, std::int32_t point) const;
   /// Returns the stored fields of the surface nodes at every point of a space: displacements,
-  /// metres, [point][surface node][axis], and pressures, Pa, [point][surface node]. Without stored
-  /// pressures (storedPressures) these are empty. NaN at points that are not solved.
+  /// metres, [point][surface node][axis], and pressures, Pa, [point][surface node]. Pressures are
+  /// empty if the dataset stores none (storedPressures). Values are NaN at points that are not
+  /// solved.
   NodalFields surfaceFields(std::size_t space) const;
   /// Reads and verifies every array, including the nodal fields. Error names the first damaged one.
   void verifyAll() const;

@@ -8,25 +8,27 @@
 #include "common/base/bytes32.hpp"
 #include "common/base/error.hpp"
 
-/// The part of the HDF5 C API that datasets and recordings need. Not thread-safe, like the library.
-/// Only common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp and the
-/// main() of programs may use it.
+/// Thin wrappers of the HDF5 C API for datasets and recordings. Like HDF5, they are not
+/// thread-safe. Only common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp
+/// and the main() of programs may use them.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's error output on stderr. Every Reader and Writer calls this.
 void silenceErrorStack();
 
-/// Keeps HDF5 from closing open files when the process ends: 1.10.8 crashes if a full disk kept it
-/// from closing one. Programs that write call this before any other HDF5 function. libpalpate does
-/// not, because other code in its process (h5py) may rely on that closing.
+/// Keeps HDF5 from closing open files when the process ends, because HDF5 1.10.8 crashes then if
+/// closing a file has failed on a full disk. Programs that write call this before any other HDF5
+/// function. libpalpate does not call it, because other code in its process (h5py) may rely on HDF5
+/// to close files at the end.
 void leaveOpenFilesAtExit() noexcept;
 
-/// Returns the reason of the last failure. It is the system's message ("No space left on device")
-/// if a system call failed, else the innermost sentence of HDF5's error stack, or "unknown HDF5
-/// error".
+/// Returns the reason why the last HDF5 call failed: the system's message ("No space left on
+/// device") if a system call failed, else the innermost message of HDF5's error stack, or "unknown
+/// HDF5 error".
 std::string lastError();
 
-/// Returns `result` of an HDF5 call. Throws Error "FILE: WHAT: HDF5's reason" if it is negative.
+/// Returns `result`, the result of an HDF5 call. If it is negative, the call failed: throws Error
+/// "FILE: WHAT: REASON", with the reason from lastError().
 template <class Result>
 Result checked(Result result, std::string_view file, std::string_view what) {
   if (result < 0) throw failure("{}: {}: {}", file, what, lastError());
@@ -50,7 +52,8 @@ class Handle {
     if (id_ >= 0) close_(id_);
   }
   hid_t get() const { return id_; }
-  /// Closes now and returns the status. For a file it tells whether the last bytes were written.
+  /// Closes the identifier now and returns the status, which is negative if that failed. The status
+  /// of a file tells whether its last bytes were written.
   herr_t close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
 
  private:
@@ -70,7 +73,7 @@ struct ElementType {
 /// Returns the storage type of an element in a file.
 ElementType typeOf(Element element);
 
-/// Returns the element with values of type T.
+/// Returns the element type for values of type T.
 template <class T>
 constexpr Element elementOf() {
   if constexpr (std::is_same_v<T, std::uint8_t>) return Element::uint8;
@@ -84,7 +87,8 @@ using Shape = std::vector<hsize_t>;        ///< extents, slowest first; empty fo
 std::size_t countOf(const Shape& shape);   ///< product of the extents
 std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
 
-/// Layout of a list entry in an array: the numbers of one row, `extents` slowest first.
+/// Layout of a list in an array: each entry of the list is one row, whose numbers have the shape
+/// `extents`, slowest first.
 template <class NumberInFile, hsize_t... extents>
 struct Row {
   using Number = NumberInFile;
@@ -95,8 +99,8 @@ struct Row {
 
 using RowMajorMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-/// The row layout of a T, with the same bytes as T in memory. Enumerators are stored as their
-/// values. uint32 is stored as the bits of int32, since files have no uint32.
+/// The Row that stores a T, with the same bytes as T in memory. Enumerators are stored as their
+/// values. uint32 is stored as int32 with the same bits, because files have no uint32.
 template <class T>
 struct Stored : Row<T> {};
 template <class T>
@@ -122,7 +126,8 @@ struct ArrayInfo {
   ContentId hash;  ///< BLAKE2b-256 of the values, row-major, little-endian
 };
 
-/// A file name, and checks of HDF5 results that name it. Base of Reader and Writer.
+/// Base of Reader and Writer: a file name, and checks of HDF5 results with errors that give this
+/// name.
 class NamedFile {
  public:
   explicit NamedFile(std::string name) : name_(std::move(name)) { silenceErrorStack(); }
@@ -133,7 +138,8 @@ class NamedFile {
   Result check(Result result, std::string_view what) const {
     return checked(result, name_, what);
   }
-  /// Checks an identifier that a call returned, and returns a handle that closes it.
+  /// Checks the identifier that an HDF5 call returned, and returns a handle that owns it. Error if
+  /// the call failed.
   Handle own(hid_t id, Handle::Close closer, std::string_view what) const {
     return {check(id, what), closer};
   }

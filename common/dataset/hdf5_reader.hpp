@@ -8,15 +8,16 @@ namespace palpate::hdf5 {
 
 inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< wildcard in an expected Shape
 
-/// Words for messages about a kind of file.
+/// Words for error messages about a kind of file.
 struct FileKind {
   std::string_view noun = "dataset";
   std::string_view origin = "palpate build makes one";
   std::string_view remedy = "copy the dataset again or seal it again with palpate build";
 };
 
-/// Returns whether a program has this HDF5 file open for writing, or ended without closing it. HDF5
-/// then refuses to open the file, although it may be complete.
+/// Returns whether this HDF5 file is marked as open for writing: a program is writing it, or has
+/// ended without closing it. HDF5 then refuses to open the file, although its content may be
+/// complete.
 bool isOpenForWriting(const std::filesystem::path& file);
 
 /// Reads files that Writer wrote, without trusting them: types, shapes and hashes are checked
@@ -33,13 +34,14 @@ class Reader : public NamedFile {
   std::vector<std::int32_t> integers(const char* attribute) const;  ///< of the root group, <= 1024
   double number(const char* attribute) const;                       ///< of the root group
 
-  /// Finds all arrays of the file. Must be called once, before any of the calls below.
+  /// Finds all arrays of the file. Must be called once, before any of the functions below.
   void findArrays();
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< sorted by path
   const ArrayInfo& array(const std::string& path) const;            ///< Error if it does not exist
   const ArrayInfo& array(const std::string& path, Element element,
                          const Shape& expected) const;  ///< also checks type and shape
-  /// Returns the number of rows of a table, an array that read() accepts.
+  /// Returns the number of rows of an array that read() can read whole. Error for a scalar, and for
+  /// nodal fields, which are read by rows.
   std::size_t rowsOf(const std::string& path) const;
 
   /// Reads a whole array and checks it against its hash.
@@ -50,7 +52,8 @@ class Reader : public NamedFile {
     readBytes(info, std::as_writable_bytes(std::span(values)));
     return values;
   }
-  /// Reads a list; it must have `rows` rows if they are given.
+  /// Reads a list and checks it against its hash. If `rows` is given, the list must have this
+  /// number of rows.
   template <class T>
   std::vector<T> readList(const std::string& path, hsize_t rows = any_extent) const {
     using Entry = Stored<T>;
@@ -59,8 +62,8 @@ class Reader : public NamedFile {
     readBytes(info, std::as_writable_bytes(std::span(list)));
     return list;
   }
-  /// Reads rows `first`, first + 1, ... into `values` until it is full. The array must have been
-  /// checked with array(). The rows are not compared with a hash.
+  /// Reads rows `first`, first + 1, ... until `values` is full. The caller must have checked type
+  /// and shape with array(). The rows are not checked against the array's hash.
   template <class T>
   void readRows(const ArrayInfo& info, std::size_t first, std::span<T> values) const {
     readRowBytes(info, first, std::as_writable_bytes(values));
@@ -68,7 +71,7 @@ class Reader : public NamedFile {
   /// Reads a whole array and compares it with its hash.
   void verify(const ArrayInfo& info) const;
 
-  /// Returns an Error "FILE: WHERE: WHY" for callers that find invalid data.
+  /// Returns an Error "FILE: WHERE: WHY" for callers to throw if they find invalid data.
   Error damaged(std::string_view where, std::string_view why) const;
 
  private:

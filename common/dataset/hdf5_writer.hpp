@@ -8,13 +8,13 @@ namespace palpate::hdf5 {
 
 class RowWriter;
 
-/// Writes arrays of plain types and attributes to a new HDF5 file. The bytes depend on the calls
-/// alone (no time stamps). The file format is HDF5 1.10, the first in which all structure has
-/// checksums.
+/// Writes arrays of plain types and attributes to a new HDF5 file. The bytes of the file depend on
+/// the calls alone (no time stamps). The file format is that of HDF5 1.10, the first one with
+/// checksums on all structural data.
 ///
-/// Memory use does not grow with the file. If the disk is full, the call that notices throws, at
-/// the latest close(). The caller must then remove the file and keep HDF5 from closing it when the
-/// process ends (leaveOpenFilesAtExit).
+/// Memory use does not grow with the file. If the disk is full, the function that notices it
+/// throws, at the latest close(). The caller must then remove the file. The program must have kept
+/// HDF5 from closing open files when the process ends (leaveOpenFilesAtExit).
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
 class Writer : public NamedFile {
@@ -23,13 +23,15 @@ class Writer : public NamedFile {
   explicit Writer(const std::filesystem::path& file);
 
   void makeGroup(const std::string& path);  ///< its parent must exist
-  /// Adds an attribute to a group or a written array: text, a short list, or one number.
+  /// Add an attribute to a group or to an array that is already written: a text, a short list of
+  /// integers, or a number.
   void setText(const std::string& object, const char* attribute, std::string_view text);
   void setIntegers(const std::string& object, const char* attribute,
                    std::span<const std::int32_t> values);
   void setNumber(const std::string& object, const char* attribute, double value);
 
-  /// Writes a whole array, contiguous. values.size() must be the product of the shape.
+  /// Writes a whole array in contiguous layout. values.size() must be the product of the extents in
+  /// `shape`.
   template <class T>
   void write(const std::string& path, const Shape& shape, std::span<const T> values,
              const char* unit) {
@@ -48,17 +50,17 @@ class Writer : public NamedFile {
   template <class T>
   RowWriter list(const std::string& path, hsize_t rows, const char* unit);
 
-  /// Closes the file. Must be called once, at the end; flushing to disk is the caller's task
-  /// (replaceFile). Error if writing failed; the file is then unusable.
+  /// Closes the file. Must be called once, after everything is written. The caller must flush the
+  /// file to disk (replaceFile). Error if writing failed; the file is then unusable.
   void close();
 
-  const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< written so far
+  const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< arrays written so far
 
  private:
   friend class RowWriter;
   Handle create(const std::string& path, Element element, const Shape& shape, hid_t properties,
                 const char* unit);
-  /// Stores the hash of a complete array and closes it.
+  /// Stores the hash of an array as its attribute and closes the array.
   void finish(Handle& dataset, ArrayInfo info);
   void writeBytes(const std::string& path, Element element, const Shape& shape,
                   std::string_view bytes, const char* unit);
@@ -71,23 +73,25 @@ class Writer : public NamedFile {
   std::vector<ArrayInfo> arrays_;
 };
 
-/// Layout of the rows of an array in the file: contiguous, or one gzip+shuffle chunk per row
-/// (float32 or int16 only).
+/// Layout of the rows of an array in the file: contiguous, or one chunk per row, compressed with
+/// the shuffle and gzip filters (float32 and int16 only).
 enum class RowLayout : std::uint8_t { contiguous, compressed };
 
-/// Writes an array row by row (first index), with about a mebibyte in memory. A contiguous array
-/// has the same bytes as if it were written whole. The Writer must outlive this object.
+/// Writes an array row by row, in order of the first index, and keeps only about 1 MiB in memory. A
+/// contiguous array has the same bytes as one that Writer::write() writes at once. The Writer must
+/// outlive this object.
 class RowWriter {
  public:
   /// `shape` holds the number of rows, then the shape of a row.
   RowWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit,
             RowLayout layout = RowLayout::contiguous);
-  void addBytes(std::string_view row);  ///< bytes of its values
+  void addBytes(std::string_view row);  ///< the bytes of one row's values
   template <class T>
   void add(const T& row) {
     addBytes(bytesOf(std::span(&row, 1)));
   }
-  /// Skips a row of a compressed array. It takes no space and reads as NaN, or as the lowest int16.
+  /// Skips a row of a compressed array. The row takes no space in the file. Readers get NaN for its
+  /// values, or the lowest int16.
   void skip();
   void finish();  ///< call after the last row
 
@@ -99,8 +103,8 @@ class RowWriter {
   RowLayout layout_;
   std::size_t row_bytes_;
   Handle dataset_, file_space_;
-  hsize_t next_ = 0;     ///< next row
-  std::string pending_;  ///< rows before next_ that are not in the file yet
+  hsize_t next_ = 0;     ///< index of the next row to add
+  std::string pending_;  ///< bytes of added rows that are not in the file yet
   ContentHasher hasher_;
   std::string no_values_;  ///< the bytes that a skipped row reads as
 };

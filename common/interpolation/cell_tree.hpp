@@ -7,18 +7,20 @@
 
 namespace palpate {
 
-/// Source of the nodal data of a corner.
+/// Where the nodal data of a slot come from.
 enum class SlotKind : std::uint8_t {
   /// A lattice point that holds an equilibrium (and is one of interpolatedPoints).
   solved,
-  /// Not solved (outside the ball, failed, crushed); extrapolated from solved points.
+  /// A position without a usable equilibrium (outside the ball, failed, or not one of
+  /// interpolatedPoints). Its data are extrapolated from solved points.
   ghost,
-  /// On the boundary of a coarser leaf, but not one of its corners. It takes the interpolant of
-  /// that leaf, even if the position is solved, so that interpolants agree on the common boundary.
+  /// A position on the boundary of a coarser leaf, but not at one of its corners. Its data are
+  /// those of the interpolant in the coarser leaf, even if the position is solved, so that the
+  /// interpolants of both leaves agree on their common boundary.
   hanging,
 };
 
-/// A position at which leaves meet. Data belong to slots rather than leaves, which makes
+/// A vertex of the leaves. All leaves that meet at a slot share its nodal data, which makes
 /// interpolants continuous.
 struct CellSlot {
   LatticePoint point = {0, 0, 0};
@@ -37,25 +39,27 @@ struct LeafPlace {
   Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< 0..1 in the leaf
 };
 
-/// Returns whether a place in a leaf is one of its corners.
+/// Returns whether a place in a leaf (coordinates 0..1) is one of the leaf's corners.
 inline bool isCorner(const Eigen::Vector3d& local) noexcept {
   return (local.array() == 0 || local.array() == 1).all();
 }
 
-/// The leaf cells of one configuration space. They are the cells between uniform lattice positions
-/// that reach into the workspace ball. A split cell is replaced by its eighths that reach into the
-/// ball, and so on. Together the leaves cover the whole ball.
+/// The octree of one configuration space. Its root cells are the cells of the uniform lattice that
+/// reach into the workspace ball. A split cell has as children those of its eighths that reach into
+/// the ball, and so on. The cells without children are the leaves; together they cover the whole
+/// ball.
 ///
 /// A method that interpolates nodal data proceeds in three steps:
-/// 1. take the data of solved slots from the space;
-/// 2. fill those of the ghosts (viewer/fields/cell_data.hpp);
-/// 3. fill those of the hanging slots in the order of hangingSlots(), each by evaluating the
-///    interpolant in the slot's coarser leaf, whose corners are then complete (fillHanging).
+/// 1. take the data of the solved slots from the space;
+/// 2. extrapolate the data of the ghosts (viewer/fields/cell_data.hpp);
+/// 3. compute the data of the hanging slots by evaluating, for each, the interpolant in its coarser
+///    leaf (fillHanging). In the order of hangingSlots(), the corners of that leaf already have
+///    their data.
 ///
-/// The interpolant is then as continuous over the whole ball as between two cells of the uniform
-/// lattice, under two conditions. Its restriction to a face must depend on the data of the face's
-/// corners alone, and must be reproduced from its data at four points of the face. Tensor products
-/// of Hermite polynomials satisfy both.
+/// The interpolant is then as continuous across leaves of different levels as it is between two
+/// cells of the uniform lattice, under two conditions. First, on a face it must depend on the data
+/// of the face's corners alone. Second, interpolating its own data at the corners of a part of the
+/// face must reproduce it on this part. Tensor products of Hermite polynomials satisfy both.
 ///
 /// Immutable after construction, so any thread may read.
 class CellTree {
@@ -63,32 +67,35 @@ class CellTree {
   /// Copies the data it needs. Error if no point of the space is solved.
   explicit CellTree(const SpaceTable& space);
 
-  /// Ordered by position in the cube of root cells, with the children of a split cell together.
-  /// Never empty.
+  /// All leaves, ordered by their root cell; the children of a split cell are together. Never
+  /// empty.
   const std::vector<LatticeCell>& leaves() const { return leaves_; }
   /// Returns the corners of a leaf by its index in leaves().
   const LeafCorners& corners(std::int32_t leaf) const { return corners_[at(leaf)]; }
   /// Edge length of a leaf, metres.
   double edge(std::int32_t leaf) const { return edge_[at(leaf)]; }
-  /// Sorted by coordinates.
+  /// All slots, sorted by coordinates.
   const std::vector<CellSlot>& slots() const { return slots_; }
   /// Displacement of a slot, metres.
   Eigen::Vector3d displacement(std::int32_t slot) const;
-  /// Hanging slots, coarse to fine: each comes after all hanging corners of its coarser leaf.
+  /// Hanging slots, ordered by the level of their coarser leaf, coarse to fine. Each slot comes
+  /// after the hanging corners of its own coarser leaf.
   const std::vector<std::int32_t>& hangingSlots() const { return hanging_; }
-  double radius() const { return radius_; }              ///< of the ball, metres
+  double radius() const { return radius_; }              ///< radius of the ball, metres
   double spacing() const { return spacing_; }            ///< edge of the root cells, metres
   double unit() const { return spacing_ / divisions_; }  ///< metres per lattice coordinate
-  /// Returns whether a leaf has no solved data: every corner is a ghost or hangs in an unsupported
-  /// leaf.
+  /// Returns whether no solved data support a leaf: each corner is a ghost, or hangs in a coarser
+  /// leaf that is unsupported too.
   bool unsupported(std::int32_t leaf) const { return unsupported_[at(leaf)]; }
 
-  /// Returns the leaf next to a lattice position in one of eight octants: bit `axis` of `octant` is
-  /// set for the positive side. The leaf is -1 if there is none.
+  /// Returns the leaf that touches a lattice position from one of the eight octants around it. Bit
+  /// `axis` of `octant` is set for the positive side of that axis. `leaf` is -1 if no leaf lies
+  /// there.
   LeafPlace leafBeside(const LatticePoint& point, std::size_t octant) const noexcept;
-  /// Returns the leaf that contains a displacement of the closed ball; 1e-9 of the radius outside
-  /// still counts as on it. The leaf is -1 for all others, including NaN. The time depends on the
-  /// number of levels only. Real time: does not allocate, lock, throw or log.
+  /// Returns the leaf that contains a displacement in the closed ball. Displacements outside the
+  /// ball by up to 1e-9 of its radius count as on its surface. `leaf` is -1 for displacements
+  /// farther outside and for NaN. The time depends on the number of levels only. Real time: does
+  /// not allocate, lock, throw or log.
   LeafPlace find(const Eigen::Vector3d& displacement) const noexcept;
 
  private:
@@ -101,9 +108,10 @@ class CellTree {
   double radius_;
   double spacing_;
   std::int32_t divisions_;
-  std::int32_t extent_;  ///< root cells on each side of the origin, per axis
-  /// The cube of root cells, x slowest, then groups of eight eighths. An entry is the number of a
-  /// leaf, no_cell outside the ball, or ~ the index of the first eighth.
+  std::int32_t extent_;  ///< number of root cells on each side of the origin, per axis
+  /// The octree: first the cube of root cells, x slowest, then the eight children of each split
+  /// cell. An entry is the number of a leaf, no_cell for a cell outside the ball, or the bitwise
+  /// complement of the index of the first child.
   std::vector<std::int32_t> nodes_;
   std::vector<LatticeCell> leaves_;
   std::vector<double> edge_;
@@ -113,8 +121,9 @@ class CellTree {
   std::vector<bool> unsupported_;
 };
 
-/// Returns the nearest displacement in the closed ball: itself, or the point of the sphere in its
-/// direction; the origin for NaN. Finite for any input. Real time.
+/// Returns the displacement in the closed ball that is nearest to `displacement`: itself, or the
+/// point of the sphere in its direction. Returns the origin for NaN. Finite for any input. Real
+/// time.
 Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius) noexcept;
 
 /// Returns the trilinear weights of the eight corners at a place in a leaf. Real time.

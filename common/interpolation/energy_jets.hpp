@@ -6,39 +6,42 @@
 
 namespace palpate {
 
-/// Derivatives d^(a+b+c) E / dx^a dy^b dz^c of the energy at a slot, a, b, c <= 2, times
-/// spacing^(a+b+c), in J, at [a + 3 b + 9 c].
+/// Derivatives of the energy at a slot. Entry [a + 3 b + 9 c], with a, b, c <= 2, is d^(a+b+c) E /
+/// dx^a dy^b dz^c times spacing^(a+b+c), in J.
 using EnergyJet = std::array<double, 27>;
 
-/// Energy, force = -gradient and stiffness = -Hessian.
+/// The energy at a displacement, the force (minus its gradient) and the stiffness (minus its
+/// Hessian).
 struct EnergySample {
   double energy = 0;                                    ///< J
   Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// Fits a polynomial of the energy around every ghost to the nearest solved points (least squares);
-/// zero for other slots. Points joined to a nearer source by an inconsistent edge are left out.
-/// Spaces with equal lattices may share `fits`.
+/// Fits a polynomial of the energy around every ghost to the nearest solved points, its sources, by
+/// least squares. Returns one polynomial per slot, zero for slots that are not ghosts. A point is
+/// not a source if an inconsistent edge joins it to a nearer source. Spaces with equal lattices may
+/// share `fits`.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);
 
-/// Returns the polynomials of all slots. The ghosts' polynomials (ghostPolynomials) take nearly all
-/// of the time, so they are passed in `ghosts`. Solved slots reproduce their own data exactly.
-/// Their higher derivatives are fitted to the solved corners of the adjacent leaves, without
-/// corners that an inconsistent edge joins to the slot or to a nearer source. Hanging slots get
-/// zero.
+/// Returns the polynomials of all slots. `ghosts` is the result of ghostPolynomials(), which takes
+/// nearly all of the time. The polynomial of a solved slot reproduces the slot's own data exactly.
+/// Its higher derivatives are fitted to the solved corners of the adjacent leaves. Corners are left
+/// out if an inconsistent edge joins them to the slot or to a nearer corner that is used. Hanging
+/// slots get zero.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);
 
-/// Returns the jets of all slots: from their polynomials (slotPolynomials), or for hanging slots
-/// from their coarser leaf.
+/// Returns the jets of all slots. They are taken from the slots' polynomials (slotPolynomials),
+/// except that those of hanging slots are interpolated in the slot's coarser leaf.
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
-/// Returns the jets of all slots from their polynomials, leaving hanging slots to the caller.
+/// Returns the jets of all slots from their polynomials. The caller must fill in those of hanging
+/// slots.
 std::vector<EnergyJet> slotJets(const CellTree& tree,
                                 const std::vector<LocalPolynomial>& polynomials);
 
@@ -49,19 +52,21 @@ using LeafJets = std::array<const EnergyJet*, 8>;
 /// Real time: does not allocate, lock, throw or log.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept;
-/// Evaluates the polynomial in a leaf with edges of `edge` metres. `local` is 0..1 in the leaf.
-/// Jets are in units of the spacing (metres).
+/// Evaluates the polynomial in a leaf with edges of `edge` metres, at `local` (0..1 in the leaf).
+/// The jets are scaled with `spacing`, metres.
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept;
 
-/// 1-D Hermite basis along each axis: contribution of the order-`known` datum at an end of a leaf
-/// to the order-`wanted` derivative at a place, in units of the spacing. Indices
-/// [axis][wanted][end][known].
+/// 1-D Hermite basis along each axis, at a place in a leaf, with indices
+/// [axis][wanted][end][known]. Each factor is the contribution of the derivative of order `known`
+/// at one end of the leaf to the derivative of order `wanted` at the place, both in units of the
+/// spacing.
 using AxisFactors = std::array<std::array<std::array<std::array<double, 3>, 2>, 3>, 3>;
 AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local);
 
-/// Returns the 27 numbers of the jet at a place in a leaf from the numbers known(c, n) at its
-/// corners, axis by axis. Their type needs sums and products with numbers.
+/// Interpolates the jet at a place in a leaf, one axis after the other. known(c, n) returns number
+/// n of the jet at corner c. `factors` is axisFactors() at the place, and `zero` is the zero of
+/// Value, a type with sums and products with a Factor.
 template <class Factor, class Value, class Known>
 std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
   std::array<Value, 108> by_x;  // [corner in y and z][orders in y and z][wanted in x]
@@ -87,10 +92,11 @@ std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, K
   return by_z;
 }
 
-/// Basis of the value: the factor of each of the 27 numbers at each corner.
+/// Factors with which the interpolated energy, or a derivative of it, depends on each of the 27
+/// numbers of the jet at each corner.
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
-/// Basis of the derivative along a direction, per metre.
+/// Returns the factors of the derivative along `direction`, per metre.
 LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
                      const Eigen::Vector3d& direction) noexcept;
 

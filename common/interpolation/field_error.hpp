@@ -6,23 +6,24 @@ namespace palpate {
 
 /// A-posteriori bound on the force error of the quintic energy interpolant (energy_jets.hpp).
 ///
-/// Every corner of a leaf has a local polynomial of the energy. The differences between the forces
-/// of these polynomials and the interpolant, weighted trilinearly, measure how well the data around
-/// a place agree. They are zero at solved corners and continuous across faces. Ghost corners and
-/// suspect edges (branch_check.hpp) increase the bound for the same difference. A hanging corner
-/// adds the bound of its coarser leaf.
+/// Every corner of a leaf, unless it is hanging, has a local polynomial of the energy. The bound is
+/// based on the differences between the forces of these polynomials and the force of the
+/// interpolant. Their mean, weighted trilinearly, shows how well the data around a place agree. It
+/// is zero at solved corners and continuous across faces. At the same difference, the bound is
+/// larger near ghost corners and suspect edges (branch_check.hpp). A hanging corner adds the bound
+/// in its coarser leaf.
 ///
-/// The factors were measured; see field_error.cpp and docs/measurements.md. Immutable after
-/// construction, so any thread may read.
+/// The factors come from measurements; see field_error.cpp and docs/measurements.md. Immutable
+/// after construction, so any thread may read.
 class FieldError {
  public:
-  FieldError() = default;  ///< without leaves
-  /// All arguments must belong to the same space; none is kept.
+  FieldError() = default;  ///< an object without leaves, for which bound() must not be called
+  /// All arguments must belong to the same space. No reference to them is kept.
   FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
              const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect);
 
-  /// Returns the bound on |force error|, N. It is sampled at 27 grid nodes of the leaf and
-  /// trilinear between them. Real time.
+  /// Returns the bound on the magnitude of the force error, N, at a place in a leaf. It is
+  /// interpolated trilinearly between 27 grid nodes of the leaf. Real time.
   double bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept;
 
  private:

@@ -19,8 +19,8 @@ enum class Roles : std::uint8_t {
   none = 0,
   worker = 1,    ///< takes work and delivers results
   observer = 2,  ///< reads the status
-  /// May stop a build, retry transitions, take a haptic device and push the hand that holds it.
-  /// Includes observer.
+  /// May stop a build, retry transitions, and take over a haptic device, which exerts forces on the
+  /// user's hand. Includes observer.
   system_operator = 4 | observer,
   all = worker | system_operator
 };
@@ -30,8 +30,8 @@ constexpr Roles operator|(Roles a, Roles b) {
 /// Returns whether `held` includes all of `wanted`.
 constexpr bool include(Roles held, Roles wanted) { return (held | wanted) == held; }
 
-/// Convert "worker,operator" to roles and back. Error (bad input) for an unknown word, with a list
-/// of the valid ones.
+/// Convert text such as "worker,operator" to roles, and roles to text. Error (bad input) that lists
+/// the valid words if a word is unknown.
 Roles rolesOf(std::string_view words);
 std::string wordsOf(Roles roles);
 
@@ -44,14 +44,14 @@ struct AllowedKey {
 
 /// The folder with the keys of one user (docs/security.md):
 ///
-///   own.key   the own secret, 64 hexadecimal digits, for servers and clients
+/// own.key this user's secret key, 64 hexadecimal digits, for servers and clients
 ///   allowed   keys that servers of this user admit: KEY ROLES NAME, one per line
 ///   servers   keys of the servers that clients of this user connect to: KEY ENDPOINT
 ///
-/// # begins a comment. Folder and files must belong to this user (or root) and be closed to others
-/// (0700, 0600). Error (bad input) with a remedy if they are not, or if their content is invalid.
-/// Each change replaces a whole file; changes of several processes are serialised. Any thread may
-/// read; nothing is cached in memory.
+/// # begins a comment. Folder and files must belong to this user (or root) and be inaccessible to
+/// others (modes 0700 and 0600). Error (bad input) with a remedy if this is not so, or if their
+/// content is invalid. Each change replaces a whole file, and changes by several processes are made
+/// one after the other. Nothing is cached in memory. Any thread may read.
 class KeyFolder {
  public:
   /// Does not access the folder.
@@ -62,42 +62,44 @@ class KeyFolder {
 
   bool hasOwn() const;
   KeyPair own() const;
-  /// Returns the own key; makes it and the folder if there is none. Two processes that do so at the
-  /// same time get the same key.
+  /// Returns the own key. If there is none, makes it, and the folder if necessary. Two processes
+  /// that do this at the same time get the same key.
   KeyPair ownOrNew() const;
   /// Replaces the own key by a new one.
   KeyPair replaceOwn() const;
 
-  /// In the order of the file, without the own key.
+  /// Returns the admitted keys in the order of the file, without the own key.
   std::vector<AllowedKey> allowed() const;
-  /// Adds a key, replacing an entry of the same key. Error (bad input) for a name that does not fit
-  /// on the rest of one line.
+  /// Adds an entry to the admitted keys; an existing entry for the same key is replaced. Error (bad
+  /// input) for a name with control characters or #.
   void allow(const AllowedKey& key) const;
-  /// Removes keys by name or hexadecimal digits. Returns false if there is no such key.
+  /// Removes the admitted keys with this name, or the one with these hexadecimal digits. Returns
+  /// false if there is no such key.
   bool withdraw(const std::string& name_or_key) const;
 
-  /// Returns the key of the server at `endpoint`: from its line, else from the line for "*", else
-  /// the own key. A user whose machines share this folder needs no list.
+  /// Returns the key of the server at `endpoint`: from the line for this endpoint, else from the
+  /// line for "*", else the own key. If all machines of a user share this folder, servers and
+  /// clients have the same key, and no list is needed.
   PublicKey serverAt(const std::string& endpoint) const;
   /// Sets the key of the server at `endpoint`, which may be "*".
   void trust(const PublicKey& key, const std::string& endpoint) const;
-  /// Lines of `servers` as (endpoint, key).
+  /// Returns the entries of the file `servers` as (endpoint, key).
   std::vector<std::pair<std::string, PublicKey>> servers() const;
 
  private:
   std::filesystem::path folder_;
 };
 
-/// The keys that a running server admits: the own key with every role, and the list of its folder.
-/// The list is read again every second, so that keys can be added and withdrawn during a build. Any
-/// thread.
+/// The keys that a running server admits: its own key with every role, and the list in its key
+/// folder. The list is read again after a second, so that keys can be added and withdrawn during a
+/// build. Any thread.
 class Admission {
  public:
-  /// Makes the own key if there is none. Error (bad input) if the list cannot be read. If it
-  /// becomes unreadable later, a warning is logged and the last good list stays in force.
+  /// Makes the own key if there is none. Error (bad input) if the list cannot be read. If the list
+  /// becomes unreadable later, a warning is logged and the last list that was read stays in force.
   explicit Admission(KeyFolder folder);
 
-  /// Returns none if the key is not admitted.
+  /// Returns the roles of a key; Roles::none if the key is not admitted.
   Roles rolesOf(const PublicKey& key);
 
  private:
@@ -110,7 +112,7 @@ class Admission {
   std::mutex mutex_;  ///< guards the members below
   std::map<PublicKey, Roles> roles_;
   Clock::time_point read_at_;
-  std::string trouble_;  ///< reason of the last failure to read the list
+  std::string trouble_;  ///< why the list could not be read last time
 };
 
 /// Returns the folder given by `option` (--keys), else $PALPATE_KEYS, $XDG_CONFIG_HOME/palpate/keys

@@ -10,8 +10,8 @@ struct KeyOptions {
   std::string folder = {};  ///< --keys; if empty, chosenKeyFolder()
   bool insecure = false;    ///< --insecure: no keys are used
 
-  /// Adds both options to `app`, which must not outlive this object. `means` describes the risk of
-  /// --insecure for --help.
+  /// Adds both options to `app`, which must not outlive this object. `means` is the text of --help
+  /// that describes the risk of --insecure.
   void addTo(CLI::App& app, const char* means);
   /// Returns the key folder, or nullopt with --insecure. Error (bad input) if there is no folder to
   /// use.

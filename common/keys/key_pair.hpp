@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// The public part of a key, which identifies the holder of its secret. Curve25519, as in ZeroMQ's
-/// CURVE. All zero belongs to nobody.
+/// The public part of a Curve25519 key, as in ZeroMQ's CURVE. It identifies the holder of the
+/// secret part. The key of 32 zero bytes belongs to nobody.
 using PublicKey = Bytes32;
 
 /// A secret and its public key. The destructor wipes the secret from memory.

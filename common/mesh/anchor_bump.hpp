@@ -9,9 +9,9 @@
 namespace palpate {
 
 /// Adds a bump around a surface point to the displacements of the vertices (`out`, [vertex][axis],
-/// metres), so that the point moves by p. `triangle` holds the corners around the point and
-/// `position` is its rest position, metres. `radius` is the bump's, metres; it must reach at least
-/// one corner. Real time.
+/// metres), so that the point is displaced by exactly p. The point lies in `triangle` at the given
+/// barycentric coordinates; `position` is its rest position, metres. `radius` is the radius of the
+/// bump, metres; at least one corner of the triangle must lie within it. Real time.
 inline void moveAnchor(std::span<const Eigen::Vector3d> vertices, const Triangle& triangle,
                        const Eigen::Vector3d& barycentric, const Eigen::Vector3d& position,
                        double radius, const Eigen::Vector3d& p, std::span<float> out) noexcept {

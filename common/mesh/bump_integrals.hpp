@@ -17,17 +17,18 @@ inline double bumpAt(const Eigen::Vector3d& x, const Eigen::Vector3d& center,
   return inside * inside;
 }
 
-/// Integrates a bump of a radius (metres) over triangles. They are subdivided so finely that the
-/// rim of the bump, where it is only once differentiable, does not matter.
+/// Quadrature over triangles for integrands that contain a bump (bumpAt). Triangles are subdivided
+/// so finely that the rim of the bump, where it is only once differentiable, does not matter.
 class BumpQuadrature {
  public:
-  /// `part` is the largest width of a subdivided triangle, in radii.
+  /// `radius` is in metres. `part` is the largest edge of the triangles after subdivision, in
+  /// radii.
   BumpQuadrature(const Eigen::Vector3d& center, double radius, double part = 1.0 / 16) noexcept
       : center_(center), radius_(radius), part_(part * radius) {}
 
-  /// Calls visit(barycentric coordinates, area of the quadrature point, m^2) at points of a
-  /// triangle; its corners are the columns. Leaves out some of the parts beyond the radius. Real
-  /// time.
+  /// Calls visit(barycentric coordinates, weight) for each quadrature point of a triangle, given by
+  /// its corners as columns. The weight is the share of the triangle's area, m^2, that the point
+  /// stands for. Skips points in parts of the triangle that the bump does not reach. Real time.
   template <class Visit>
   void over(const Eigen::Matrix3d& corners, const Visit& visit) const noexcept {
     const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
@@ -69,7 +70,7 @@ class BumpQuadrature {
   const double radius_, part_;
 };
 
-/// An integral over the surface and its derivatives by the centre of the bump.
+/// An integral over the surface and its derivatives with respect to the centre of the bump.
 struct BumpIntegral {
   double value = 0;                                     ///< m^2
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();   ///< d/d centre, m
@@ -78,8 +79,8 @@ struct BumpIntegral {
 
 /// Returns, for each node, the integral over the rest surface of its shape function times the bump
 /// of bumpAt(). The integral is zero for nodes that the bump does not reach. Shape functions are
-/// linear, or quadratic on a quadratic mesh; then single values may be negative. The sum of the
-/// values is the integral of the bump. Its relative error is below 1e-6 for any mesh, because
+/// linear, or quadratic on a quadratic mesh, where single values may be negative. The values add up
+/// to the integral of the bump. The relative error of this sum is below 1e-6 for any mesh, because
 /// triangles are subdivided. The values are continuously differentiable, and the gradients are
 /// exact. The curvatures jump where the rim of the bump passes a quadrature point and are accurate
 /// to 1e-2.

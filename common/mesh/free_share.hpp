@@ -6,23 +6,26 @@
 
 namespace palpate {
 
-/// Fast test whether a finger of one radius rests on movable nodes at a given place, by
-/// FingerWeights::free_share. Copies the data it needs. Immutable, so any thread may use it.
+/// Fast test of FingerWeights::free_share, for fingers of one radius: whether a finger at a given
+/// place rests mostly on movable nodes. Copies the data it needs. Immutable, so any thread may use
+/// it.
 class FreeShare {
  public:
   /// radius > 0, metres; `fixed` sorted.
   FreeShare(const Mesh& mesh, const NodeSet& fixed, double radius);
-  /// Returns whether the free share at `center` is below `share`, 0 to 1; always false if no fixed
-  /// node is near. Real time: some microseconds, a hundred beside fixed nodes, and a thousand if
-  /// the free share is close to `share`.
+  /// Returns whether FingerWeights::free_share of a finger at `center` is below `share`, 0 to 1.
+  /// Always false if the finger reaches no triangle with a fixed node. Real time: takes some
+  /// microseconds, about 100 near fixed nodes, and about 1000 if the free share is close to
+  /// `share`.
   bool isBelow(double share, const Eigen::Vector3d& center) const noexcept;
 
  private:
-  /// One triangle of the surface.
+  /// A triangle of the surface.
   struct Part {
     Eigen::AlignedBox3d box;
     Eigen::Matrix3d corners;       ///< one per column, m
-    std::array<double, 6> free{};  ///< 1 if free: vertices, then mid-edge nodes of 01, 12, 20
+    std::array<double, 6> free{};  ///< per node, 1 if free, 0 if fixed: corners, then mid-edge
+                                   ///< nodes of edges 01, 12, 20
     bool is_quadratic = false;
   };
   static double freeAt(const Part& part, const Eigen::Vector3d& barycentric) noexcept;

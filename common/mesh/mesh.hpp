@@ -13,26 +13,26 @@ using Tetrahedron = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
 using Edge = std::array<std::int32_t, 2>;
 
-/// Corners of the six edges of a tetrahedron, in the order of VTK and of mid_edge_nodes. (The last
-/// two are swapped in Gmsh.)
+/// The two corners of each edge of a tetrahedron, in the order of VTK and of Mesh::mid_edge_nodes.
+/// (Gmsh swaps the last two edges.)
 inline constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges = {
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
-/// Largest coordinate of a node, m, so that products of lengths stay finite.
+/// Largest allowed magnitude of a coordinate, m, so that products of lengths stay finite.
 inline constexpr double farthest_node = 1e12;
 
 /// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these
-/// arrays. They keep the order of the file, without nodes that no tetrahedron uses. Mid-edge nodes
-/// follow.
+/// arrays. Nodes and tetrahedra are in the order of the file, but nodes that no tetrahedron uses
+/// are dropped. Mid-edge nodes follow the nodes of the file.
 struct Mesh {
   std::vector<Eigen::Vector3d> nodes;   ///< rest positions, metres
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
   std::vector<Triangle> surface;  ///< faces of exactly one tetrahedron, normals outward; derived
-  /// Named physical groups of any dimension -> sorted nodes.
+  /// Sorted nodes of each named physical group, of any dimension.
   std::map<std::string, NodeSet> node_groups;
-  /// Named physical groups of dimension 3 -> sorted tetrahedra.
+  /// Sorted tetrahedra of each named physical group of dimension 3.
   std::map<std::string, std::vector<std::int32_t>> element_groups;
-  /// Named vector per tetrahedron ($ElementData of three components).
+  /// One vector per tetrahedron for each name ($ElementData with three components).
   std::map<std::string, std::vector<Eigen::Vector3d>> element_vectors;
   /// The edges of a quadratic mesh (addMidEdgeNodes). The mid-edge node of edge e is vertices() +
   /// e.
@@ -53,8 +53,8 @@ Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
 /// Returns the centroid of tetrahedron `element`, metres.
 Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element);
 
-/// Returns "tetrahedron 7 (counted from 0, centre at (X, Y, Z) m)" for errors, since the element
-/// numbers of the file are not kept.
+/// Returns "tetrahedron 7 (counted from 0, centre at (X, Y, Z) m)" for errors. The centre helps
+/// users to find the element, because the element numbers of the file are not kept.
 std::string placeOf(const Mesh& mesh, std::size_t element, const char* unit = " m");
 std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
 
@@ -63,18 +63,19 @@ NodeSet surfaceNodes(const Mesh& mesh);
 /// Returns all nodes, including mid-edge nodes.
 NodeSet allNodes(const Mesh& mesh);
 
-/// Returns the nodes of each component of the body, ordered by first tetrahedron. Tetrahedra that
-/// share a face are in one component. Components that meet only in nodes or edges each contain
-/// these nodes.
+/// Returns the nodes of each component of the body. Tetrahedra that share a face belong to one
+/// component. Components that touch only at nodes or edges are separate, and each contains the
+/// shared nodes. Components are ordered by their first tetrahedron.
 std::vector<NodeSet> piecesOf(const Mesh& mesh);
 
-/// Returns the shape of tetrahedron `element`: 12 (3|V|)^(2/3) / sum of squared edges, 1 if regular
-/// and 0 if flat.
+/// Returns the shape measure of tetrahedron `element`, 12 (3|V|)^(2/3) / (sum of squared edge
+/// lengths), which is 1 for a regular and 0 for a flat tetrahedron.
 double shapeOf(const Mesh& mesh, std::size_t element);
 
-/// Describes, as a sentence for errors, an edge of a 10-node tetrahedron with its mid-edge node off
-/// the middle by more than 1e-6 of the edge's length; empty if there is none. The tetrahedron lists
-/// its corners, then its mid-edge nodes in the order of tetrahedron_edges.
+/// Describes a curved edge of a 10-node tetrahedron as a sentence for errors; empty if all edges
+/// are straight. An edge is curved if its mid-edge node is off the middle by more than 1e-6 of the
+/// edge's length. `tetrahedron` lists the corners, then the mid-edge nodes in the order of
+/// tetrahedron_edges.
 std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
                        const std::array<std::int32_t, 10>& tetrahedron);
 
@@ -82,20 +83,22 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
 /// there is no such edge.
 std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b);
 
-/// Makes a linear, finished mesh quadratic with straight edges. Appends the mid-edge nodes in the
-/// order of their (lower, higher) end nodes, and adds each to the node groups that contain both
-/// ends.
+/// Makes a mesh quadratic, with straight edges. The mesh must be linear and finished (finishMesh).
+/// Appends the mid-edge nodes in the order of Mesh::edges, and adds each one to the node groups
+/// that contain both ends of its edge.
 void addMidEdgeNodes(Mesh& mesh);
 
-/// Distance, in diagonals of the body, within which nodes coincide. Coordinates written with six
-/// digits are no more accurate.
+/// Distance, in diagonals of the body, below which two nodes count as coincident. Coordinates that
+/// are written with six digits are no more accurate than this.
 inline constexpr double coincident_distance = 1e-6;
 
-/// Returns {node, lowest node at its place}, ascending, for every node that lies within `near` (m)
-/// of one with a lower number, directly or through a chain of such nodes.
+/// Returns the nodes that coincide with a node of lower number, each as {node, lowest node that it
+/// coincides with}, ascending. Nodes coincide if they are at most `near` metres apart, directly or
+/// through a chain of such nodes.
 std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near);
 
-/// Returns whether the nodes, at least one, lie on one line. A body held there can turn around it.
+/// Returns whether the nodes (at least one) lie on one line. A body that is fixed only at such
+/// nodes can turn around the line.
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh);
 
 /// Measurements of a mesh that `palpate check` prints.
@@ -112,20 +115,20 @@ struct MeshQuality {
 };
 MeshQuality measure(const Mesh& mesh);
 
-/// Finishes a mesh that a reader filled with nodes, tetrahedra and node_groups: drops unused nodes,
-/// checks and fixes orientation, refuses unusable meshes and derives the surface. `source` names
-/// the file in errors.
+/// Finishes a mesh that a reader has filled with nodes, tetrahedra and node_groups: drops unused
+/// nodes, corrects the orientation of elements, refuses unusable meshes and derives the surface.
+/// `source` names the file in errors.
 ///
-/// The node order of elements with negative volume is reversed (reoriented_tetrahedra). Error (bad
-/// input) for
+/// In an element with negative volume two nodes are swapped; reoriented_tetrahedra counts such
+/// elements. Error (bad input) for
 /// - a mesh without tetrahedra;
 /// - indices out of range, and groups of tetrahedra that do not exist;
 /// - coordinates that are not finite or exceed farthest_node;
 /// - an element with a repeated node, and a degenerate element (shape measure < 1e-6);
 /// - a face shared by three tetrahedra, or by two on the same side.
 ///
-/// Errors name elements by 0-based number and centre, since the element numbers of the file are not
-/// kept. The centre is in the unit of the nodes, which need not be metres yet.
+/// Errors name an element by its 0-based number and its centre (placeOf). The centre is in the unit
+/// of the nodes, which need not be metres yet.
 void finishMesh(Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

@@ -4,15 +4,16 @@
 
 #include "common/mesh/mesh.hpp"
 
-/// Reads the mesh format of scenes. `palpate mesh` converts other formats (worker/meshing).
+/// Reads Gmsh files, the only mesh format that scenes can use. `palpate mesh` converts other
+/// formats (worker/meshing).
 namespace palpate {
 
 /// Reads a Gmsh .msh file, version 2.2 or 4.1, ASCII, with either kind of line end, and finishes it
 /// (finishMesh, refuseOverlaps). Coordinates become metres (toMetres). Volume elements must be
-/// tetrahedra of 4 nodes, or of 10 nodes with straight edges; their mid-edge nodes are dropped,
-/// since Mesh adds its own (addMidEdgeNodes). Point, line and surface elements only contribute
-/// nodes to their physical groups. An element that version 2.2 repeats for each of its physical
-/// groups is read once.
+/// tetrahedra of 4 nodes, or of 10 nodes with straight edges. The mid-edge nodes of the file are
+/// dropped, because addMidEdgeNodes() makes new ones where they are needed. Point, line and surface
+/// elements only contribute nodes to their physical groups. An element that version 2.2 repeats for
+/// each of its physical groups is read once.
 ///
 /// Physical groups of every dimension become node groups under their name. Groups of dimension 3
 /// also become element groups. Groups without a name are called "point 3", "curve 3", "surface 3"
@@ -21,8 +22,8 @@ namespace palpate {
 /// Tetrahedra without data get zero vectors. Only the first of several time steps is read.
 ///
 /// Error (bad input) with file and line for a missing, truncated, binary, partitioned or
-/// inconsistent file, another version, or a curved edge. Positions in errors are in the unit of the
-/// file.
+/// inconsistent file, another version, or a curved edge. Positions in error messages are in the
+/// unit of the file.
 Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit = 1.0);
 
 /// Reads a mesh from text; `source` names it in errors.

@@ -4,12 +4,13 @@
 
 namespace palpate {
 
-/// Returns the description of a mesh: lines that begin with their topic, in SI units. `quality` is
-/// measure(mesh); `name` is the mesh's in the text.
+/// Describes a mesh in lines of text, each beginning with its topic, in SI units. `quality` is
+/// measure(mesh); the text calls the mesh `name`.
 std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::string& name);
 
-/// Returns one sentence for each kind of parts that touch without being joined: coincident nodes
-/// and hinges. `file` is the mesh file in the advice.
+/// Returns a sentence about coincident nodes and one about hinges, if the mesh has any: both mean
+/// that parts of the body touch without being joined. `file` is the mesh file that the advice in
+/// the sentences names.
 std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quality,
                                       const std::string& file);
 

@@ -12,12 +12,13 @@ namespace palpate {
 class NearPoints {
  public:
   NearPoints() = default;
-  /// reach > 0, metres. At least one point is required.
+  /// `reach` is the search distance, metres, > 0. At least one point is required.
   NearPoints(std::vector<Eigen::Vector3d> points, double reach);
 
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
   double reach() const { return reach_; }  ///< m
-  /// Returns every point within the reach of s and a few farther ones, ascending. Real time.
+  /// Returns the indices of all points within the reach of s, ascending, and of some that are
+  /// farther away. Real time.
   std::span<const std::int32_t> near(const Eigen::Vector3d& s) const noexcept;
   /// Returns whether a point lies within the reach of s (<=). Real time.
   bool isReached(const Eigen::Vector3d& s) const noexcept;
@@ -27,20 +28,21 @@ class NearPoints {
   void forEachCubeAround(const Eigen::Vector3d& point, Visit visit) const;
 
   std::vector<Eigen::Vector3d> points_;
-  double reach_ = 0, edge_ = 0;  ///< m; edge_ is that of the cubes
+  double reach_ = 0, edge_ = 0;  ///< m; edge_ is the edge of a grid cube
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
   std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< number along each axis
   std::vector<std::int32_t> first_, listed_;       ///< per cube, x fastest
 };
 
-/// Chooses places by farthest-point sampling. The relative distance of a place is its distance to
-/// the nearest taken place divided by its value in `distances`. The first place is taken first,
-/// then always the one with the largest relative distance, until none exceeds 1. Returns the taken
-/// places in this order, the same on every machine. Metres, straight lines; `distances` holds one
-/// value > 0 per place.
+/// Chooses some of `places` by farthest-point sampling, so that every place has a chosen one near
+/// it. `distances` holds the largest wanted distance to a chosen place, one value > 0 per place.
+/// The first place is chosen first. Then the place is chosen that exceeds its wanted distance by
+/// the largest factor, until no place exceeds it. Distances are along straight lines, metres.
+/// Returns the chosen places in the order of choice, the same on every machine.
 ///
-/// `accepts` is called before a place is taken. Refused places are left out and need no taken place
-/// near them. It may throw, for instance if too many are taken.
+/// `accepts` is called before a place is chosen, with the number of places `taken` so far. Places
+/// that it refuses are never chosen and need no chosen place near them. It may throw, for instance
+/// if too many places are chosen.
 std::vector<Eigen::Vector3d> farthestPoints(
     const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts);

@@ -21,8 +21,8 @@ void sortUnique(std::vector<Value>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-/// Factor for squared radii, so that round-off in the coordinates does not decide whether a node
-/// exactly on a sphere is inside.
+/// Factor by which squared radii are enlarged before a test, so that a node exactly on a sphere
+/// counts as inside despite round-off in its coordinates.
 inline constexpr double on_the_sphere = 1 + 1e-12;
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Bounding box of a triangle of the surface, or of a ball.
+/// Return the bounding box of a surface triangle, and that of a ball; metres.
 inline Eigen::AlignedBox3d boxOf(const Mesh& mesh, std::int32_t triangle) {
   Eigen::AlignedBox3d box;
   for (const std::int32_t node : mesh.surface[triangle]) box.extend(mesh.nodes[node]);
@@ -24,7 +24,8 @@ struct SurfacePiece {
   double area = 0;              ///< m^2
 };
 
-/// Calls visit(piece) for equal parts of a surface triangle, none wider than `width`, metres.
+/// Divides a surface triangle into equal pieces with edges of at most `width` metres, and calls
+/// visit(piece) for each.
 template <class Visit>
 void forEachPiece(const Mesh& mesh, std::int32_t triangle, double width, Visit visit) {
   const auto& [a, b, c] = mesh.surface[triangle];

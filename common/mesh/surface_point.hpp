@@ -10,26 +10,28 @@ struct SurfacePoint {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
 
-/// Returns the barycentric coordinates of the point of a triangle nearest to `point` (Ericson,
-/// Real-Time Collision Detection, 5.1.5). They are exactly zero for corners that are not on the
-/// nearest edge or vertex. Real time.
+/// Returns the barycentric coordinates of the point of a triangle that is nearest to `point`
+/// (Ericson, Real-Time Collision Detection, 5.1.5). If that point lies on an edge or corner, the
+/// coordinates of the other corners are exactly zero. Real time.
 Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept;
 
-/// Returns `point` (metres). If it is so far away that squared distances would overflow, returns a
-/// nearer one in the same direction, with the same nearest point on a body. Real time.
+/// Returns `point` (metres), or, if it is so far away that squared distances could overflow, a
+/// nearer point in the same direction. Seen from either, the same point of a body is nearest. Real
+/// time.
 Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept;
 
-/// Returns the point of the mesh's rest surface nearest to `place` (metres, finite). Checks every
-/// triangle; viewer/haptics has a tree for many queries.
+/// Returns the point of the mesh's rest surface that is nearest to `place` (metres, finite). Checks
+/// every triangle. For many queries use the tree in viewer/haptics.
 SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place);
 
-/// Rest position of a surface point, metres, and the outward unit normal of a triangle.
+/// Return the rest position of a surface point, metres, and the outward unit normal of a surface
+/// triangle.
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);
 Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle);
 
-/// Returns the part of `vector` tangential to the surface at `place` (metres); a finger cannot
-/// leave the surface.
+/// Returns the component of `vector` that is tangential to the surface at the surface point nearest
+/// to `place` (metres). Only this component can move a finger, which cannot leave the surface.
 Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
                              const Eigen::Vector3d& vector);
 

@@ -11,20 +11,21 @@
 
 namespace palpate {
 
-/// Returns the number of nodes of the mesh with a pressure, from node 0 on: none, the vertices, or
-/// all.
+/// Returns the number of nodes that have a pressure: 0, the number of vertices, or the number of
+/// all nodes. These are the first nodes of the mesh.
 std::size_t pressureNodes(PressureSpace space, const Mesh& mesh);
 
 /// Numbers the nodal pressures of a body.
 ///
-/// Pressure is continuous within a material and jumps between two materials, because the traction
-/// is continuous and the stresses at equal strain differ. A node between materials therefore has
-/// one pressure for each. Slot n < nodes() is the pressure at node n for the material that the
-/// scene names first there. The slots of further materials follow, by node, then by material.
-/// Regions of equal materials share slots. Materials that are not mixed (isMixed) have no pressure.
+/// Pressure is continuous within a material but jumps between two materials, because the traction
+/// is continuous while the stresses at equal strain differ. A node between materials therefore has
+/// one pressure, called a slot, for each of them. Slot n < nodes() is the pressure at node n in the
+/// material that the scene names first among those around the node. The slots of further materials
+/// follow, sorted by node, then by material. Regions with equal materials share slots. Materials
+/// that are not mixed (isMixed) have no pressure.
 class PressureSlots {
  public:
-  /// The pressure of a further material at a node.
+  /// The slot of a further material at a node.
   struct Further {
     std::int32_t node;
     std::uint16_t region;  ///< the first region of this material
@@ -40,17 +41,17 @@ class PressureSlots {
   std::size_t nodes() const { return first_.size(); }  ///< number of nodes in the pressure space
   /// Returns the slot at a node for elements of `region`, which must have a pressure there.
   std::int32_t slotOf(std::int32_t node, std::uint16_t region) const;
-  /// Returns the further materials at a node, ascending. The first slot of a node has the node's
-  /// number.
+  /// Returns the slots of the further materials at a node, ascending. They come in addition to the
+  /// node's first slot, whose number is that of the node.
   std::span<const Further> furtherAt(std::int32_t node) const;
-  /// Returns the slot number of an element of furtherAt().
+  /// Returns the number of a slot that furtherAt() returned.
   std::int32_t numberOf(const Further& slot) const {
     return static_cast<std::int32_t>(nodes() + (&slot - further_.data()));
   }
 
  private:
-  std::vector<std::uint16_t> same_as_;  ///< per region, the first region of the same material
-  std::vector<std::uint16_t> first_;    ///< per node, the region that slot n = node belongs to
+  std::vector<std::uint16_t> same_as_;  ///< per region, the first region with an equal material
+  std::vector<std::uint16_t> first_;    ///< per node, the region of its first slot
   std::vector<Further> further_;        ///< ascending
 };
 

@@ -12,19 +12,19 @@ namespace palpate {
 /// Smallest and largest plausible extent of a body, metres.
 inline constexpr double smallest_body = 1e-3, largest_body = 10;
 
-/// A scene with its mesh and with its selectors resolved to nodes. It determines a dataset
-/// completely.
+/// A scene together with its mesh, with the scene's selectors resolved to nodes. A problem
+/// determines its dataset completely.
 struct Problem {
   Scene scene;
   Mesh mesh;                             ///< quadratic if the displacement is P2
   std::vector<std::uint16_t> region_of;  ///< per tetrahedron, index into Scene::regions
-  /// Two unit fibre directions per tetrahedron (zero vectors for missing ones); empty if no
-  /// material has fibres.
+  /// Two unit fibre directions per tetrahedron; a direction that the material does not have is the
+  /// zero vector. Empty if no material has fibres.
   std::vector<std::array<Eigen::Vector3d, 2>> fibers;
   std::vector<std::int32_t> fixed;  ///< sorted
   std::vector<ActivePatch> active;  ///< one configuration space each, in scene order
-  /// Numbering of the pressures in NodalFields; follows from the other members. If no material
-  /// around a node has a pressure, its slot is zero and not an unknown.
+  /// Numbering of the pressures in NodalFields; computed from the other members. If no material
+  /// around a node has a pressure, the pressure in the node's slot is zero and not an unknown.
   PressureSlots pressures;
 };
 
@@ -46,23 +46,25 @@ std::size_t storedBytes(const Problem& problem);
 /// guarantees.
 void checkProblem(const Problem& problem);
 
-/// Divisions of the spacing in lattices that hold more than the uniform points.
+/// Number of parts into which one lattice spacing is divided, so that a lattice can also hold
+/// points between the uniform ones.
 inline constexpr std::int32_t lattice_divisions = 1024;
 
-/// Returns the uniform lattice of a scene, with divisions if points or probes may be added to it.
-/// The lattice of a finger covers only its reach. The lattice of a probe (ActivePatch::probe) is
-/// the origin alone.
+/// Returns the uniform lattice of a scene. Its spacing is divided (lattice_divisions) if refinement
+/// or probes may add points between the uniform ones. The lattice of a finger covers only the
+/// finger's reach. The lattice of a probe (ActivePatch::probe) is the origin alone.
 Lattice uniformLattice(const Scene& scene, const ActivePatch& patch = {});
 
-/// Returns the number of held-out positions of one space. It is 1 for a probe of an area, 0 for a
-/// site of an area with such probes, and accuracy.probes for all others.
+/// Returns the number of probes, exact solutions off the lattice, in one space. It is 1 for a probe
+/// place of an area, 0 for a site of an area that has probe places, and accuracy.probes for all
+/// other spaces.
 std::int32_t probesIn(const Scene& scene, std::size_t space);
 
 /// Computes Problem::pressures of a problem that checkProblem accepts.
 PressureSlots pressureSlots(const Problem& problem);
 
-/// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input)
-/// that names the key of the scene if
+/// Resolves the selectors of a scene on its mesh, which must be finished (finishMesh). Error (bad
+/// input) that names the key of the scene if
 /// - the mesh is larger than 10 m or smaller than 1 mm (the message suggests a plausible
 ///   length_unit);
 /// - a selector selects nothing, or only fixed nodes for an active one, or a group or node does not
@@ -81,35 +83,38 @@ PressureSlots pressureSlots(const Problem& problem);
 ///   one line;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
-/// Doubtful input that can still be computed is reported by warningsOf (problem_warnings.hpp). An
-/// active `surface` is replaced by its nodes, or for a finger by its sites and then its probe
-/// places. The scene is changed in the same way, as if they had been written one by one. Distances
-/// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
-/// mid-edge nodes first (`mesh` has none). selection.hpp describes the selectors.
+/// Input that is doubtful but can be computed is not an Error; warningsOf() reports it
+/// (problem_warnings.hpp). An active `surface` is replaced by one active node per surface node, or
+/// for a finger by its sites and then its probe places. The scene in the result has the same
+/// entries, as if a user had written them one by one. Tests whether a node lies within a radius
+/// allow 5e-13 of the radius for round-off. With P2 displacement the mesh first gets its mid-edge
+/// nodes (`mesh` has none). selection.hpp describes the selectors.
 Problem resolve(Scene scene, Mesh mesh);
 
-/// readScene + readGmsh + resolve. A mesh in another format is an Error that mentions `palpate
-/// mesh`.
+/// Reads a scene file and its mesh (readScene, readGmsh) and resolves the scene. A mesh in another
+/// format is an Error that mentions `palpate mesh`.
 Problem loadProblem(const std::filesystem::path& scene_file);
 
-/// Encodes the problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order)
-/// and decodes it. Workers get it in this form. The decoded scene is the resolved one: the mesh
-/// path is reduced to its file name, and metres_per_unit is 1. Node sets, weights, regions and
-/// fibres are taken from the bytes, not selected again, and are checked by checkProblem. Mid-edge
-/// nodes are made again. Element groups and vectors are not encoded, since resolve() has used them.
-/// Error (failure) if the bytes are damaged, which includes bytes that encodeProblem would write in
-/// another way.
+/// Encode a problem as bytes, in which form workers get it, and decode the bytes. The bytes are the
+/// Protobuf message palpate.wire.Problem with a deterministic field order.
+///
+/// In the decoded scene, the mesh path is reduced to its file name, and metres_per_unit is 1. Node
+/// sets, weights, regions and fibres are not selected again, but taken from the bytes and checked
+/// by checkProblem(). Mid-edge nodes are made again. Element groups and vectors are not encoded,
+/// because nothing needs them after resolve(). Error (failure) if the bytes are damaged, or if
+/// encodeProblem() would encode the decoded problem differently.
 std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 
-/// Id of a build: two problems with the same id have the same configurations. It covers materials,
-/// discretisation, gravity, workspace, accuracy, nodes, tetrahedra with their regions and fibres,
-/// fixed nodes, and the names, nodes, weights, places and reach of the active patches.
+/// Returns the id of a build: two problems with the same id have the same configurations. The id
+/// covers materials, discretisation, gravity, workspace, accuracy, nodes, tetrahedra with their
+/// regions and fibres, fixed nodes, and the names, nodes, weights, places and reach of the active
+/// patches.
 ///
-/// It leaves out everything without influence on configurations, so that changing it keeps the
-/// computed results: the scene's name, file paths, selectors (only the selected nodes count), names
-/// of groups, the unit of the files, what is stored, and the device (but its effect on the
-/// workspace counts).
+/// The id leaves out everything that does not influence configurations, so that a change of it does
+/// not make computed results useless: the scene's name, file paths, selectors (only the selected
+/// nodes count), names of groups, the unit of the files, [storage], and the device (only its effect
+/// on the workspace counts).
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate
