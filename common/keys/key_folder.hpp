@@ -19,8 +19,8 @@ enum class Roles : std::uint8_t {
   none = 0,
   worker = 1,    ///< takes work and delivers results
   observer = 2,  ///< reads the status
-  /// May stop a build, retry transitions, and take over a haptic device, which exerts forces on the
-  /// user's hand. Includes observer.
+  /// May stop a build, retry transitions, and use a haptic device, which exerts forces on a
+  /// person's hand. Includes observer.
   system_operator = 4 | observer,
   all = worker | system_operator
 };

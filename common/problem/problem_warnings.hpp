@@ -15,7 +15,7 @@ namespace palpate {
 /// - pressure spaces that violate the inf-sup condition, elements without a pressure that lock, and
 ///   single layers of elements between rigid parts;
 /// - nearly flat tetrahedra;
-/// - a position `near` that is farther from the surface than the length of an edge;
+/// - a position `near` that is farther from the surface than the mean edge length;
 /// - a workspace much larger than the distance from the active nodes to the fixed nodes;
 /// - single nodes under the tool, and active nodes that coincide.
 ///

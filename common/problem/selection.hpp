@@ -10,36 +10,39 @@
 /// key or the active node.
 namespace palpate {
 
-/// Returns the nodes that [fixed] selects. They include mid-edge nodes, selected by position, by
-/// group, or because both vertices of their edge are listed in `nodes`. Error if a selector selects
-/// nothing or a group or node does not exist.
+/// Returns the nodes that [fixed] selects. Mid-edge nodes are selected by position or group like
+/// vertices, and also if `nodes` lists both vertices of their edge. Error if a selector selects
+/// nothing, or if a group or node does not exist.
 NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
 
-/// Returns the [[active]] tables of a scene with every `surface` replaced by single tables:
-/// - a node tool gets one table per selected surface vertex that is not fixed, ascending, called
-///   NAME-NODE, with the radius and tool of the original table;
-/// - a finger gets one table per site (sitesOn), called NAME-0, NAME-1, ..., with `near` the site
-///   and the area NAME. A triangle belongs to the surface if its three corners are selected.
+/// Returns the [[active]] tables of a scene, with each table that has a `surface` replaced by one
+/// table per place:
+/// - For a rigid or weighted-average tool there is one table per selected surface vertex that is
+///   not fixed, ascending, called NAME-NODE, with the radius and tool of the original table.
+/// - For a finger there is one table per site (sitesOn), called NAME-0, NAME-1, ..., with the site
+///   as `near` and NAME as area. A triangle belongs to the surface if its three corners are
+///   selected.
 ///
-/// The probe places of these areas (probePlaces) follow behind all others: scene.accuracy.probes
-/// per area, called NAME-probe-0 and so on. Error if a selector holds no surface vertex, if all
-/// selected ones are fixed, if a group does not exist, or if two active nodes would have one name.
+/// After these tables come the probe places of the areas (probePlaces), scene.accuracy.probes per
+/// area, called NAME-probe-0 and so on. Error if a selector holds no surface vertex, if all
+/// selected vertices are fixed, if a group does not exist, or if two active nodes would have the
+/// same name.
 std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
                                             const NodeSet& fixed);
 
-/// Returns the patch of an [[active]] table without `surface`. A rigid patch holds all nodes within
-/// the radius, including inner and mid-edge nodes. A weighted patch holds the surface nodes within
-/// it, with their weights (ActivePatch::weights). A finger is centred at the surface point nearest
-/// to `near` (finger.hpp). Fixed nodes are left out. Error if the node does not exist or is not a
-/// surface vertex, if `near` is far from the body, or if fewer than three nodes are left to
-/// average.
+/// Returns the patch of an [[active]] table that has no `surface`. The patch of a rigid tool holds
+/// all nodes within the radius, including inner and mid-edge nodes. The patch of a weighted-average
+/// tool holds the surface nodes within the radius, with their weights (ActivePatch::weights). A
+/// finger is centred at the surface point nearest to `near` (finger.hpp). Fixed nodes are left out.
+/// Error if the node does not exist or is not a surface vertex, if `near` is far from the body, or
+/// if fewer than three nodes are left for the weighted average.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);
 
 /// Returns the region of each tetrahedron, given by its group or by the box or sphere that holds
 /// its centroid. Error (bad input) that names the key if
 /// - a region names an element group that the mesh lacks (the message lists the existing ones);
 /// - a group, box or sphere is empty;
-/// - a tetrahedron is in two regions, or in none without a [material];
+/// - a tetrahedron is in two regions, or, in a scene without [material], in none;
 /// - no tetrahedron is left for [material].
 std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh);
 

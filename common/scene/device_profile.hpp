@@ -10,7 +10,7 @@ namespace palpate {
 struct DeviceProfile {
   std::string_view name;        ///< name in the scene file
   double max_force = 0;         ///< N
-  double max_stiffness = 0;     ///< N/m, the largest that the closed loop renders stably
+  double max_stiffness = 0;     ///< N/m, largest stiffness that the device renders stably
   double workspace_radius = 0;  ///< m
   bool operator==(const DeviceProfile&) const = default;
 };

@@ -24,23 +24,25 @@ enum class LawName : std::uint8_t {
 enum class DisplacementSpace : std::uint8_t { p1, p2 };
 /// Pressure space:
 /// - "none";
-/// - "P1": with P1 displacement the paper's equal order, which violates inf-sup; with P2
-///   displacement Taylor-Hood;
-/// - "P1-stabilized": for P1 displacement, with polynomial pressure projection;
-/// - "P2": for P2 displacement, the paper's quadratic equal order, which violates inf-sup.
+/// - "P1": with P1 displacement the paper's equal-order element, which violates the inf-sup
+///   condition; with P2 displacement the Taylor-Hood element;
+/// - "P1-stabilized": for P1 displacement, stabilised by polynomial pressure projection;
+/// - "P2": for P2 displacement, the paper's quadratic equal-order element, which violates the
+///   inf-sup condition.
 enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized, p2 };
 /// "ln-det-F" (default, a barrier that keeps elements from inverting) or "det-F-1" (used by the
 /// paper and GetFEM).
 enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 
 /// How a tool prescribes the displacements of a patch of nodes:
-/// - "rigid" moves all nodes by the tool's displacement; a single node is the smallest rigid patch;
-/// - "weighted-average" prescribes the weighted mean of their displacements only;
-/// - "finger" prescribes the weighted mean about any point of the surface.
+/// - "rigid" moves all nodes of the patch by the tool's displacement; the patch may be a single
+///   node;
+/// - "weighted-average" prescribes only the weighted mean of their displacements;
+/// - "finger" prescribes the weighted mean around a point that may be anywhere on the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 
-/// Words of the scene file for the enumerators of a choice, in their order. Each choice specialises
-/// this beside its definition.
+/// Words of the scene file for the enumerators of an enum, in their order. Each enum has a
+/// specialisation after its definition.
 template <class Choice>
 inline constexpr std::array<std::string_view, 0> words_of = {};
 template <>

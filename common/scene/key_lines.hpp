@@ -9,8 +9,9 @@
 
 namespace palpate {
 
-/// Line numbers of a table and its keys in the scene file, for errors that only the mesh reveals.
-/// Any two compare equal, because the lines do not change the meaning of a scene.
+/// Line numbers of a table and its keys in the scene file. They are kept for errors that are found
+/// only after the mesh is read. Two objects always compare equal, because line numbers do not
+/// change the meaning of a scene.
 struct KeyLines {
   int table = 0;  ///< from 1; 0 if unknown
   std::vector<std::pair<std::string, int>> keys = {};
@@ -24,7 +25,8 @@ struct KeyLines {
   bool operator==(const KeyLines&) const { return true; }
 };
 
-/// An error about a line of the scene file. Its catcher adds file and line to the message.
+/// An error about a line of the scene file. Code that knows the file catches it and adds file and
+/// line to the message.
 class SceneError : public Error {
  public:
   SceneError(int line, const Error& error) : Error(error), line_(line) {}
@@ -34,13 +36,14 @@ class SceneError : public Error {
   int line_;
 };
 
-/// Makes a badInput() about this line.
+/// Returns a badInput() error about this line.
 template <class... Args>
 SceneError badInputAt(int line, fmt::format_string<Args...> format, Args&&... args) {
   return {line, badInput(format, std::forward<Args>(args)...)};
 }
 
-/// Returns the result of `work`. An Error that it throws gets this line unless it already has one.
+/// Returns the result of `work`. If `work` throws an Error without a line, throws it as a
+/// SceneError with this line.
 template <class Work>
 auto atLine(int line, const Work& work) {
   try {

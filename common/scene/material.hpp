@@ -18,8 +18,8 @@ struct OgdenTerm {
 
 /// A material from [material] or [[region]]. Keys that the law does not take are refused.
 /// docs/solver.md and worker/laws/laws.hpp give the energies. All laws but `linear` and
-/// `st-venant-kirchhoff` are isochoric energies: they are used with det F = 1, or with an added
-/// volumetric energy if `bulk` is given.
+/// `st-venant-kirchhoff` are isochoric energies. They are used with the constraint det F = 1, or,
+/// if `bulk` is given, together with a volumetric energy.
 struct Material {
   LawName law = LawName::mooney_rivlin;
   double young = 0;  ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
@@ -35,7 +35,8 @@ struct Material {
   double dispersion = 0;  ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
   /// One or two unit directions at rest (holzapfel-gasser-ogden), else empty.
   std::vector<Eigen::Vector3d> fibers = {};
-  /// Name of the element vectors (Mesh) that replace `fibers`, else empty.
+  /// Name of the element vectors (Mesh::element_vectors) that give the fibre directions instead of
+  /// `fibers`, else empty.
   std::string fiber_field = {};
   /// Pa, > 0. If given, the material is compressible with the volumetric energy U of
   /// docs/solver.md. If absent, it is exactly incompressible. linear and the St. Venant-Kirchhoff
@@ -47,18 +48,19 @@ struct Material {
 
 /// Returns whether the material requires det F = 1 exactly, and therefore a pressure.
 bool isIncompressible(const Material& material);
-/// Returns whether the material has a pressure if there is a pressure space. True for all laws but
-/// linear and st-venant-kirchhoff.
+/// Returns whether the material has a pressure unknown if the discretisation has a pressure space.
+/// True for all laws but linear and st-venant-kirchhoff.
 bool isMixed(const Material& material);
-/// Shear modulus at rest, Pa; pressures and residuals are scaled by it.
+/// Returns the shear modulus at rest, Pa. Pressures and residuals are scaled by it.
 double shearModulus(const Material& material);
-/// Bulk modulus at rest, Pa; infinite for exactly incompressible materials.
+/// Returns the bulk modulus at rest, Pa; infinite for exactly incompressible materials.
 double bulkModulus(const Material& material);
-/// Young's modulus (Pa) and Poisson's ratio at rest, without fibres.
+/// Return Young's modulus (Pa) and Poisson's ratio at rest, without fibres.
 double youngModulus(const Material& material);
 double poissonRatio(const Material& material);
-/// The strain beyond which a law is unstable: a shear for Yeoh's law with negative c20, a
-/// compression for St. Venant-Kirchhoff. softeningOf returns nullopt for the other laws.
+/// The strain beyond which a material is unstable: a shear for Yeoh's law with negative c20, a
+/// compression for the St. Venant-Kirchhoff law. softeningOf() returns nullopt for materials
+/// without such a strain.
 struct Softening {
   double strain;
   const char* kind;  ///< "shear" or "compression"

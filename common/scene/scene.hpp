@@ -22,16 +22,17 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-/// A region of the body: the tetrahedra of a physical group and those with a centroid in one of the
-/// boxes or spheres. Without any of these it is [material], which takes all tetrahedra left. No two
-/// regions have the same group. Every tetrahedron must be in exactly one region.
+/// A region of the body: the tetrahedra of a physical group, and those with a centroid in one of
+/// the boxes or spheres. A region without group, boxes and spheres is [material], to which all
+/// remaining tetrahedra belong. No two regions have the same group. Every tetrahedron must be in
+/// exactly one region.
 struct Region {
   std::string group;  ///< empty if none is given, as in [material]
   Material material;
   std::vector<Box> boxes = {};
   std::vector<Sphere> spheres = {};
   KeyLines lines = {};
-  /// Returns whether this is [material], which takes the tetrahedra of no other region.
+  /// Returns whether this is [material], to which the tetrahedra outside all other regions belong.
   bool isRest() const { return group.empty() && boxes.empty() && spheres.empty(); }
   /// Returns the group, or the first box or sphere, for messages; empty for [material].
   std::string name() const;
@@ -51,12 +52,12 @@ struct Discretization {
   bool operator==(const Discretization&) const = default;
 };
 
-/// Returns whether pressure and displacement satisfy the inf-sup condition, or there is no
+/// Returns whether pressure and displacement satisfy the inf-sup condition. True if there is no
 /// pressure.
 bool isInfSupStable(const Discretization& discretization);
 
-/// An axis-aligned half space: nodes with a coordinate below (or above) a plane, given as
-/// `fraction` of the bounding box or as `at` in metres.
+/// An axis-aligned half space: the nodes below or above a plane. Either `fraction` gives the plane
+/// as a fraction of the bounding box, or `at` gives its coordinate in metres.
 /// - below: x < xmin + fraction (xmax - xmin)
 /// - above: x > xmax - fraction (xmax - xmin)
 struct HalfSpace {
@@ -89,25 +90,26 @@ struct SurfaceSelection {
   bool operator==(const SurfaceSelection&) const = default;
 };
 
-/// [[active]] with exactly one of `near`, `node` and `surface`. A `surface` stands for many active
-/// nodes or for the sites of a finger; resolve() replaces it by them (selection.hpp).
+/// [[active]], with exactly one of `near`, `node` and `surface`. resolve() replaces a table with
+/// `surface` by many active nodes or by the sites of a finger (selection.hpp).
 struct ActiveSelection {
   std::string name;  ///< unique; letters, digits, '-' and '_'
   /// Metres. Selects the nearest surface node, or for a finger the nearest surface point.
   std::optional<Eigen::Vector3d> near = {};
   std::optional<std::int32_t> node = {};  ///< 0-based; must lie on the surface
-  double radius = 0;  ///< metres: the patch is every node within it (<=) that is not fixed
+  double radius =
+      0;  ///< metres; the patch holds all nodes at most this far away, except fixed ones
   ToolKind tool = ToolKind::rigid;  ///< all kinds but rigid require a radius > 0
-  /// Selects every surface vertex in it that is not fixed, or for a finger all of the surface in
-  /// it.
+  /// Selects the part of the surface inside it: every vertex there that is not fixed, or for a
+  /// finger the whole part.
   std::optional<SurfaceSelection> surface = {};
-  /// Name of the area of a finger. Fingers of one area have one radius and are sites of one energy
-  /// E(s, p), which also answers between them. Empty for a finger by itself. No active node may
-  /// have this name.
+  /// Name of the area to which a finger belongs. All fingers of an area have the same radius. They
+  /// are the sites from which the energy E(s, p) is interpolated for any place s between them.
+  /// Empty for a finger that belongs to no area. No active node may have this name.
   std::string area = {};
-  /// Set for a finger that probes an area and is not a site: the exact solution for the
-  /// displacement `probe` (metres) is compared with the answer of the area `probe_of`. Both are set
-  /// or neither.
+  /// Set for a finger that is not a site but a probe of the area `probe_of`: the exact solution for
+  /// the displacement `probe` (metres) is compared with the one interpolated in that area. Either
+  /// both are set, or neither.
   std::string probe_of = {};
   std::optional<Eigen::Vector3d> probe = {};
   KeyLines lines = {};
@@ -126,26 +128,27 @@ struct Workspace {
   bool operator==(const Workspace&) const = default;
 };
 
-/// [device]: the haptic device that renders the forces. workspace.radius and max_force never exceed
-/// the device's, which are also their defaults.
+/// [device]: the haptic device that renders the forces. Its limits are the defaults of
+/// workspace.radius and workspace.max_force, which never exceed them.
 struct Device {
   DeviceProfile profile;
-  /// The values in [workspace] that exceeded the device's. The resolved scene does not keep them.
+  /// The values in [workspace] that exceeded the device's limits and were reduced. The resolved
+  /// scene does not contain them.
   std::optional<double> wanted_radius = {}, wanted_max_force = {};
   bool operator==(const Device& other) const { return profile == other.profile; }
 };
 
-/// [accuracy]: the allowed error of interpolated forces and its measurement. The resolved scene
-/// leaves the table out if all values are defaults.
+/// [accuracy]: the allowed error of interpolated forces, and the number of probes that measure it.
+/// The resolved scene leaves the table out if all values are defaults.
 struct Accuracy {
   /// Allowed error of the force relative to its magnitude, in (0, 1); the build refines the lattice
   /// where the estimated error is larger. 0 for a uniform lattice.
   double force_error = 0;
-  double force_floor = 0.01;  ///< N: smaller errors are always allowed
+  double force_floor = 0.01;  ///< N; smaller errors are always allowed
   std::int32_t levels = 3;    ///< largest number of halvings of a cell, 0..6
-  /// Number of exact solutions at held-out positions, 0..100000, per active node. A surface that a
-  /// finger touches has this number of random probe places in all (probePlaces,
-  /// common/problem/sites.hpp).
+  /// Number of probes per active node, 0..100000: exact solutions that interpolation does not use.
+  /// If a finger touches a surface, the whole surface has this number of random probe places
+  /// (probePlaces, common/problem/sites.hpp).
   std::int32_t probes = 0;
   bool adaptive() const { return force_error > 0; }
   bool operator==(const Accuracy&) const = default;
@@ -162,9 +165,10 @@ inline constexpr auto words_of<StoredPrecision> = std::to_array<std::string_view
                                                                                    "int16"});
 
 /// [storage]: the part of the nodal fields that the dataset stores. It changes no configuration and
-/// no id. Like [accuracy], it is left out of a resolved scene if all values are defaults.
+/// no id. The resolved scene leaves the table out if all values are defaults.
 struct Storage {
-  /// "surface" stores its vertices; "all" stores the pressures too.
+  /// Nodes with stored displacements. "surface" means the vertices on the surface; "all" means all
+  /// nodes, and stores the pressures too.
   StoredNodes displacement = StoredNodes::surface;
   /// Format of displacements, "float32" or "int16"; docs/dataset.md gives the error bound.
   StoredPrecision precision = StoredPrecision::float32;
@@ -178,7 +182,7 @@ enum class ContactMode : std::uint8_t {
   unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
   glued        ///< the tool holds the surface and can pull it too (the paper's mode)
 };
-/// These words are also used in options and recordings.
+/// Options and recordings use these words too.
 template <>
 inline constexpr auto words_of<ContactMode> = std::to_array<std::string_view>({"unilateral",
                                                                                "glued"});
@@ -191,7 +195,7 @@ struct Scene {
   double metres_per_unit = 1;
   std::vector<Region> regions = {Region{}};  ///< [material] first, if given, then each [[region]]
   Discretization discretization;
-  /// m/s^2, from [gravity] acceleration = [x, y, z]; length_unit does not apply to it.
+  /// m/s^2, the key `acceleration` of [gravity]; length_unit does not apply to it.
   Eigen::Vector3d gravity = {0, 0, 0};
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
@@ -214,9 +218,10 @@ Scene readScene(const std::filesystem::path& file);
 /// Reads a scene from text; `source` is its name in errors. A relative mesh path stays relative.
 Scene parseScene(const std::string& text, const std::string& source);
 
-/// Returns the scene as TOML in SI units with all defaults written out. parseScene(resolvedToml(s))
-/// == s with the mesh path reduced to its file name and metres_per_unit = 1. Numbers round-trip
-/// exactly. Equal scenes give equal bytes on every machine.
+/// Returns the scene as TOML in SI units with all defaults written out. parseScene() of this text
+/// returns an equal scene, except that the mesh path is reduced to its file name and
+/// metres_per_unit is 1. Numbers round-trip exactly. Equal scenes give equal bytes on every
+/// machine.
 std::string resolvedToml(const Scene& scene);
 
 }  // namespace palpate

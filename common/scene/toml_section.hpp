@@ -14,14 +14,15 @@
 
 namespace palpate {
 
-/// Context for reading values of a scene file: the file name for errors and the unit of lengths.
+/// File name of a scene, for errors, and unit of its lengths.
 struct TomlContext {
   std::string source;
   double metres_per_unit = 1;
 };
 
 /// One table of a scene file. All functions throw Error (bad input) with file, line and key if a
-/// key or value is not as expected. Refers to the context and the table, which must outlive it.
+/// key or value is not as expected. Keeps references to the context and the table, which must
+/// outlive this object.
 class TomlSection {
  public:
   using Words = std::span<const std::string_view>;
@@ -59,7 +60,7 @@ class TomlSection {
   std::string text(std::string_view key, const toml::node& node) const;  ///< not empty
   bool flag(std::string_view key, const toml::node& node) const;
 
-  /// Any of these readers.
+  /// Pointer to one of the readers above, for a value of type Value.
   template <class Value>
   using Reading = Value (TomlSection::*)(std::string_view, const toml::node&) const;
   /// Reads a required key with `reading`; `meaning` describes it in the error if it is missing.
@@ -88,7 +89,8 @@ class TomlSection {
     const toml::node* node = find(key);
     return node ? static_cast<Choice>(choice(key, *node, words_of<Choice>)) : otherwise;
   }
-  /// Returns an integer in lowest..highest, or `otherwise` if the key is absent.
+  /// Returns the integer that `key` holds, which must be in lowest..highest, or `otherwise` if the
+  /// key is absent.
   std::int32_t integer(std::string_view key, std::int32_t otherwise, std::int32_t lowest,
                        std::int32_t highest) const;
   /// Converts a length from the unit of the file to metres.
@@ -96,8 +98,8 @@ class TomlSection {
 
   /// Returns `key` as a list: empty if absent, the elements of an array, or the single value.
   std::vector<const toml::node*> oneOrMany(std::string_view key) const;
-  /// Returns the tables of the required [[key]]. `each` names the thing that one table describes,
-  /// for errors.
+  /// Returns the tables [[key]], of which there must be at least one. For errors, `each` says what
+  /// one table describes.
   const toml::array& tables(std::string_view key, std::string_view each) const;
   /// Returns the table that `key` holds, which may contain only these keys.
   TomlSection inner(std::string_view key, const toml::node& node, Words keys) const;
@@ -105,7 +107,7 @@ class TomlSection {
                     std::initializer_list<std::string_view> keys) const {
     return inner(key, node, Words(keys.begin(), keys.size()));
   }
-  /// Returns an optional table.
+  /// Returns the table that `key` holds, or nullopt if the key is absent.
   std::optional<TomlSection> inner(std::string_view key,
                                    std::initializer_list<std::string_view> keys) const {
     const toml::node* node = find(key);

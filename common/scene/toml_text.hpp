@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// Returns the shortest decimal that reads back as the same double, always as a TOML float.
+/// Returns the shortest decimal that reads back as the same double. It always has a point or an
+/// exponent, so that TOML reads it as a float.
 inline std::string decimalToml(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";

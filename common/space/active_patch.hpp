@@ -10,25 +10,28 @@
 
 namespace palpate {
 
-/// Largest distance, in finger radii, from any place of an area to its nearest site. Sites of
-/// fingers of one radius that lie this close share one energy. They lie closer where the surface
+/// Every place of an area has a site within this distance, in finger radii. The energy of the area
+/// is interpolated between sites that are this close. Sites lie closer together where the surface
 /// bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
-/// Largest distance, in finger radii, from a place that is answered to the nearest site. It exceeds
-/// site_distance, because sites are chosen among places that lie apart.
+/// Forces can be interpolated at a place of the surface if its nearest site is within this
+/// distance, in finger radii. It exceeds site_distance, because site_distance was kept only at the
+/// discrete places among which the sites were chosen.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
-/// The contact of a soft finger with the surface at rest: centre and radius, metres.
+/// The contact of a soft finger with the surface at rest. Lengths in metres.
 struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
   double radius = 0;
-  /// The computed part of its workspace. With unilateral contact it is the part that the finger
-  /// reaches by pushing at the places that this site answers for.
+  /// The part of the finger's workspace ball for which configurations are computed. With unilateral
+  /// contact these are the displacements that the finger reaches by pushing, at any of the places
+  /// under it.
   PushedPart reach = {};
   bool operator==(const Finger&) const = default;
 };
 
-/// The tool's contact: the active node and the nodes that it moves together.
+/// The tool's contact with the body: the active node, which names the contact, and all nodes that
+/// the tool moves or averages.
 struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node
@@ -38,12 +41,12 @@ struct ActivePatch {
   /// (r/radius)^2)^2. With P2 displacement some weights may be negative, because quadratic shape
   /// functions are negative in places.
   std::vector<double> weights = {};
-  /// Set for a finger, which may be centred anywhere on the surface. The weights are then
-  /// fingerWeights (finger_weights.hpp) about its centre, and `node` is the nearest vertex among
-  /// the nodes.
+  /// Set for a finger, which may be centred anywhere on the surface. The weights are then those of
+  /// fingerWeights() around its centre (finger_weights.hpp), and `node` is the vertex in `nodes`
+  /// that is nearest to the centre.
   std::optional<Finger> finger = {};
-  /// Set for a finger that probes an area. Its space then consists of the rest position and this
-  /// one displacement, metres.
+  /// Set for a finger that is a probe place of an area. Its space then consists of the rest
+  /// position and this one displacement, metres.
   std::optional<Eigen::Vector3d> probe = {};
   bool operator==(const ActivePatch&) const = default;
 };

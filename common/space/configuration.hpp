@@ -11,29 +11,31 @@
 
 namespace palpate {
 
-/// The nodal fields of a configuration, in float32: they are stored, sent and started from in this
-/// form.
+/// The nodal fields of a configuration, in float32. They are stored and sent in this form, and
+/// transitions start from it.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, one row per node, metres
-  std::vector<float> pressure;      ///< Problem::pressures, Pa; empty without a pressure space
+  std::vector<float>
+      pressure;  ///< one per slot of Problem::pressures, Pa; empty without a pressure space
 
   /// Returns the displacement bytes, then the pressure bytes, little-endian.
   std::string encode() const;
-  /// Inverse of encode for a mesh of `n_nodes` nodes with `n_pressures` pressures. Error if the
-  /// size does not match or a value is not finite.
+  /// Decodes the bytes of encode() for a mesh with `n_nodes` nodes and `n_pressures` pressures.
+  /// Error if the size does not match or a value is not finite.
   static NodalFields decode(std::string_view bytes, std::size_t n_nodes, std::size_t n_pressures);
   /// Returns ContentId::of(encode()).
   ContentId id() const;
 };
 
-/// Row and column of each of the six components of a symmetric 3x3 matrix.
+/// Row and column of each of the six independent components of a symmetric 3x3 matrix.
 inline constexpr std::array<std::array<int, 2>, 6> symmetric_axes = {
     {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
-/// Derivative of a symmetric 3x3 matrix by a vector: one row per component, one column per axis.
+/// Derivative of a symmetric 3x3 matrix with respect to a vector: one row per component
+/// (symmetric_axes), one column per axis of the vector.
 using SymmetricSlope = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
 
-/// Force and energy of an accepted configuration, for every kind of tool.
+/// Force, stiffness and energy of an accepted configuration, for every kind of tool.
 struct ToolEquilibrium {
   /// Force of the tissue on the tool, N, = -dE/dp.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -43,14 +45,14 @@ struct ToolEquilibrium {
   double min_det_F = 1;  ///< smallest det F over the elements
 };
 
-/// The further derivatives of a finger's energy E(s, p), which also depends on its place s on the
-/// surface (ActivePatch::finger). They are zero for other tools. They are derivatives in three
-/// dimensions, because E is defined for any s near the surface. First and second derivatives are
-/// exact.
+/// Further derivatives of a finger's energy E(s, p), with s the place of the finger on the surface
+/// (ActivePatch::finger) and p its displacement. Zero for other tools. Derivatives with respect to
+/// s have three components, because E is defined for any s near the surface. First and second
+/// derivatives are exact.
 struct FingerSlopes {
-  /// Configurational force T = -dE/ds, N. It drives the finger along the surface.
+  /// Configurational force T = -dE/ds, N, which drives the finger along the surface.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
-  /// N/m, [a, b] = d drive_a / d p_b. Its transpose is d force / d s.
+  /// N/m, [a, b] = d drive_a / d p_b. The transpose of this matrix is d force / d s.
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
@@ -58,29 +60,30 @@ struct FingerSlopes {
   // stiffness (worker/solver/third_derivatives.hpp).
   /// N/m^2, d stiffness / d p, symmetric in all three axes.
   SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
-  /// N/m^2, d stiffness / d s. Its column k is also the second derivative of drive[k] by p.
+  /// N/m^2, d stiffness / d s. Column k is also the second derivative of drive[k] with respect to
+  /// p.
   SymmetricSlope stiffness_by_s = SymmetricSlope::Zero();
   /// N/m^2, d drive_slope / d p.
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
-/// Force, energy and their derivatives: the small part of a configuration.
+/// Force, energy and their derivatives: everything about a configuration but its nodal fields.
 struct Equilibrium : ToolEquilibrium, FingerSlopes {};
 
-/// Largest magnitude of a stored number, SI units. No tissue reaches it, and it is far enough from
-/// overflow that interpolated values stay finite.
+/// Largest allowed magnitude of a stored number, SI units. No tissue reaches it, and values
+/// interpolated from such numbers do not overflow.
 inline constexpr double largest_stored = 1e30;
 /// Returns whether every number is finite and at most largest_stored in magnitude.
 bool isUsable(const Equilibrium& equilibrium);
 
-/// Returns whether any derivative by s is non-zero, which only a finger has.
+/// Returns whether any of the derivatives in FingerSlopes is non-zero. True only for fingers.
 inline bool hasDrive(const FingerSlopes& e) {
   return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
            e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
            e.drive_slope_by_p.isZero(0));
 }
 
-/// Work that an answer took. Every number but `seconds` is reproducible.
+/// Work of the solver to compute an outcome. Every number but `seconds` is reproducible.
 struct Cost {
   std::int32_t newton_iterations = 0;
   std::int32_t factorizations = 0;
@@ -96,14 +99,14 @@ struct Cost {
   }
 };
 
-/// An equilibrium as it is stored.
+/// An accepted equilibrium with its nodal fields, as it is stored.
 struct Configuration {
   Equilibrium equilibrium;
-  double residual = 0;  ///< N, norm
+  double residual = 0;  ///< N, norm of the residual
   NodalFields fields;
 };
 
-/// The end of a transition and the work it took.
+/// The result of a transition, a configuration or a failure, and the work that it took.
 struct Outcome {
   std::variant<Failure, Configuration> end;
   Cost cost;

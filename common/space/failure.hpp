@@ -7,24 +7,25 @@
 
 namespace palpate {
 
-/// Why a transition ended without an accepted configuration, or why none was tried. This list is
-/// closed and only ever appended to, because its values are part of the wire, the state directory
-/// and the dataset. Every cause has a word in name().
+/// Why a transition ended without an accepted configuration, or why no transition was tried. Never
+/// change or reuse a value; new causes are only appended. The values are part of messages, the
+/// state directory and the dataset. Every cause has a word in name().
 enum class Cause : std::uint8_t {
-  none = 0,                  ///< no failure
-  iteration_limit = 1,       ///< Newton used up its iterations while still descending
-  line_search_stalled = 2,   ///< no step along the Newton direction reduced the residual
-  inverted_element = 3,      ///< det F <= 0 in the converged state or where ln det F is needed
+  none = 0,                 ///< no failure
+  iteration_limit = 1,      ///< Newton used up its iterations while still descending
+  line_search_stalled = 2,  ///< no step along the Newton direction reduced the residual
+  inverted_element =
+      3,  ///< det F <= 0 in the converged state, or earlier if ln det F must be computed
   wrong_inertia = 4,         ///< negative pivots show an unstable state or another branch
   factorization_failed = 5,  ///< MUMPS gave up; mumps_infog has the reason
   not_finite = 6,            ///< NaN or infinity in residual or tangent, or !isUsable()
   step_budget = 7,           ///< the transition was cut into more steps than the budget allows
   worker_lost = 8,           ///< every worker that tried it died
-  unreachable = 9,   ///< a point has no expandable neighbour; never the cause of a transition
+  unreachable = 9,   ///< the point has no expandable neighbour (Tag), so no transition was tried
   limit_point = 10,  ///< the path turns back: the branch has no equilibrium beyond
   /// The finger is pushed so hard that no interpolation would use the configuration.
   beyond_force = 11,
-  /// The branch becomes unstable, and no stable branch was found beside it.
+  /// The branch becomes unstable, and no stable branch was found that continues it.
   bifurcation = 12,
 };
 
@@ -36,17 +37,18 @@ std::string_view name(Cause cause);
 std::optional<Cause> causeOf(std::uint32_t value);
 /// Returns the cause with this word, or nullopt.
 std::optional<Cause> causeNamed(std::string_view word);
-/// Returns whether a transition that was tried can fail with `cause`: true for all but none and
-/// unreachable.
+/// Returns whether `cause` can be the cause of a transition that was tried: true for all but none
+/// and unreachable.
 bool stopsTransitions(Cause cause);
 
 /// A cause and the numbers to judge it by. Fields that do not apply keep their defaults.
 struct Failure {
   Cause cause = Cause::none;
-  double step_reached = 0;    ///< fraction of the transition accepted before the stop, 0 to 1
-  double residual = 0;        ///< N, norm of the residual at the stop
-  std::int32_t element = -1;  ///< smallest det F, in Mesh::tetrahedra; -1 if unknown
-  double element_det_F = 0;   ///< det F of `element`
+  double step_reached = 0;  ///< fraction of the transition accepted before the stop, 0 to 1
+  double residual = 0;      ///< N, norm of the residual at the stop
+  std::int32_t element =
+      -1;  ///< index in Mesh::tetrahedra of the element with the smallest det F; -1 if unknown
+  double element_det_F = 0;          ///< det F of `element`
   std::int32_t negative_pivots = 0;  ///< in the last factorisation
   std::int32_t expected_negative_pivots = 0;
   std::int32_t mumps_infog1 = 0;  ///< INFOG(1) and INFOG(2) of the last MUMPS call

@@ -6,11 +6,12 @@
 
 namespace palpate {
 
-/// Estimates how many cells are halved, this one included, until the error of each is allowed. A
-/// cell is halved at most `levels` times. Each halving leaves an eighth of the error, and four of
-/// the eight parts are halved again. `ratio` is the likely error divided by the allowed error,
-/// infinite if answers end in the cell. Only estimates of cost and time use it; no build depends on
-/// it.
+/// Estimates how many cells refinement halves, including this one, until every error is allowed.
+/// `ratio` is the likely error of this cell divided by the allowed error. It is infinite for a cell
+/// with a corner that could not be solved. `levels` is the largest number of successive halvings.
+/// The estimate assumes that each halving reduces the error to an eighth, and that four of the
+/// eight parts are halved again. Only forecasts of cost and time use it; it does not influence
+/// builds.
 inline double cellsHalved(double ratio, std::int32_t levels) {
   constexpr double error_by_halving = 8;
   if (ratio <= 1 || levels <= 0) return 0;

@@ -14,7 +14,7 @@ namespace palpate {
 /// j, k).
 using LatticePoint = std::array<std::int32_t, 3>;
 
-/// i^2 + j^2 + k^2.
+/// Returns i^2 + j^2 + k^2.
 std::int64_t squaredNorm(const LatticePoint& point);
 
 /// An edge of a leaf cell, given by its two lattice points.
@@ -23,14 +23,16 @@ struct LatticeEdge {
   auto operator<=>(const LatticeEdge&) const = default;
 };
 
-/// The part of a ball that a purely pushing contact reaches: displacements p with p . outward <=
-/// pull |p| that lie within `width` of the line along outward. Default: the whole ball.
+/// The part of the workspace ball that a contact reaches if it can only push. These are the
+/// displacements p with p . outward <= pull |p| that lie within `width` of the line along
+/// `outward`. The default is the whole ball.
 struct PushedPart {
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();       ///< unit vector; zero for the whole ball
   double pull = 1;                                         ///< -1 to 1; 1 for the whole ball
   double width = std::numeric_limits<double>::infinity();  ///< m, > 0
   bool operator==(const PushedPart&) const = default;
-  /// Returns whether p lies in the part or at most about `room` metres outside it.
+  /// Returns whether p (metres) lies in this part of the ball, or outside it by at most about
+  /// `room` metres.
   bool contains(const Eigen::Vector3d& p, double room = 0) const {
     const double along = p.dot(outward);
     return along <= pull * p.norm() + room && (p - along * outward).norm() <= width + room;
@@ -40,33 +42,37 @@ struct PushedPart {
 /// The positions of one configuration space: the uniform lattice of the closed workspace ball
 /// (paper, Eq. 11, with the origin) and the points that refinement added.
 ///
-/// Integers decide which points lie in the ball: i^2+j^2+k^2 <= (radius/spacing)^2. For r = 100 mm,
-/// spacings of 20, 100/7, 10 and 100/15 mm give 515, 1419, 4169 and 14147 points; a floating-point
-/// test drops some that lie exactly on it. "100/7 mm" may be written 14.3 mm: a spacing is taken as
-/// exactly radius/n, n integer, if it is within 0.2 % of that.
+/// Whether a point lies in the ball is decided in integers: i^2+j^2+k^2 <= (radius/spacing)^2. A
+/// floating-point test would lose some points that lie exactly on the sphere. For a radius of 100
+/// mm, spacings of 20, 100/7, 10 and 100/15 mm give 515, 1419, 4169 and 14147 points. A spacing
+/// within 0.2 % of radius/n, with n an integer, is rounded to radius/n, so that users may write
+/// 100/7 mm as 14.3 mm.
 ///
-/// The lattice may cover a part of the ball only (PushedPart). It then leaves out the other points
-/// and numbers the rest in the same order.
+/// The lattice may cover only a part of the ball (PushedPart). Points outside that part are left
+/// out, and the others are numbered in the same order.
 ///
-/// Coordinates are in units of spacing / divisions, with divisions a power of two. Refined points
-/// and probes therefore have integer coordinates too. Displacements are equal, to the last bit,
-/// with and without divisions. Uniform points have the numbers 0..uniformSize()-1, sorted by
-/// (squared norm, i, j, k); number 0 is the origin. Added points follow in the order in which they
-/// were added. The numbering is part of the dataset. Any thread may read as long as no thread adds.
+/// Coordinates are integers in units of spacing / divisions, with divisions a power of two, so that
+/// points of refined cells and probes have integer coordinates too. The number of divisions does
+/// not change a bit of the displacements of uniform points.
+///
+/// Uniform points have the numbers 0..uniformSize()-1, sorted by (squared norm, i, j, k); number 0
+/// is the origin. Added points follow in the order in which they were added. The numbering is part
+/// of the dataset. Any thread may read as long as no thread adds points.
 class Lattice {
  public:
   /// Makes a lattice without points.
   Lattice() = default;
-  /// Takes radius and spacing in metres; check() lists their limits. With a `part`, the lattice
-  /// holds the uniform points within half a spacing of it. 10 million points take about 0.2 GB and
-  /// a second.
+  /// Takes radius and spacing in metres; check() gives their limits. The lattice holds the uniform
+  /// points in `part` and up to half a spacing outside it. 10 million points take about 0.2 GB of
+  /// memory and a second to make.
   Lattice(double radius, double spacing, std::int32_t divisions = 1, const PushedPart& part = {});
 
-  /// Makes a lattice of the origin alone, to which positions are added.
+  /// Makes a lattice with the origin as its only uniform point, to which other points are added.
   static Lattice ofRest(double radius, double spacing, std::int32_t divisions);
 
-  /// Error (bad input) unless both are > 0, radius >= spacing, and the lattice has at most 10
-  /// million points. Runs in constant time.
+  /// Error (bad input) unless radius and spacing are > 0, radius >= spacing, and the lattice would
+  /// have at most 10 million points. Takes constant time, because the number of points is
+  /// estimated.
   static void check(double radius, double spacing);
 
   double radius() const { return radius_; }              ///< metres
@@ -80,15 +86,15 @@ class Lattice {
   std::optional<std::int32_t> indexOf(const LatticePoint& point) const;
   /// Displacement of point `index`, metres.
   Eigen::Vector3d displacement(std::int32_t index) const { return displacementOf(points_[index]); }
-  /// Displacement of arbitrary coordinates, metres.
+  /// Displacement, metres, of any coordinates, in the lattice or not.
   Eigen::Vector3d displacementOf(const LatticePoint& point) const;
 
   /// Returns the up to 26 uniform points that differ from the uniform point `index` by at most one
-  /// spacing per coordinate. They are in the order in which they are tried as parents: shortest
-  /// transition first, then nearest to the origin, then lexicographic (i, j, k).
+  /// spacing per coordinate. They are in the order in which a transition to `index` is tried from
+  /// them: first by distance to `index`, then by distance to the origin, then by (i, j, k).
   std::vector<std::int32_t> neighbours(std::int32_t index) const;
 
-  /// Returns a copy with the first `count` points, at least all uniform ones.
+  /// Returns a copy with only the first `count` points. `count` must be at least uniformSize().
   Lattice first(std::int32_t count) const;
 
   /// Appends a point. Error if the lattice already has it.
@@ -107,37 +113,38 @@ class Lattice {
   std::map<LatticePoint, std::int32_t> added_;  ///< points outside the cube
 };
 
-/// Returns the number of the lattice point that a user gives by its coordinates in spacings;
-/// refined points have fractions. Error (bad input) with the bounds if it is not in the lattice.
+/// Returns the number of the lattice point that a user has given by its coordinates in units of the
+/// spacing, which are fractions for points of refined cells. Error (bad input) that gives the
+/// bounds if the lattice does not contain the point.
 std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacings);
 
-/// A cube of the octree over a lattice. Its edge is divisions >> level coordinate units: one
-/// spacing at level 0, half of it at level 1, and so on. At level 0 the coordinates of `lowest` are
-/// multiples of the divisions.
+/// A cell of the octree over a lattice, which is a cube. Its edge is divisions >> level coordinate
+/// units: one spacing at level 0, half a spacing at level 1, and so on. The coordinates of `lowest`
+/// are multiples of this edge.
 struct LatticeCell {
   LatticePoint lowest = {0, 0, 0};  ///< the corner with the smallest coordinates
   std::int32_t level = 0;
   auto operator<=>(const LatticeCell&) const = default;
 };
 
-/// Order of SpaceTable::splits: by level, then by lowest corner.
+/// Compares cells by level, then by lowest corner. SpaceTable::splits is sorted in this order.
 bool coarserFirst(const LatticeCell& a, const LatticeCell& b);
 
 /// Returns whether `cell` is in `splits`, which is sorted by coarserFirst.
 bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell);
 
-/// Returns the cell of the next coarser level that contains `cell`. Level 0 is not allowed.
+/// Returns the cell of the next coarser level that contains `cell`, which must not be of level 0.
 LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions);
 
-/// Depth in radii from which a cell counts as reaching into the ball, so that round-off does not
-/// decide about cells that touch the sphere from outside.
+/// A cell reaches into the ball if it does so by more than this depth, in radii. Cells that only
+/// touch the sphere from outside are thus excluded despite round-off.
 inline constexpr double shallow_reach = 1e-10;
 
 /// Returns whether the cell reaches into the ball of the lattice.
 bool reachesIntoBall(const Lattice& lattice, const LatticeCell& cell);
 
-/// Returns the number of level-0 cells on each side of the origin, per axis, that may reach into
-/// the ball.
+/// Returns the number of level-0 cells, along each axis and on each side of the origin, that may
+/// reach into the ball.
 std::int32_t cellsPerRadius(const Lattice& lattice);
 
 }  // namespace palpate

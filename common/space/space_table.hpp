@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// A recorded transition that failed: point `target` could not be reached from `parent`.
+/// A transition that failed: starting from point `parent`, point `target` could not be solved.
 struct FailedAttempt {
-  std::int32_t target = -1;  ///< lattice numbers
+  std::int32_t target = -1;  ///< lattice number, as is `parent`
   std::int32_t parent = -1;
   Failure failure;
 };
@@ -20,35 +20,36 @@ struct FailedAttempt {
 /// The record of one lattice point: a row of a configuration space.
 struct PointRecord {
   Tag tag = Tag::unknown;
-  /// Cause of the attempt that got furthest if the tag is failed; unreachable if there was no
-  /// attempt.
+  /// If the tag is failed: the cause of the attempt that got furthest, or unreachable if there was
+  /// no attempt.
   Cause cause = Cause::none;
-  /// Lattice number of the point it was solved from, -1 if not solved. The origin is its own
-  /// parent.
+  /// Lattice number of the point from which this one was solved; -1 if not solved. The origin is
+  /// its own parent.
   std::int32_t parent = -1;
-  Equilibrium equilibrium;  ///< valid when expandable or terminating
+  Equilibrium equilibrium;  ///< valid if isSolved(tag)
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
-  /// Id of its NodalFields (all nodes, float32), from which transitions start; zero if not solved.
-  /// A dataset may store fewer fields (Storage).
+  /// Id of the NodalFields of all nodes, from which transitions start; zero if not solved. A
+  /// dataset may store only a part of these fields (Storage).
   ContentId fields;
 };
 
-/// Returns whether the force exceeds the scene's largest: the point was solved there, or given up
-/// far beyond it.
+/// Returns whether the force at the point exceeds the scene's max_force: the point is solved, or
+/// its solve was given up because the force was far larger.
 inline bool isBeyondForce(const PointRecord& record) {
   return record.tag == Tag::terminating ||
          (record.tag == Tag::failed && record.cause == Cause::beyond_force);
 }
 
-/// An exact solution at a position off the lattice. Probes measure interpolations, so no
-/// interpolation may use one.
+/// An exact solution at a position that is not a point of the space. Probes measure the error of
+/// interpolation, so no interpolation may use them.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
-  PointRecord record;  ///< its parent is a lattice point; unknown only in an incomplete build
+  PointRecord
+      record;  ///< its parent is a lattice point; the tag is unknown only in an incomplete build
 };
 
-/// Results of probes, as every program counts them.
+/// Numbers of probes by result. All programs use these definitions.
 struct ProbeCounts {
   std::size_t all = 0;
   std::size_t within_force = 0;  ///< solved within max_force; error statistics use these
@@ -62,34 +63,38 @@ struct ProbeCounts {
   std::size_t unsolved() const { return all - within_force - beyond_force; }
 };
 
-/// A configuration space without the nodal fields. points[n] belongs to lattice number n.
+/// A configuration space without the nodal fields. points[n] is the record of the lattice point
+/// with number n.
 struct SpaceTable {
   ActivePatch patch;
-  double max_force = 3.3;  ///< N, the scene's limit; the default suits the smallest device
+  double max_force =
+      3.3;  ///< N, Workspace::max_force of the scene; the default is that of the weakest device
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by coarserFirst
   std::vector<PointRecord> points;
-  /// Sorted by (target, order of trial); without attempts of probes.
+  /// The failed attempts, sorted by target, then in the order in which they were tried. Attempts
+  /// for probes are not included.
   std::vector<FailedAttempt> attempts;
   std::vector<Probe> probes;
-  /// inconsistentEdges of this space (branch_check.hpp) when the dataset was sealed. sealDataset
-  /// computes them itself.
+  /// The edges that inconsistentEdges() returned for this space when the dataset was sealed
+  /// (branch_check.hpp). sealDataset() ignores this member and computes them.
   std::vector<LatticeEdge> inconsistent_edges;
 };
 
-/// A configuration space row by row, for reading without a copy, since a build may have ten million
-/// points. Numbers mean the same as in a SpaceTable.
+/// Read access to a configuration space row by row, without a copy in memory, because a build may
+/// have ten million points. Point numbers mean the same as in a SpaceTable.
 class SpaceRows {
  public:
   virtual ~SpaceRows() = default;
   virtual const ActivePatch& patch() const = 0;
-  /// Its first points belong to the space; other positions (probes) may follow.
+  /// A lattice whose first points() points are those of the space. Other positions (probes) may
+  /// follow.
   virtual const Lattice& lattice() const = 0;
   virtual const std::vector<LatticeCell>& splits() const = 0;
   virtual std::int32_t points() const = 0;  ///< number of points
   virtual PointRecord point(std::int32_t n) const = 0;
   virtual Tag tag(std::int32_t n) const = 0;
-  /// Equilibrium without the derivatives of a finger, null if the point is not solved.
+  /// Equilibrium without FingerSlopes; null if the point is not solved.
   virtual const ToolEquilibrium* equilibrium(std::int32_t n) const = 0;
   virtual std::size_t attempts() const = 0;  ///< number of failed attempts
   using VisitAttempt = std::function<void(const FailedAttempt&)>;
@@ -98,25 +103,25 @@ class SpaceRows {
   virtual Probe probe(std::int32_t n) const = 0;
 };
 using SpaceRowsList = std::vector<std::unique_ptr<const SpaceRows>>;
-/// Returns the rows of `tables`, which must outlive them.
+/// Returns one SpaceRows per table, which refers to the table. `tables` must outlive the result.
 SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables);
 /// Copies all rows, without inconsistent edges.
 SpaceTable tableOf(const SpaceRows& rows);
 
-/// Largest force of a terminating point that interpolation uses, as a multiple of the largest force
-/// of the expandable points. Beyond it an element beside the tool is being crushed. The force is
-/// then tens to thousands of times the range of a device, and a polynomial through it is wrong in
-/// the whole cell.
+/// Interpolation uses a terminating point only if its force is at most this multiple of the largest
+/// force of the expandable points. At larger forces an element beside the tool is being crushed.
+/// The force is then tens to thousands of times the range of a device, and a polynomial that
+/// interpolates it is wrong in the whole cell.
 inline constexpr double largest_force_share = 3;
 
-/// Returns, by lattice number, whether interpolation uses the point: it is solved and, if
-/// terminating, within largest_force_share. The others are extrapolated from their neighbours like
-/// failed points.
+/// Returns for each point, by lattice number, whether interpolation uses it. It uses a solved point
+/// unless the point is terminating and its force exceeds the limit of largest_force_share. At all
+/// other points data are extrapolated from neighbours.
 std::vector<bool> interpolatedPoints(const SpaceTable& space);
 
-/// Describes the first inconsistency as a clause for an error message ("probe 3 lies outside of the
-/// workspace"); empty if there is none. Checks positions and the indices of points, cells and
-/// edges.
+/// Describes the first inconsistency of a space as a clause for an error message ("probe 3 lies
+/// outside of the ball"); empty if there is none. Checks positions and the indices of points, cells
+/// and edges.
 std::string faultOf(const SpaceTable& space);
 std::string faultOf(const SpaceRows& space);
 

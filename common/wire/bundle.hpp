@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// Largest size of a bundle, messages and payloads together, and largest number of its messages. A
-/// message outside a bundle may be longer.
+/// Largest size of a bundle, in bytes of messages and payloads together, and largest number of
+/// messages in it. A message that is sent alone may be larger.
 inline constexpr std::size_t bundle_bytes = 32 * 1024;
 inline constexpr int bundle_messages = 1024;
 
@@ -21,13 +21,14 @@ struct Letter {
   std::string payload;
 };
 
-/// Collects the messages to one peer into bundles. Small messages cost more per message than per
-/// byte (docs/performance.md). One thread.
+/// Collects the messages to one peer into bundles, because the cost of small messages depends on
+/// their number more than on their size (docs/performance.md). One thread.
 class Bundler {
  public:
-  /// Appends a message. `payload` must be as long as the message says.
+  /// Adds a message. `payload` must have the length that the message gives.
   void add(wire::Message message, std::string_view payload = {});
-  /// Returns everything added since the last call: bundles, and single messages as they are.
+  /// Returns the messages added since the last call, in bundles. A message without others to bundle
+  /// it with is returned as it is.
   std::vector<Letter> take();
 
  private:
@@ -38,10 +39,11 @@ class Bundler {
   std::size_t bytes_ = 0;
 };
 
-/// Returns the messages of a bundle. A message that is no bundle is returned unchanged. Unreadable
-/// messages have no body, as from receiveMessage(). A bundle with too many messages, or with a
-/// payload that does not fit them, gives one message without a body. The bytes of the bundle count
-/// for its first message.
+/// Returns the messages of a bundle, or the message itself if it is not a bundle. Unreadable
+/// messages have no body, as in receiveMessage(). If a bundle has too many messages, or if its
+/// payload does not have the length that the messages give, the result is one message without a
+/// body. Incoming::bytes of the first message is the size of the whole bundle, and 0 for the
+/// others.
 std::vector<Incoming> unbundled(Incoming incoming);
 
 /// Receives messages from one socket one by one, even if several arrive in a bundle. One thread.
@@ -51,7 +53,7 @@ class Inbox {
   std::optional<Incoming> next(zmq::socket_t& socket, bool router) {
     return next([&] { return receiveMessage(socket, router); });
   }
-  /// Takes incoming messages from `receive` instead of a socket.
+  /// Takes incoming messages and bundles from `receive` instead of a socket.
   template <class Receive>
   std::optional<Incoming> next(const Receive& receive) {
     if (opened_.empty())

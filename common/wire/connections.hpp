@@ -14,25 +14,28 @@ namespace palpate {
 
 /// Limits on connections to a ROUTER.
 struct PeerLimits {
-  /// Largest message with its payload. A longer one is refused, but has then been in memory.
+  /// Largest message including its payload, bytes. The connection of a larger one is closed, but
+  /// only after the message was received into memory.
   std::size_t message_bytes;
-  /// Allowed rate. A burst may hold the messages of two seconds.
+  /// Allowed rate of messages per connection. A burst may contain as many messages as are allowed
+  /// in two seconds.
   double messages_per_second = 20000;
-  /// Largest number of simultaneous connections. Default: the process's descriptor limit minus some
-  /// for its own use.
+  /// Largest number of simultaneous connections. By default it is the limit of the process on
+  /// descriptors, less some that are reserved for its own use.
   std::optional<std::size_t> connections = std::nullopt;
-  /// Largest number of connections without a received message. For each, libzmq may hold a frame of
-  /// 128 kB.
+  /// Largest number of silent connections, from which no message was received. For each of them,
+  /// libzmq may have an incomplete frame of 128 kB in memory.
   std::size_t silent = 4096;
 };
 
-/// Closes connections of a ROUTER that CURVE and the limits of libzmq leave open: those with too
-/// long or too many messages, and the oldest silent ones. Silent connections, nearly always of
-/// strangers, are closed before the process runs out of descriptors or has thousands of them.
+/// Protects a ROUTER against overload by closing connections, which CURVE and the limits of libzmq
+/// do not do. Closes a connection if its messages are too large or too many. Closes the oldest
+/// silent connections, nearly all of which belong to strangers, before the process runs out of
+/// descriptors or has thousands of silent connections.
 ///
-/// A separate thread watches descriptors, so that a slow disk does not stop this protection. One
-/// other thread may call the other functions. Construct before the socket is bound, destroy before
-/// the socket.
+/// A separate thread watches for new connections, so that the protection also works while the main
+/// thread waits for a slow disk. One other thread at a time may call the functions below. Construct
+/// this object before the socket is bound, and destroy it before the socket.
 class Connections {
  public:
   Connections(zmq::context_t& context, zmq::socket_t& router, const PeerLimits& limits);
@@ -40,9 +43,9 @@ class Connections {
   Connections& operator=(const Connections&) = delete;
   ~Connections();
 
-  /// Records a message of `bytes` bytes over this connection (its descriptor,
-  /// Incoming::connection). Returns false if the connection is closed; the message must then be
-  /// ignored.
+  /// Must be called for every received message, with its size in bytes and the descriptor of its
+  /// connection (Incoming::connection). Returns false if the connection is, or is now, closed; the
+  /// caller must then ignore the message.
   bool received(int connection, std::size_t bytes);
   /// Number of connections closed since the last call, with reasons for the first few.
   struct Closed {
@@ -54,7 +57,7 @@ class Connections {
  private:
   using Clock = std::chrono::steady_clock;
   struct Connection {
-    std::uint64_t cookie = 0;  ///< of the socket, since descriptors are reused
+    std::uint64_t cookie = 0;  ///< identifies the socket, because descriptors are reused
     Clock::time_point since, latest;
     double messages = 0;  ///< level of a leaky bucket that drains at messages_per_second
     bool spoke = false, closed = false;

@@ -12,26 +12,29 @@
 
 namespace palpate {
 
-/// Sets the keys of a socket that will connect to a server with the key `server`.
+/// Sets the keys of a client's socket: its own key pair and the key of the server to which it will
+/// connect.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
-/// Sets the keys that `keys` holds for `endpoint`. For an endpoint on this machine, a missing own
-/// key is made, as a server does. Error (bad input) for an invalid endpoint. A missing key is also
-/// an Error for other machines, because their servers could not know a new one.
+/// Sets the keys of a client's socket for a server at `endpoint`, from `keys`. If there is no own
+/// key and the endpoint is on this machine, makes a key, as a server does. If the endpoint is on
+/// another machine, a missing own key is an Error, because the server could not know a new key.
+/// Error (bad input) for an invalid endpoint.
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint);
 
-/// Authenticates the clients of a server that will be bound. Only clients that know its key and are
-/// admitted get through; their messages carry their keys (senderOf). A separate thread answers ZAP
-/// requests for connecting clients. One per context; destroy after the socket.
+/// Authenticates the clients of a server's socket. Only messages of clients that know the server's
+/// key and are admitted reach the socket; senderOf() returns the key of the sender. ZeroMQ asks a
+/// separate thread of this object whether to admit a client (ZAP requests). Make at most one per
+/// context, and destroy it after the socket.
 class ZapHandler {
  public:
-  /// `socket` belongs to `context` and is not bound yet. Makes the own key if there is none. Error
-  /// (bad input) if the keys cannot be read.
+  /// `socket` must belong to `context` and must not be bound yet. Makes the server's own key if
+  /// there is none. Error (bad input) if the keys cannot be read.
   ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
   ~ZapHandler();
   ZapHandler(const ZapHandler&) = delete;
   ZapHandler& operator=(const ZapHandler&) = delete;
 
-  /// Returns the current roles of the sender of a message; none if its key was withdrawn after it
+  /// Returns the current roles of a sender; Roles::none if its key was withdrawn after it had
   /// connected. Call from the thread of the socket.
   Roles rolesOf(const std::optional<PublicKey>& sender);
 
@@ -41,18 +44,19 @@ class ZapHandler {
   zmq::socket_t questions_;
   Admission admission_;
   FileDescriptor wake_up_;
-  std::jthread thread_;  ///< last, so that it ends before the members it uses
+  std::jthread thread_;  ///< last member, so that the thread ends before the members that it uses
+                         ///< are destroyed
 };
 
-/// Finds out why a client cannot connect to its server. ZeroMQ does not report it and retries
-/// silently. One thread.
+/// Finds out why a client cannot connect to its server, because ZeroMQ retries silently without
+/// giving a reason. One thread.
 class HandshakeWatch {
  public:
   /// Call before `socket` connects.
   HandshakeWatch(zmq::context_t& context, zmq::socket_t& socket);
 
-  /// Returns the last failure since the previous call, as a clause with a remedy; empty if there
-  /// was none.
+  /// Describes the latest failure to connect since the previous call, as a clause with a remedy;
+  /// empty if there was none.
   std::string trouble();
 
  private:

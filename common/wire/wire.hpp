@@ -18,23 +18,24 @@
 /// the protocol.
 namespace palpate {
 
-/// Raised with every incompatible change. Hello carries it, and the scheduler refuses other
-/// versions.
+/// Version of the protocol, raised with every incompatible change. Hello contains it, and the
+/// scheduler refuses peers with another version.
 inline constexpr std::uint32_t protocol_version = 4;
 
-/// Largest number of messages of one connection that wait in a ROUTER. Further ones wait at the
-/// peer.
+/// Largest number of messages from one connection that wait in a ROUTER. Further messages wait at
+/// the peer.
 inline constexpr int router_queue_length = 16;
 
 /// Largest payload frame. libzmq allocates a frame as soon as its length arrives, so a ROUTER
 /// refuses frames longer than honest peers send.
 inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
 
-/// Largest payload; longer ones are refused on receipt. A mesh of 10 million nodes does not fit;
-/// nothing in practice comes near.
+/// Largest payload; receiveMessage() refuses larger ones. A mesh of 10 million nodes would exceed
+/// this limit, but meshes in practice are far smaller.
 inline constexpr std::size_t max_payload_bytes = 512u << 20;
 
-/// Repeats a ZeroMQ call that a signal interrupted, so that multi-frame messages stay complete.
+/// Calls `call`, a call of ZeroMQ, again for as long as a signal interrupts it, so that messages of
+/// several frames stay complete.
 template <class Call>
 auto repeatWhenInterrupted(Call call) {
   for (;;) {
@@ -59,16 +60,16 @@ struct Incoming {
   std::string payload;  ///< the concatenated payload frames
   /// Key of the sender; nullopt if no keys are used (curve.hpp).
   std::optional<PublicKey> key = {};
-  /// Reason why the sender may not send this message; empty if it may. If set, ignore the rest of
-  /// the message.
+  /// Reason why the sender is not allowed to send this message; empty if it is allowed. If this is
+  /// set, ignore the message and its payload.
   std::string refusal = {};
-  int connection = -1;        ///< descriptor of its connection
+  int connection = -1;        ///< descriptor of the connection; -1 on a DEALER
   std::size_t bytes = 0;      ///< message and payload
   bool reads_slowly = false;  ///< the sender's receive backlog is full; send it no payloads
 };
 
-/// Result of sending. `unroutable`: the peer is gone. `full`: it does not read; drop the message or
-/// try again later, but never block.
+/// Result of sending. `unroutable` means that the peer is gone. `full` means that the peer does not
+/// read its messages: drop the message or try again later, but never block.
 enum class Sent : std::uint8_t { yes, unroutable, full };
 
 /// Sends without blocking. `peer` is the routing id on a ROUTER, empty on a DEALER. Error on any
@@ -76,28 +77,31 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
 
-/// Sends a payload without copying it, so that peers that do not read cost no memory. `until_sent`
-/// is held until the system has taken the last frame or the connection ends; any thread may release
-/// it.
+/// Sends a payload without copying it, so that messages for a peer that does not read take no
+/// memory. `payload` and `until_sent` are kept alive until the system has taken the last frame, or
+/// the connection ends. Any thread may destroy the last reference.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message,
                                const std::shared_ptr<const std::string>& payload,
                                const std::shared_ptr<const void>& until_sent = nullptr);
 
-/// Returns the key under which a frame passed a ZapHandler (curve.hpp), or nullopt.
+/// Returns the key of the sender of a frame, which a ZapHandler has authenticated (curve.hpp);
+/// nullopt without a ZapHandler.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
-/// Returns whether this program knows all fields of the message, and drops unknown ones. Hello and
-/// Refused are always readable and keep them, since other versions send them. For a bundle only its
-/// own fields are checked; its messages are judged one by one.
+/// Returns whether this program knows all fields of the message, and removes those that it does not
+/// know. Hello and Refused are always readable and keep unknown fields, because programs of other
+/// versions send them. Of a bundle, only the bundle's own fields are checked; unbundled() checks
+/// each of its messages.
 bool isReadable(wire::Message& message);
 
-/// Returns the next message without blocking, or nullopt. It may be a bundle, which Inbox takes
-/// apart. A message that does not parse, is not readable, has an empty body or too large a payload
-/// has message.body_case() == BODY_NOT_SET; count and drop it.
+/// Returns the next message without blocking, or nullopt. The message may be a bundle; Inbox splits
+/// bundles. If a message cannot be parsed, is not readable (isReadable), has no body or too large a
+/// payload, its body_case() is BODY_NOT_SET; count such messages and drop them.
 std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
 
-/// Make sockets with options that measurements showed to be necessary (docs/wire.md, "Sockets").
+/// Make sockets with the options that measurements showed to be necessary (docs/wire.md,
+/// "Sockets").
 zmq::socket_t makeRouter(zmq::context_t& context);
 zmq::socket_t makeDealer(zmq::context_t& context);
 
@@ -105,15 +109,16 @@ zmq::socket_t makeDealer(zmq::context_t& context);
 /// on a free port.
 void checkEndpoint(const std::string& endpoint);
 
-/// Binds the socket. Failures such as "address already in use" become an Error with the endpoint
-/// and a remedy. A socket file without a listener is replaced. The host name is resolved, which may
-/// take seconds. Returns the endpoint with the host's address and the port that the system chose
-/// (for tcp://localhost:*: tcp://127.0.0.1:40211).
+/// Binds the socket to an endpoint. Resolves the host name first, which may take seconds. Replaces
+/// a socket file at which no process listens. Returns the endpoint with the host's address and the
+/// actual port, such as tcp://127.0.0.1:40211 for tcp://localhost:*. Error with the endpoint and a
+/// remedy if that fails, for example because the address is in use.
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 
-/// Connects in the background, and again whenever the connection is lost. The host name is resolved
-/// first, which may take seconds. Returns why the name cannot be resolved, or an empty text; it may
-/// resolve later if the caller waits. Error (bad input) for an invalid endpoint.
+/// Makes ZeroMQ connect to an endpoint in the background, and reconnect whenever the connection is
+/// lost. Resolves the host name first, which may take seconds. If the host name cannot be resolved,
+/// returns the reason, else an empty string. The failure may be temporary: ZeroMQ resolves the name
+/// again whenever it tries to connect. Error (bad input) for an invalid endpoint.
 [[nodiscard]] std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint);
 
 /// Waits at most `longest` until a message arrives or the descriptor `wake_up` is readable. Returns
@@ -123,28 +128,30 @@ bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, i
 /// Returns all frames of the next message without blocking; empty if there is no message.
 std::vector<std::string> receiveFrames(zmq::socket_t& socket);
 
-/// Returns a socket that reports events of these kinds (ZMQ_EVENT_...) of `socket`, which must not
-/// be bound or connected yet. ZeroMQ causes them in its own threads. Read them with nextEvent().
+/// Returns a socket from which nextEvent() reads the events of these kinds (ZMQ_EVENT_...) that
+/// happen on `socket`. `socket` must not be bound or connected yet. The events come from ZeroMQ's
+/// own threads.
 zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kinds);
 struct SocketEvent {
   int kind;
-  int value;  ///< a descriptor for some kinds
+  int value;  ///< a file descriptor for some kinds
 };
 /// Returns the next event without blocking, or nullopt.
 std::optional<SocketEvent> nextEvent(zmq::socket_t& monitor);
 
-/// Conversions between structs and messages. fromWire(wire::Result) checks validity (sizes, finite
-/// numbers, known cause) and returns nullopt for an invalid message.
+/// Conversions between structs and messages. fromWire(wire::Result) returns nullopt if the message
+/// is invalid (wrong sizes, numbers that are not finite, an unknown cause).
 wire::Point toWire(const LatticePoint& point);
 LatticePoint fromWire(const wire::Point& point);
-/// Returns the key of a result or its acknowledgement.
+/// Returns the key of a result, or of the acknowledgement of a result.
 template <class ResultOrAck>
 ResultKey keyOf(const ResultOrAck& message) {
   return {message.space(), fromWire(message.target()), fromWire(message.parent())};
 }
-/// Fills outcome, cost, fields_id and payload_bytes of `result`.
+/// Sets the outcome, cost, fields_id and payload_bytes of `result`. `fields_bytes` is the encoded
+/// NodalFields, which are sent as the payload.
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result);
-/// Returns everything but `fields`, which the payload holds.
+/// Returns the outcome without its `fields`, which are in the payload.
 std::optional<Outcome> fromWire(const wire::Result& result);
 
 }  // namespace palpate
