@@ -28,7 +28,7 @@ Bytes32 Bytes32::of(std::string_view bytes) {
 std::optional<Bytes32> Bytes32::fromHex(std::string_view hex) {
   Bytes32 read;
   std::size_t length = 0;
-  // sodium_hex2bin alone would accept fewer digits.
+  // Check the length here, because sodium_hex2bin also accepts fewer digits.
   if (hex.size() != 2 * read.size() ||
       sodium_hex2bin(read.data(), read.size(), hex.data(), hex.size(), nullptr, &length, nullptr) !=
           0 ||

@@ -26,7 +26,7 @@ std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t
                    words.size());
   std::vector<double> numbers;
   for (const std::string& word : words) {
-    // numberIn refuses a plus sign, but users write one.
+    // Skip a leading plus sign, which users may write but numberIn refuses.
     const auto number = numberIn<double>(std::string_view(word).substr(word.starts_with('+')));
     if (!number || !std::isfinite(*number))
       throw badInput("{}: \"{}\" is not a finite number", where, word);
@@ -41,7 +41,7 @@ Eigen::Vector3d vectorIn(const std::vector<std::string>& words, const std::strin
 
 const std::vector<std::string> from_input = {"-"};
 
-/// Displacements beyond this number of radii are probably a mistake.
+/// Displacements longer than this number of workspace radii are probably a mistake.
 constexpr double far_beyond = 3;
 
 std::vector<std::string> wordsIn(std::string line) {

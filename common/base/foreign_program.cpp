@@ -23,7 +23,8 @@
 namespace palpate {
 namespace {
 
-/// Duplicates the descriptor above 2, in case stdin, stdout or stderr were closed at start.
+/// Returns a descriptor of the same file with a number above 2. `file` may have a lower number if
+/// this process was started with stdin, stdout or stderr closed.
 FileDescriptor beyondStandard(FileDescriptor file) {
   if (file.get() > STDERR_FILENO) return file;
   FileDescriptor other(fcntl(file.get(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
@@ -31,7 +32,7 @@ FileDescriptor beyondStandard(FileDescriptor file) {
   return other;
 }
 
-/// Makes a file in memory. Unlike a pipe, it takes any amount of data before somebody reads.
+/// Makes a file in memory. Unlike a pipe, it accepts any amount of data before the data is read.
 FileDescriptor memoryFile(const char* name) {
   FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
   if (!file) throw failure("memfd_create: {}", errnoText());
@@ -50,8 +51,8 @@ std::string readWhole(const FileDescriptor& file) {
   }
 }
 
-/// Runs between fork and exec, so it only uses calls that are safe there. Errors go through the
-/// pipe.
+/// Turns the forked child into the program. Uses only functions that are safe between fork and
+/// exec. If exec fails, writes errno to the pipe.
 [[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
                                 const std::array<int, 3>& files, int pipe) {
   int number = 0;
@@ -61,12 +62,13 @@ std::string readWhole(const FileDescriptor& file) {
   if (setpgid(0, 0) != 0) _exit(126);
   execvp(arguments[0], arguments);
   const int error = errno;
-  // A failing write cannot be reported to anyone.
+  // If the write fails, there is no way left to report the error.
   if (write(pipe, &error, sizeof error) < 0) _exit(125);
   _exit(127);
 }
 
-/// Returns the errno of a failed exec; 0 if the program runs.
+/// Waits until exec has succeeded or failed in the child. Returns the errno of a failed exec, or 0
+/// if the program runs.
 int errorOfStart(const FileDescriptor& pipe) {
   int error = 0;
   ssize_t count = 0;
@@ -76,7 +78,7 @@ int errorOfStart(const FileDescriptor& pipe) {
 }
 
 pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
-  // Allocate before fork(), because the child must not.
+  // Allocate now, because the child must not allocate between fork and exec.
   std::vector<std::string> words = program.words;
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -103,7 +105,8 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
 
 enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
 
-/// Waits for the end of the child and returns its status as waitpid does, or kills it.
+/// Waits for the end of the child and sets `status` as waitpid does. Kills the child if it takes
+/// too long or if this process is interrupted. Returns why the child ended.
 WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
   const auto deadline = std::chrono::steady_clock::now() + program.patience;
   for (;;) {
@@ -112,7 +115,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
     if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
     const bool stop = program.heeds_interrupts && interrupted();
     if (stop || std::chrono::steady_clock::now() > deadline) {
-      kill(-child, SIGKILL);  // with its own children
+      kill(-child, SIGKILL);  // with the child's own children
       while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
       }
       return stop ? WhyEnded::interrupted : WhyEnded::out_of_patience;
@@ -135,7 +138,7 @@ Ran runToItsEnd(const ForeignProgram& program) {
     case WhyEnded::interrupted:
       throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was at work", name));
     case WhyEnded::out_of_patience: {
-      // sbatch retries by itself for minutes and prints the reason.
+      // Report what the program printed: sbatch, for example, retries for minutes and prints why.
       const std::string said = printable(readWhole(err), longest_reason);
       throw failure("{} did not answer within {} s{}{}", name, program.patience.count(),
                     said.empty() ? "" : " but: ", said);

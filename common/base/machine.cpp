@@ -11,17 +11,19 @@
 namespace palpate {
 namespace {
 
-/// Reads a positive number from a file. A group without a limit has -1.
+/// Reads a positive number from a file; nullopt for anything else. In a group without a limit the
+/// number is -1.
 std::optional<double> numberIn(std::istream&& file) {
   double number = 0;
   if (!(file >> number) || number <= 0) return std::nullopt;
   return number;
 }
 
-/// Lowers `cores` to the limit of the group.
+/// Lowers `cores` to the limit of a control group, if it has one.
 void lowerToLimitOf(const std::filesystem::path& group, std::optional<double>& cores) {
   const auto lower = [&](double to) { cores = std::min(cores.value_or(to), to); };
-  // Microseconds of processor time per period, and the period in microseconds.
+  // Version 2: the file holds the allowed processor time per period and the period, both in
+  // microseconds.
   std::ifstream together(group / "cpu.max");
   double quota = 0, period = 0;
   if (together >> quota >> period && quota > 0 && period > 0) lower(quota / period);
@@ -36,13 +38,14 @@ std::optional<double> coresOfGroups(const std::filesystem::path& groups,
                                     const std::filesystem::path& mounted) {
   std::optional<double> cores;
   std::ifstream lines(groups);
-  // "4:cpu,cpuacct:/job/step"; "0::/job/step" for version 2.
+  // A line is like "4:cpu,cpuacct:/job/step" in version 1, and "0::/job/step" in version 2.
   for (std::string line; std::getline(lines, line);) {
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (first == std::string::npos || second == std::string::npos) continue;
     std::filesystem::path group = mounted / line.substr(first + 1, second - first - 1);
     lowerToLimitOf(group, cores);
-    // In a container the path may be that of the host, of which only the end is mounted.
+    // Check the group and its parents. In a container the path may be the one on the host, although
+    // only the container's own group is mounted here. Folders that do not exist set no limit.
     for (const auto& part : std::filesystem::path(line.substr(second + 1)).relative_path()) {
       if (part == "..") break;
       lowerToLimitOf(group /= part, cores);
@@ -54,7 +57,7 @@ std::optional<double> coresOfGroups(const std::filesystem::path& groups,
 unsigned coreCount() {
   unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   cpu_set_t allowed;
-  // Fails on machines with more than 1024 cores; their affinity is ignored.
+  // This fails on machines with more than 1024 cores. Their affinity mask is ignored.
   if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
     cores = std::min(cores, static_cast<unsigned>(CPU_COUNT(&allowed)));
   if (const auto quota = coresOfGroups(); quota && *quota < cores)

@@ -13,7 +13,8 @@ namespace palpate {
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
-  std::exception_ptr error;  // written by the thread that sets `failed`, read after the join
+  std::exception_ptr
+      error;  // written by the thread that sets `failed`; read after all threads have ended
   const auto work = [&] {
     for (std::size_t n = next++; n < count && !failed; n = next++) try {
         task(n);
@@ -22,7 +23,7 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& task)
       }
   };
   {
-    // The braces join the threads before `error` is read.
+    // The end of this block joins the threads, before `error` is read.
     std::vector<std::jthread> threads;
     const std::size_t wanted = std::min<std::size_t>(count, coreCount());
     while (threads.size() + 1 < wanted) threads.emplace_back(work);

@@ -18,13 +18,14 @@
 namespace palpate {
 namespace {
 
-bool log_is_json = false;  ///< set when the command line is read
+bool log_is_json = false;  ///< set when the command line is parsed
 constexpr const char* log_format_variable = "PALPATE_LOG_FORMAT";
 
-/// Signals this close together (ms) have one cause.
+/// Signals at most this far apart, ms, are assumed to have one cause (interrupted()).
 constexpr std::int64_t same_interrupt = 1000;
 
-std::atomic<std::int64_t> first_interrupt = 0;  ///< CLOCK_MONOTONIC, ms; 0 before the first
+std::atomic<std::int64_t> first_interrupt =
+    0;  ///< time of the first signal, CLOCK_MONOTONIC, ms; 0 before it
 static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
 
 void onInterrupt(int) {
@@ -37,7 +38,7 @@ void onInterrupt(int) {
 }
 
 void logToStderr(int verbosity, const std::string& verb) {
-  // stdout is for answers that other programs read.
+  // Log to stderr, because other programs read results from stdout.
   auto logger = spdlog::stderr_color_mt("palpate");
   if (log_is_json)
     logger->set_formatter(jsonLines(program_invocation_short_name, verb));
@@ -49,7 +50,7 @@ void logToStderr(int verbosity, const std::string& verb) {
                                     : spdlog::level::info);
 }
 
-/// Reports the error that ends a verb, on one line.
+/// Prints the error that ends a verb, on one line.
 void tellError(const std::string& verb, const std::string& what) {
   if (log_is_json)
     spdlog::critical("{}", what);
@@ -57,7 +58,8 @@ void tellError(const std::string& verb, const std::string& what) {
     tell("palpate {}: {}\n", verb, what);
 }
 
-/// Without a free descriptor ZeroMQ aborts, and libraries fail with unclear messages.
+/// Error if the limit of file descriptors is very low. Without a free descriptor ZeroMQ aborts, and
+/// other libraries fail with unclear messages.
 void refuseFewDescriptors() {
   constexpr rlim_t fewest = 64;
   struct rlimit limit {};
@@ -70,10 +72,11 @@ void refuseFewDescriptors() {
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
   try {
     refuseFewDescriptors();
-    // Writing beyond the file size limit must fail with an error instead of killing the process.
+    // Let a write beyond the file size limit fail with an error; by default SIGXFSZ kills the
+    // process.
     std::signal(SIGXFSZ, SIG_IGN);
     const ExitCode code = run();
-    // Only flushing shows whether the whole answer was written.
+    // Flush now, because only this shows whether all output was written.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw failure("cannot write the answer to standard output; is the disk full?");
     return code;
@@ -86,7 +89,7 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
   }
 }
 
-/// Adds the meaning of exit codes to --help, unless the verb has its own text for them.
+/// Adds the meaning of the exit codes to the verb's --help, unless its text already has them.
 void sayExitCodes(CLI::App& verb) {
   const std::string own = verb.get_footer();
   if (own.find("Exit codes:") != std::string::npos) return;
@@ -101,7 +104,7 @@ int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   return static_cast<int>(ExitCode::usage);
 }
 
-/// CLI11 takes "-.5" for an option, but "-0.5" for a number.
+/// Replaces arguments such as "-.5" by "-0.5". CLI11 would take the first for an option.
 std::vector<std::string> withLeadingZeros(int argc, char** argv) {
   std::vector<std::string> arguments(argv, argv + argc);
   for (std::string& argument : arguments)
@@ -138,7 +141,7 @@ void catchInterrupts() {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
-    // A user of nohup wants the program to outlive the terminal.
+    // SIGHUP is ignored if the program was started by nohup; it must then outlive the terminal.
     if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP &&
         before.sa_handler == SIG_IGN)
       continue;
@@ -177,7 +180,7 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) return refuseUsage(app, error);
-    app.exit(error);  // prints --help or --version
+    app.exit(error);  // prints the text of --help or --version
     return static_cast<int>(ExitCode::done);
   }
   log_is_json = log_format == "json";

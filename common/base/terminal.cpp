@@ -19,7 +19,7 @@ std::string fitted(const std::string& text, TerminalSize size) {
   std::vector<std::string> lines;
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) lines.push_back(line.substr(0, size.columns));
-  // The row after the last line feed belongs to the cursor.
+  // Leave one row free: after the last line feed the cursor is in the row below the text.
   const std::size_t room = std::max<std::size_t>(size.rows, 3) - 1;
   if (lines.size() > room) {
     const std::size_t left_out = lines.size() - (room - 1);

@@ -14,7 +14,7 @@ bool isPlain(unsigned char c) {
   return std::isalnum(c) != 0 || std::string_view("_./:=,@%+-").find(char(c)) != std::string::npos;
 }
 
-/// Edit distance with transpositions of adjacent letters.
+/// Returns the edit distance, in which a swap of adjacent letters counts as one edit.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i)
@@ -50,7 +50,7 @@ std::string shellWord(std::string_view file) {
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {
   constexpr std::size_t longest_word = 64;
-  // The distance table grows quadratically, and such long words are not misspellings.
+  // Skip very long words: they are not misspellings, and the table of distance() would be large.
   if (word.size() > longest_word) return {};
   std::string_view nearest;
   std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;

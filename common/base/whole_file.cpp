@@ -34,8 +34,9 @@ bool isTheSame(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// Opens and locks FILE.tmp; other processes wait. The file of a killed process is reused. On file
-/// systems without locks (some network ones), two processes may write it at once.
+/// Opens and locks FILE.tmp, so that other processes wait. A file that a killed process has left is
+/// reused. On file systems without locks (some network file systems), two processes may write the
+/// file at the same time.
 FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view what, mode_t mode) {
   for (;;) {
     FileDescriptor taken(open(aside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, mode));
@@ -46,7 +47,8 @@ FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view wh
       if (interrupted())
         throw Error(ExitCode::interrupted,
                     fmt::format("interrupted while another process writes {}", aside.string()));
-    // If not, its previous owner renamed or removed it.
+    // Try again if the path now has another file, or none: the process that held the lock before
+    // has renamed or removed the locked one.
     if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;
     if ((held.st_mode & 077 & ~mode) != 0 && fchmod(taken.get(), mode) != 0)
       throw unwritable(aside, what);
@@ -76,7 +78,7 @@ void replace(const std::filesystem::path& named, std::string_view what, mode_t m
     throw;
   }
   held = {};
-  // A rename is on disk only after its folder is synced.
+  // The rename is on disk only after the folder is synced.
   syncFolder(file.parent_path());
 }
 
@@ -94,7 +96,7 @@ std::filesystem::path linkTarget(std::filesystem::path file) {
 
 std::string readText(const std::filesystem::path& file, std::string_view what) {
   std::error_code error;
-  // A directory can be opened like a file and fails at the first read.
+  // Check this first, because a directory can be opened and fails only at the first read.
   if (std::filesystem::is_directory(file, error))
     throw badInput("{} {} is a directory", what, file.string());
   std::ifstream in(file, std::ios::binary);
@@ -125,7 +127,7 @@ void replaceFile(const std::filesystem::path& file, const std::function<std::str
     errno = 0;
     std::ofstream out(aside, std::ios::binary);
     out << all;
-    // close() writes the last bytes, and only then is it known whether the disk took all.
+    // Close before the check, because the last bytes are written only now.
     out.close();
     if (!out) throw unwritable(file, what);
   });
@@ -158,7 +160,7 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
 void refuseInput(const std::filesystem::path& file, const char* option,
                  std::span<const std::filesystem::path> inputs) {
   for (const std::filesystem::path& input : inputs) {
-    std::error_code none;  // a missing file is none of the inputs
+    std::error_code none;  // ignored: if a file is missing, the two are not equivalent
     if (std::filesystem::equivalent(file, input, none))
       throw badInput("{} {}: is {}, which is read and would be replaced; name another file", option,
                      file.string(), input.string());

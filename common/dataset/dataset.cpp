@@ -19,7 +19,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers(layout::version_attribute);
   if (version.size() != 2) throw in.damaged(layout::version_attribute, "is not (major, minor)");
-  // Older versions come first, because only for them the user can do something.
+  // Check for older versions first, because the user can seal those datasets again.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
         "{}: has format version {}.{}, which is no longer read; "
@@ -34,7 +34,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
         in.text(layout::generator_attribute));
 }
 
-/// Moves the probe places, which come last, out of `spaces`.
+/// Moves the probe places out of `spaces`, where they come last, and returns them.
 std::vector<SpaceTable> splitOff(std::vector<SpaceTable>& spaces) {
   const auto first = std::ranges::find_if(
       spaces, [](const SpaceTable& space) { return space.patch.probe.has_value(); });
@@ -58,11 +58,12 @@ Scene sceneIn(const Reader& in, const std::string& text, const std::string& file
   }
 }
 
-/// Checks format and content hash, then returns the scene, so that everything read later is as
+/// Checks the format and the content hash, which covers the hashes of all arrays, and returns the
+/// scene as text. Every array that is read later and matches its hash is therefore as it was
 /// sealed.
 std::string openedText(Reader& in, const std::string& file) {
   refuseOtherFormats(in, file);
-  // The root attributes identify the file before any other content is trusted.
+  // The attributes checked so far identify the file as a dataset; only now look at its arrays.
   in.findArrays();
   std::string scene_toml = in.text(layout::scene_attribute);
   if (layout::contentHash(scene_toml, in.arrays()) != idIn(in, layout::content_attribute))
@@ -71,7 +72,8 @@ std::string openedText(Reader& in, const std::string& file) {
   return scene_toml;
 }
 
-/// Selects the values of `nodes` from rows of `count` nodes with `size` values each.
+/// Selects the values of `nodes` from each row of `all`. A row has `size` values for each of
+/// `count` nodes.
 std::vector<float> rowsOfNodes(const std::vector<float>& all, std::size_t count, std::size_t size,
                                const std::vector<std::int32_t>& nodes) {
   std::vector<float> some;
@@ -106,7 +108,7 @@ ContentId verifiedContent(const std::filesystem::path& file) {
   return idIn(in, layout::content_attribute);
 }
 
-/// Data that is read on demand.
+/// The open file, for data that is read on demand.
 struct Dataset::Input {
   Reader in;
   std::optional<FieldsReader> fields;  ///< reads from `in`

@@ -34,7 +34,7 @@ void checkArguments(const std::string& file, const Problem& problem, const Space
   }
 }
 
-/// Computes the inconsistent edges of each space, which are stored beside the points.
+/// Computes the inconsistent edges of each space, which the dataset stores too.
 std::vector<std::vector<LatticeEdge>> inconsistentEdgesOf(const SpaceRowsList& spaces) {
   std::vector<std::vector<LatticeEdge>> jumps;
   for (const auto& space : spaces)
@@ -44,7 +44,7 @@ std::vector<std::vector<LatticeEdge>> inconsistentEdgesOf(const SpaceRowsList& s
   return jumps;
 }
 
-/// Writes the attributes of the root and returns the content hash.
+/// Writes the attributes of the root group and returns the content hash.
 ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string& kernel_family,
                     bool partial) {
   const std::string scene = resolvedToml(problem.scene);
@@ -76,7 +76,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
   return content;
 }
 
-/// Checks the new file before it replaces an older one.
+/// Reads the new file and checks it before it replaces an older one.
 void verifySealed(const std::filesystem::path& file, const ContentId& written) {
   if (verifiedContent(file) != written)
     throw failure("{}: reads back differently from what was written", file.string());
@@ -87,7 +87,8 @@ void verifySealed(const std::filesystem::path& file, const ContentId& written) {
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial) {
-  // Otherwise the rename would fail after hours, with a worse message.
+  // Check this first. Otherwise the rename at the end would fail, perhaps after hours, with a worse
+  // message.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());

@@ -15,9 +15,9 @@ void silenceErrorStack() {
 }
 
 void leaveOpenFilesAtExit() noexcept {
-  // That variable would make HDF5 lock a file that its caller has locked (replaceFile).
+  // This variable could make HDF5 lock a file that the caller has already locked (replaceFile).
   unsetenv("HDF5_USE_FILE_LOCKING");
-  // This fails if HDF5 was used before, which cannot be helped.
+  // This fails if HDF5 was used before; there is no remedy then.
   static_cast<void>(H5dont_atexit());
 }
 
@@ -28,7 +28,8 @@ std::string lastError() {
     return 1;  // stops the walk
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &sentence);
-  // The system's reason is among addresses and sizes ("..., errno = 28, error message = ...").
+  // If a system call failed, the sentence contains its error code among other details ("..., errno
+  // = 28, error message = ...").
   constexpr std::string_view key = "errno = ";
   if (const std::size_t at = sentence.find(key); at != std::string::npos)
     if (const int code = std::atoi(sentence.c_str() + at + key.size()); code > 0) {
@@ -39,7 +40,8 @@ std::string lastError() {
 }
 
 ElementType typeOf(Element element) {
-  // Not constants: the macros initialise the library, which then assigns the ids of its types.
+  // The table cannot be a constant: each macro H5T_... initialises the library, which assigns the
+  // ids of types at run time.
   const auto types = std::to_array<ElementType>({{"uint8", 1, H5T_STD_U8LE},
                                                  {"int16", 2, H5T_STD_I16LE},
                                                  {"int32", 4, H5T_STD_I32LE},

@@ -10,11 +10,12 @@
 namespace palpate::hdf5 {
 namespace {
 
-// A scene with a million node numbers takes 8 MB.
+// Largest length of a text attribute. A scene with a million node numbers takes 8 MB.
 constexpr std::size_t max_text_bytes = std::size_t{1} << 26;
 constexpr int max_rank = 3;
 constexpr std::size_t verified_at_once = std::size_t{4} << 20;  // bytes
-constexpr double max_gzip_ratio = 1040;  // deflate reaches 1032; the margin is for other data
+constexpr double max_gzip_ratio =
+    1040;  // deflate reaches 1032; the rest is margin for other data in the file
 
 void refuseWhatIsNoFile(const std::filesystem::path& file, const FileKind& kind) {
   std::error_code problem;
@@ -32,7 +33,8 @@ bool isShape(const Shape& shape, const Shape& expected) {
   });
 }
 
-/// Nodal fields are large and read by rows; all other arrays are read whole.
+/// Returns whether the array holds nodal fields, which are large and are read by rows. All other
+/// arrays are read whole.
 bool isReadByRows(const ArrayInfo& info) {
   return (info.element == Element::float32 || info.element == Element::int16) &&
          info.shape.size() > 1;
@@ -62,8 +64,8 @@ std::string describeExpected(const Shape& expected) {
 }  // namespace
 
 bool isOpenForWriting(const std::filesystem::path& file) {
-  // Superblock of our files: the version, and at its end the consistency flags for write access and
-  // SWMR (HDF5 File Format Specification 3.0, II.A).
+  // Offsets in the superblock of the version, and of the consistency flags, which mark write access
+  // and SWMR (HDF5 File Format Specification 3.0, II.A).
   constexpr std::size_t version = 8, flags = 11;
   std::array<char, flags + 1> head{};
   std::ifstream in(file, std::ios::binary);
@@ -82,10 +84,11 @@ Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
     check(H5Pset_file_locking(access.get(), locks, without_where_impossible), "file locking");
     return H5Fopen(name().c_str(), H5F_ACC_RDONLY, access.get());
   };
-  // A sealed file never changes, and locks fail on read-only network file systems.
+  // Open without locks first: a sealed file never changes, and locks fail on read-only network file
+  // systems.
   hid_t opened = openedWith(false, true);
-  // If this process already has the file open (h5py beside libpalpate), HDF5 requires the same
-  // settings.
+  // If other code in this process already has the file open (h5py), HDF5 requires the same lock
+  // settings, so try the others too.
   for (const auto& [locks, without] : {std::pair(true, true), {true, false}, {false, false}})
     if (opened < 0) opened = openedWith(locks, without);
   if (opened < 0 && isOpenForWriting(file))
@@ -105,7 +108,7 @@ bool Reader::hasAttribute(const char* attribute) const {
   return check(H5Aexists(file_.get(), attribute), attribute) > 0;
 }
 
-/// An opened attribute with its type and dataspace.
+/// An open attribute with its type and dataspace.
 struct Reader::Attribute {
   Attribute(const Reader& in, hid_t object, const char* attribute, std::string_view where)
       : opened(in.own(H5Aopen(object, attribute, H5P_DEFAULT), H5Aclose, where)),
@@ -159,7 +162,7 @@ double Reader::number(const char* attribute) const {
 void Reader::findArrays() {
   const auto keep_datasets = [](hid_t, const char* path, const H5O_info_t* info,
                                 void* found) -> herr_t {
-    // Groups and named types contain no data to read.
+    // Skip groups and named types, which contain no data.
     if (info->type == H5O_TYPE_DATASET)
       static_cast<std::vector<std::string>*>(found)->push_back("/" + std::string(path));
     return 0;
@@ -168,7 +171,7 @@ void Reader::findArrays() {
   check(
       H5Ovisit2(file_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, keep_datasets, &paths, H5O_INFO_BASIC),
       "list of arrays");
-  // array() searches them by bisection.
+  // array() finds a path by bisection.
   std::ranges::sort(paths);
   for (const std::string& path : paths) arrays_.push_back(inspect(path));
 }
@@ -197,10 +200,11 @@ ArrayInfo Reader::inspect(const std::string& path) const {
   const H5D_layout_t layout = check(H5Pget_layout(properties.get()), path);
   if (layout == H5D_VIRTUAL || check(H5Pget_external_count(properties.get()), path) > 0)
     throw damaged(path, "lies in another file");
-  // A small file must not make the reader allocate huge memory.
+  // A small file must not be able to make the reader allocate huge memory.
   const double largest =
       static_cast<double>(file_size_) * (layout == H5D_CHUNKED ? max_gzip_ratio : 1);
-  // Nor may it have more rows than bytes, even if rows are empty or not allocated.
+  // Nor may an array have more rows than the file has bytes, even if its rows are empty or not
+  // allocated.
   const bool too_many_rows = !info.shape.empty() && info.shape[0] > file_size_;
   if (too_many_rows || bytesReadAtOnce(info) > largest)
     throw damaged(path, "impossible shape " + describe(info.shape));
@@ -257,7 +261,8 @@ void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
   if (bytes.empty()) return;
   const Handle array = openArray(info.path);
   const Handle in_file = own(H5Dget_space(array.get()), H5Sclose, info.path);
-  // The memory space has the same rank, because HDF5 otherwise copies chunks value by value.
+  // Give the memory dataspace the same rank as the one in the file, because HDF5 otherwise copies
+  // chunks value by value.
   const Shape rows = selectRows(in_file, info, first, n_rows);
   const Handle in_memory = own(
       H5Screate_simple(static_cast<int>(rows.size()), rows.data(), nullptr), H5Sclose, info.path);

@@ -7,10 +7,10 @@
 namespace palpate::hdf5 {
 namespace {
 
-// gzip level 4 compresses nodal fields about as well as level 9, several times faster.
+// gzip level 4 compresses nodal fields about as well as level 9 and is several times faster.
 constexpr unsigned gzip_level = 4;
 
-/// Returns the bytes of `count` missing values.
+/// Returns the bytes of `count` missing values: NaN, or the lowest int16.
 std::string noValues(Element element, std::size_t count) {
   PALPATE_ASSERT(element == Element::float32 || element == Element::int16,
                  "the elements that Reader reads by rows");
@@ -27,7 +27,8 @@ Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()) {
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  // The caller may hold a lock on the file (replaceFile), which HDF5 takes for another process's.
+  // Turn off HDF5's file locks. The caller may hold a lock on the file (replaceFile), which HDF5
+  // would take for that of another process.
   check(H5Pset_file_locking(access.get(), false, true), "file locking");
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");

@@ -11,13 +11,15 @@ namespace {
 constexpr const char *displacement_path = "/points/displacement",
                      *step_path = "/points/displacement_step", *pressure_path = "/points/pressure",
                      *hash_path = "/points/stored_id";
-/// Value at points without fields.
+/// Value of all fields at points that are not solved.
 constexpr float unsolved = std::numeric_limits<float>::quiet_NaN();
 
-/// Largest error of a quantized displacement, in steps: one half, plus rounding to float32.
+/// Largest error of a quantized displacement, in quantization steps: a half, plus a margin for
+/// rounding to float32.
 constexpr double quantization_error = 0.51;
 
-/// Displacements as 16-bit integers: step * values, with 32767 for the largest magnitude.
+/// Displacements as 16-bit integers: a displacement is step * value. The largest magnitude has the
+/// value 32767.
 struct Quantized {
   float step = 0;  ///< metres
   std::vector<std::int16_t> values;
@@ -32,7 +34,7 @@ Quantized quantize(std::span<const float> displacement) {
   quantized.step = static_cast<float>(largest / largest_integer);
   quantized.values.reserve(displacement.size());
   for (const float value : displacement) {
-    // The step is zero if all values are, or if it underflows to zero as a float.
+    // The step is zero if all displacements are zero, or so small that it underflows as a float.
     const double steps = quantized.step > 0 ? value / static_cast<double>(quantized.step) : 0;
     quantized.values.push_back(static_cast<std::int16_t>(
         std::clamp(std::round(steps), -largest_integer, largest_integer)));
@@ -40,8 +42,8 @@ Quantized quantize(std::span<const float> displacement) {
   return quantized;
 }
 
-/// Returns the hash of one row: the bytes of the stored displacements, the step if they are
-/// quantized (else null), and the pressures if there are any.
+/// Returns the hash of one row. It covers the bytes of the stored displacements, the quantization
+/// step (null if they are not quantized), and the pressures if there are any.
 ContentId rowHash(std::string_view displacement, const float* step,
                   std::span<const float> pressure) {
   ContentHasher hasher;
@@ -97,7 +99,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
         continue;
       }
       const NodalFields given = fields(s, n);
-      // Solving and sealing may be weeks and a disk apart, so check again.
+      // Check the fields again: since they were solved they may have been on a disk for weeks.
       if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
           given.pressure.size() != problem.pressures.count())
@@ -116,7 +118,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       steps.push_back(integers.step);
       hashes.push_back(rowHash(bytes, quantized ? &integers.step : nullptr, pressure));
     }
-  // This order keeps the bytes of existing files.
+  // Keep this order: the bytes of the file depend on it.
   if (!quantized) displacements.finish();
   if (pressures) pressures->finish();
   out.writeList(hash_path, hashes, "1");
@@ -143,7 +145,8 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
   }
   in.array(displacement_path, elementOf(quantized_), {n_rows, n_values_ / 3, 3});
   if (n_pressures_ > 0) {
-    // More slots than nodes if materials meet. The exact number would need the regions.
+    // Accept more columns than nodes, because nodes between materials have several slots. The exact
+    // number is unknown here, because it depends on the regions.
     const hdf5::Shape& shape = in.array(pressure_path).shape;
     stored_pressures_ = shape.size() == 2 ? std::max<std::size_t>(shape[1], n_pressures_) : 0;
     in.array(pressure_path, hdf5::Element::float32, {n_rows, stored_pressures_});

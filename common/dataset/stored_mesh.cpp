@@ -21,7 +21,7 @@ void checkIndices(const Reader& in, const char* path, const Index& values, std::
                                          static_cast<std::int64_t>(end) - 1));
 }
 
-/// Reads a list of elements or triangles with nodes below `end`.
+/// Reads a list of elements, triangles or edges. Error if a node number is not below `end`.
 template <std::size_t n>
 std::vector<std::array<std::int32_t, n>> readElements(const Reader& in, const char* path,
                                                       std::size_t end) {
@@ -30,7 +30,7 @@ std::vector<std::array<std::int32_t, n>> readElements(const Reader& in, const ch
   return elements;
 }
 
-/// Makes the mid-edge nodes of the tetrahedra and checks that the stored ones are the same.
+/// Makes the mid-edge nodes of the mesh again and checks that the stored ones are the same.
 void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
   const auto edges = readElements<2>(in, edges_path, mesh.nodes.size());
   const std::vector<Eigen::Vector3d> points = mesh.nodes;

@@ -32,7 +32,7 @@ constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-/// The data of one space that is written.
+/// The data of one space, for writing.
 struct SpaceToWrite {
   const SpaceRows& rows;
   const std::vector<LatticeEdge>& jumps;
@@ -53,8 +53,9 @@ constexpr auto probe_count = [](const SpaceToWrite& space) {
 };
 constexpr auto attempt_count = [](const SpaceToWrite& space) { return space.rows.attempts(); };
 
-/// Calls visit(path of the first rows, path of an array with these rows, the list in a SpaceTable,
-/// the number of rows of a SpaceToWrite) for each table.
+/// Calls visit(firsts, rows, list, count) for each table. `firsts` is the path of the array with
+/// the first row of each space, `rows` is the path of one of the table's arrays, list(SpaceTable)
+/// is the list with the rows of a space, and count(SpaceToWrite) is its number of rows.
 template <class Visit>
 void forEachTable(const Visit& visit) {
   visit("/spaces/first_patch_node", patch_node_path, patch_nodes,
@@ -66,8 +67,9 @@ void forEachTable(const Visit& visit) {
   visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts, attempt_count);
 }
 
-// Each function calls visit(path, unit, part of a row) per column, with a predicate if some rows
-// have no value in the file.
+// Each of these functions calls visit(path, unit, part) for each column of a table, with `part` the
+// member of a row that the column holds. A fourth argument is a predicate for the rows that have a
+// value; the file has no value for the others.
 
 template <class Visit>
 void forEachSplitColumn(const Visit& visit) {
@@ -94,9 +96,10 @@ void forEachAttemptColumn(const Visit& visit) {
   visitFailure("/attempts/mumps_infog2", "1", &Failure::mumps_infog2);
 }
 
-/// Visits the columns of recordOf(row) that /points and /probes (`group`) share. Tags precede the
-/// columns that depend on them. `with_drive` says that some space belongs to a finger; other files
-/// keep their bytes.
+/// Visits the columns of the PointRecord recordOf(row), which /points and /probes (`group`) both
+/// have. The tag is the first column, because whether a row has values in other columns depends on
+/// it. `with_drive` says whether some space belongs to a finger. If not, the columns of
+/// FingerSlopes are left out, as in older files.
 template <class RecordOf, class Visit>
 void forEachRecordColumn(const std::string& group, const RecordOf& recordOf, bool with_drive,
                          const Visit& visit) {
@@ -161,12 +164,13 @@ void writeLattices(Writer& out, const SpacesToWrite& spaces) {
         [](const Lattice& lattice, std::int32_t n) { return lattice.displacement(n); });
 }
 
-/// Reads the lattices: the uniform lattice of the scene and the points that the file adds.
+/// Makes the lattice of each space: the uniform lattice of the scene, and the added points from the
+/// file.
 void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
   const auto ijk = in.readList<LatticePoint>(ijk_path);
   const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
   std::size_t row = 0;
-  // Uniform points must match the scene; refinement added those after them.
+  // The first points must be the uniform ones of the scene. Refinement added the others.
   for (SpaceTable& space : spaces) {
     Lattice& lattice = space.lattice = uniformLattice(scene, space.patch);
     const auto n_points = static_cast<std::int32_t>(space.points.size());
@@ -178,7 +182,8 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
         throw in.damaged(ijk_path, "is not the lattice of the scene");
       if (is_new) lattice.add(ijk[row]);
       const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
-      // Positions are for other programs and must agree with the numbers up to rounding.
+      // The positions are stored for other programs. They must agree with the lattice coordinates
+      // up to rounding.
       if (!(distance <= 1e-9 * lattice.radius()))
         throw in.damaged(position_path, "is not the lattice of the scene");
     }
@@ -187,14 +192,14 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
 
 // ---- columns --------------------------------------------------------------------------------
 
-/// Type in the file of a part of a row: matrices are stored row by row.
+/// Type as which a member of type T is stored: matrices are stored row by row.
 template <class T>
 using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
 
 template <class Row, class Part>
 using PartInFile = InFile<std::remove_cvref_t<std::invoke_result_t<Part, Row&>>>;
 
-/// Returns the value for a missing number.
+/// Returns the value that the file holds where a row has none.
 template <class T>
 T nothing() {
   if constexpr (std::is_floating_point_v<T>)
@@ -212,8 +217,8 @@ struct Always {
   bool operator()(const auto& /*row*/) const { return true; }
 };
 
-/// Writes columns of rows. Visits all rows once per column, because together they may not fit into
-/// memory.
+/// Writes one column of a table per call. Each call visits all rows, because the rows may not fit
+/// into memory together.
 template <class Row>
 struct ColumnWriter {
   using Visit = std::function<void(const Row&)>;
@@ -233,7 +238,8 @@ struct ColumnWriter {
   }
 };
 
-/// Returns a writer for the rows of all spaces: countOf(space) rows, visited by each(space, visit).
+/// Returns a writer for the rows of all spaces. A space has countOf(space) rows, which each(space,
+/// visit) visits.
 template <class Row, class Count, class Each>
 ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Count& countOf,
                             const Each& each) {
@@ -244,7 +250,7 @@ ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Coun
           }};
 }
 
-/// Reads columns into existing rows.
+/// Reads one column of a table per call, into the members of existing rows.
 template <class Row>
 struct ColumnReader {
   const Reader& in;
@@ -266,7 +272,7 @@ struct ColumnReader {
   }
 };
 
-/// Returns a reader for the rows of `list` of all spaces in sequence.
+/// Returns a reader for the rows in `list` of every space, one space after the other.
 template <class List>
 auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
   using Row = std::remove_reference_t<decltype(std::invoke(list, spaces.front()).front())>;
@@ -276,8 +282,9 @@ auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
   return columns;
 }
 
-/// Centre, radius, and outward and pull of the reach; NaN for other tools. The width of the reach
-/// is a separate array, which older files lack.
+/// A row of the table of fingers: centre and radius, then `outward` and `pull` of the reach. All
+/// NaN for other tools. The width of the reach is in a separate array, which older files do not
+/// have.
 using FingerRow = std::array<double, 8>;
 
 FingerRow noFinger() {
@@ -304,7 +311,7 @@ void writeNames(Writer& out, const SpacesToWrite& spaces) {
             std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
 }
 
-/// Writes the first row of each space, and finally the number of rows.
+/// Writes the number of the first row of each space, followed by the total number of rows.
 template <class Count>
 void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces,
                  const Count& countOf) {
@@ -338,7 +345,8 @@ bool writePatches(Writer& out, const SpacesToWrite& spaces) {
   }
   out.makeGroup("/patches");
   out.writeList(patch_node_path, nodes, "1");
-  // Files with rigid tools only lack these, so they keep their bytes.
+  // These arrays are left out of files that have only rigid tools, as in older versions of the
+  // format.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
   if (with_finger) {
     out.writeList(finger_path, fingers, "m");
@@ -424,7 +432,7 @@ std::string unusableRow(std::size_t n) {
                      largest_stored);
 }
 
-/// Refuses values that no reader would accept.
+/// Refuses equilibria with numbers that no reader would accept (isUsable).
 template <class Row, class RecordOf>
 void refuseUnusable(const std::string& group, const ColumnWriter<Row>& columns,
                     const RecordOf& recordOf) {

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// The operator precedes the observer that it includes.
+/// The words of roles. `operator` comes before `observer`, which that role includes.
 constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
     {{"worker", Roles::worker},
      {"operator", Roles::system_operator},
@@ -25,8 +25,8 @@ constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
 
 constexpr std::chrono::seconds read_again_after{1};
 
-/// Returns false if the path does not exist. Error if any user but this one and root could read or
-/// change it.
+/// Returns true if only this user and root can read or change the path, and false if it does not
+/// exist. Error if anyone else can.
 bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   struct stat info {};
   if (stat(path.c_str(), &info) != 0) {
@@ -42,7 +42,8 @@ bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   return true;
 }
 
-/// Returns the lines of a file of this folder without comments, or nullopt if it does not exist.
+/// Returns the lines of a file of the key folder, without comments, or nullopt if the file does not
+/// exist.
 std::optional<TextLines> privateLines(const std::filesystem::path& file) {
   if (!isPrivate(file.parent_path(), 0700) || !isPrivate(file, 0600)) return std::nullopt;
   std::string text = readText(file, "key file");
@@ -63,7 +64,8 @@ PublicKey takeKey(TextLines& lines) {
 void makePrivateFolder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
-  // Created with its final mode, because another program may look at it between two calls.
+  // Create the folder with its final mode. If the mode were set afterwards, another program could
+  // open the folder in between.
   if (!error && mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     error = {errno, std::generic_category()};
   if (error)
@@ -72,8 +74,8 @@ void makePrivateFolder(const std::filesystem::path& folder) {
   isPrivate(folder, 0700);
 }
 
-/// Replaces `file` by one that is never accessible to others. No other process changes it while
-/// `text` computes the new content from the old.
+/// Replaces the content of `file` by the result of `text`, which may read the old content: no other
+/// process changes the file in the meantime. The file is never accessible to other users.
 void writePrivate(const std::filesystem::path& file, const std::function<std::string()>& text) {
   makePrivateFolder(file.parent_path());
   replaceFile(file, text, "keys", 0600);
@@ -83,7 +85,7 @@ std::string lineOf(const KeyPair& own) { return own.secret().hex() + '\n'; }
 
 std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
 
-/// Applies `change` to the list of admitted keys and writes it.
+/// Reads the list of admitted keys, applies `change` and writes the list.
 void changeAllowed(const KeyFolder& folder,
                    const std::function<void(std::vector<AllowedKey>& keys)>& change) {
   writePrivate(folder.allowedFile(), [&] {
@@ -180,7 +182,7 @@ std::vector<AllowedKey> KeyFolder::allowed() const {
 
 void KeyFolder::allow(const AllowedKey& key) const {
   PALPATE_ASSERT(key.roles != Roles::none, "a line without a role is refused when it is read");
-  // A line break in a name would admit another key.
+  // After a line break the rest of a name would be read as an entry and could admit another key.
   const auto breaks = [](char c) {
     return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
   };
@@ -194,7 +196,7 @@ void KeyFolder::allow(const AllowedKey& key) const {
 }
 
 bool KeyFolder::withdraw(const std::string& name_or_key) const {
-  if (name_or_key.empty()) return false;  // a key without a name is given by its digits
+  if (name_or_key.empty()) return false;  // an empty name must not match keys without a name
   const auto is_meant = [&](const AllowedKey& key) {
     return key.key.hex() == name_or_key || key.name == name_or_key;
   };

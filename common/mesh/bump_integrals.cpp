@@ -7,7 +7,7 @@ namespace {
 
 using Barycentric = Eigen::Vector3d;
 
-/// Sums the integrals over the triangles of one surface.
+/// Adds up the integrals of all nodes over the triangles of a surface.
 class Integration {
  public:
   Integration(const Mesh& mesh, const Eigen::Vector3d& center, double radius)
@@ -54,7 +54,7 @@ class Integration {
   const Mesh& mesh_;
   const Eigen::Vector3d& center_;
   double radius_;
-  Eigen::Matrix3d corners_;                 ///< of the current triangle, one per column
+  Eigen::Matrix3d corners_;                 ///< corners of the current triangle, one per column
   std::array<std::int32_t, 6> nodes_ = {};  ///< its vertices, then the mid-edge nodes of 01, 12, 20
   std::vector<BumpIntegral> integrals_;
 };

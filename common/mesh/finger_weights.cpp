@@ -11,12 +11,13 @@ void accumulateIntegral(BumpIntegral& sum, const BumpIntegral& term) {
   sum.curvature += term.curvature;
 }
 
-/// A value or gradient alone may be zero by chance.
+/// Returns whether the bump reaches the node. Checks all derivatives too, because the value alone
+/// may be zero by chance.
 bool isReached(const BumpIntegral& integral) {
   return integral.value != 0 || !integral.gradient.isZero(0) || !integral.curvature.isZero(0);
 }
 
-/// Returns a / b with its derivatives.
+/// Returns the quotient a / b with its derivatives.
 BumpIntegral quotient(const BumpIntegral& a, const BumpIntegral& b) {
   BumpIntegral q;
   q.value = a.value / b.value;
@@ -42,8 +43,8 @@ FingerWeights fingerWeights(const Mesh& mesh, const NodeSet& fixed, const Eigen:
     finger.nodes.push_back(node);
     accumulateIntegral(sum, integrals[n]);
   }
-  // Single integrals may be negative with quadratic shape functions. Their sum may be too if fixed
-  // nodes are left out.
+  // With quadratic shape functions, single integrals may be negative. If fixed nodes are left out,
+  // the sum may be negative too.
   if (!(sum.value > 0)) return {};
   finger.free_share = sum.value / whole;
   for (const std::int32_t node : finger.nodes) {

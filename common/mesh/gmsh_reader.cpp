@@ -24,21 +24,24 @@ struct ElementType {
   int nodes;
 };
 
-/// Types 1 to 31 in Gmsh's numbering (its manual, "Low order elements" and "High-order elements").
+/// Element types by number, 1 to 31 (Gmsh's manual, "Low order elements" and "High-order
+/// elements").
 constexpr std::array<ElementType, 32> element_types = {
     {{-1, 0}, {1, 2},  {2, 3},  {2, 4},  {3, 4}, {3, 8}, {3, 6},  {3, 5},  {1, 3},  {2, 6}, {2, 9},
      {3, 10}, {3, 27}, {3, 18}, {3, 14}, {0, 1}, {2, 8}, {3, 20}, {3, 15}, {3, 13}, {2, 9}, {2, 10},
      {2, 12}, {2, 15}, {2, 15}, {2, 21}, {1, 4}, {1, 5}, {1, 6},  {3, 20}, {3, 35}, {3, 56}}};
 constexpr int tetrahedron_4 = 4, tetrahedron_10 = 11;
-/// Gmsh's position of each node of a 10-node tetrahedron in the order of VTK and tetrahedron_edges.
+/// For each node of a 10-node tetrahedron in the order of VTK and tetrahedron_edges, its index in
+/// Gmsh's order.
 constexpr std::array<int, 10> gmsh_order = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 
 constexpr std::array<const char*, 4> dimension_words = {"point", "curve", "surface", "volume"};
 
-/// (dimension, tag) of a physical group or entity, since Gmsh numbers each dimension separately.
+/// Dimension and tag of a physical group or entity. Both are needed, because Gmsh numbers each
+/// dimension separately.
 using Key = std::pair<int, std::int64_t>;
 
-/// 0-based numbers of the nodes or tetrahedra by their tags in the file.
+/// 0-based number of each node or tetrahedron by its tag in the file.
 using NumberOfTag = std::unordered_map<std::int64_t, std::int32_t>;
 
 class GmshText {
@@ -54,7 +57,7 @@ class GmshText {
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
     nameGroups();
-    // Errors give positions in the unit of the file, so conversion comes last.
+    // Convert to metres last, because errors give positions in the unit of the file.
     finishMesh(mesh_, lines_.source());
     refuseOverlaps(mesh_, lines_.source());
     for (Eigen::Vector3d& node : mesh_.nodes)
@@ -98,13 +101,13 @@ class GmshText {
       if (!have_nodes_) throw lines_.wrong("$Elements before $Nodes");
       if (have_elements_) throw lines_.wrong("a second $Elements section");
       entity_blocks_ ? readElementBlocks() : readElements();
-      // Version 4.1 names groups by entity and lists each element once.
+      // Only version 2.2 repeats elements; version 4.1 lists each element once.
       if (!entity_blocks_) dropRepeatedTetrahedra();
       have_elements_ = true;
     } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
-      // Checked only here, since repeated elements of version 2.2 may share a number if there are
-      // no data.
+      // Check this only if there are data. Without data, repeated elements of version 2.2 may share
+      // a number.
       if (tetrahedron_tag_twice_)
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
                            *tetrahedron_tag_twice_);
@@ -140,7 +143,7 @@ class GmshText {
 
   void nextLine() { lines_.advanceIn(section_); }
 
-  /// Calls read() on each of the next `count` lines.
+  /// Advances over the next `count` lines and calls read() for each.
   template <class Read>
   void eachLine(std::size_t count, Read read) {
     for (; count > 0; --count) {
@@ -149,10 +152,11 @@ class GmshText {
     }
   }
 
-  /// Reads the number that the file gives to a node, element, entity or group.
+  /// Reads a tag, the number of a node, element, entity or group in the file.
   std::int64_t takeTag(const char* what) { return lines_.take<std::int64_t>(what); }
 
-  /// Reads the number of a physical group, which is negative if Gmsh reversed the orientation.
+  /// Reads the tag of a physical group. The number in the file is negative if Gmsh reversed the
+  /// orientation of the group.
   std::int64_t takeGroup() {
     const std::int64_t group = takeTag("the number of a physical group");
     if (group == std::numeric_limits<std::int64_t>::min())
@@ -186,7 +190,7 @@ class GmshText {
     for (int dimension = 0; dimension < 4; ++dimension)
       eachLine(counts[dimension], [&] {
         const Key entity = {dimension, takeTag("the tag of an entity")};
-        const int extents = dimension == 0 ? 3 : 6;  // a position, or a bounding box
+        const int extents = dimension == 0 ? 3 : 6;  // numbers of a position, or of a bounding box
         for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
         const std::size_t n_physical =
             lines_.takeCount("the number of physical groups of an entity");
@@ -236,7 +240,7 @@ class GmshText {
       });
       eachLine(count, [&] {
         mesh_.nodes.push_back(takeVector("a coordinate"));
-        // If parametric, unused coordinates on the entity follow.
+        // In a parametric block, parameters on the entity follow, which are ignored.
         if (!parametric) lines_.expectEndOfLine();
       });
     });
@@ -281,8 +285,8 @@ class GmshText {
     if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
   }
 
-  /// Adds the corners of a tetrahedron. Its mid-edge nodes are dropped and must lie in the middle,
-  /// because P2 scenes add their own.
+  /// Adds a tetrahedron with its corners. Its mid-edge nodes are dropped, because P2 scenes add
+  /// their own; they must therefore lie in the middle of their edges.
   void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
                       const Key& group) {
     if (type == tetrahedron_10) {
@@ -339,8 +343,8 @@ class GmshText {
       throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
   }
 
-  /// Reads one vector per tetrahedron under the first string tag. Data with another number of
-  /// components and later time steps of the same name are skipped.
+  /// Reads one vector per tetrahedron; the first string tag is its name. Skips data with other than
+  /// three components, and later time steps of the same name.
   void readElementData() {
     const auto tags = [&](const char* what) {
       nextLine();
@@ -355,7 +359,7 @@ class GmshText {
     std::vector<std::size_t> integers;  // time step, components, elements
     eachLine(lines_.takeCount("the number of integer tags"),
              [&] { integers.push_back(lines_.takeCount("an integer tag")); });
-    // Further tags (a partition) are ignored; missing ones count as 0.
+    // Ignore further integer tags (a partition). Missing tags count as 0.
     integers.resize(3);
     const std::string name = names.empty() ? "" : unquoted(names[0]);
     if (name.empty() || integers[1] != 3 || mesh_.element_vectors.contains(name))
@@ -366,8 +370,8 @@ class GmshText {
       const auto element = number_of_tetrahedron_.find(takeTag("the number of an element"));
       const Eigen::Vector3d vector = takeVector("a component");
       lines_.expectEndOfLine();
-      // Only one number of a tetrahedron that version 2.2 repeats may have the vector. If two
-      // numbers have different vectors, the last one counts.
+      // A tetrahedron that version 2.2 repeats may have several numbers, and possibly only one of
+      // them has a vector. If they have different vectors, the last one is used.
       if (element != number_of_tetrahedron_.end() && !vector.isZero(0))
         vectors[element->second] = vector;
     });
@@ -379,8 +383,8 @@ class GmshText {
     return quoted ? text.substr(1, text.size() - 2) : text;
   }
 
-  /// Version 2.2 repeats a tetrahedron for each of its physical groups. A repetition within one
-  /// group is an error that finishMesh reports.
+  /// Removes the copies of a tetrahedron that version 2.2 lists in several physical groups. Copies
+  /// within one group are kept, so that finishMesh reports them as an error.
   void dropRepeatedTetrahedra() {
     PALPATE_ASSERT(group_of_tetrahedron_.size() == mesh_.tetrahedra.size(),
                    "each was added with its group");
@@ -428,7 +432,7 @@ class GmshText {
     for (auto& [name, elements] : mesh_.element_groups) sortUnique(elements);
   }
 
-  /// Adds the nodes and tetrahedra that were read under `from` to a group.
+  /// Adds the nodes and tetrahedra that were read for `from`, an entity or a group, to `group`.
   void addToGroup(const Key& group, const Key& from) {
     const auto named = physical_names_.find(group);
     const std::string name = named != physical_names_.end()
@@ -442,7 +446,7 @@ class GmshText {
   }
 
   TextLines lines_;
-  std::string section_;  ///< "$Nodes"
+  std::string section_;  ///< current section, such as "$Nodes"
   double metres_per_unit_;
   bool entity_blocks_ = false;  ///< version 4.1
   bool have_nodes_ = false, have_elements_ = false;
@@ -451,7 +455,7 @@ class GmshText {
   std::optional<std::int64_t> tetrahedron_tag_twice_;
   std::map<Key, std::string> physical_names_;
   std::map<Key, std::set<std::int64_t>> physical_of_entity_;
-  /// By entity in version 4.1, by physical group in 2.2.
+  /// Nodes and tetrahedra by entity (version 4.1) or by physical group (version 2.2).
   std::map<Key, std::vector<std::int32_t>> nodes_of_, tetrahedra_of_;
   std::vector<std::int64_t> group_of_tetrahedron_;
 };

@@ -15,10 +15,11 @@
 namespace palpate {
 namespace {
 
-/// Shape below which a tetrahedron is flat in practice, with a stiffness of mere round-off.
+/// Shape measure below which a tetrahedron counts as flat: its stiffness would be dominated by
+/// round-off.
 constexpr double degenerate_shape = 1e-6;
 
-/// Faces of a positively oriented tetrahedron, normals outward.
+/// Corners of the faces of a positively oriented tetrahedron, with outward normals.
 constexpr std::array<std::array<int, 3>, 4> faces_of_tetrahedron = {
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
@@ -82,8 +83,9 @@ void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
   refuse(mesh.element_groups, mesh.tetrahedra.size(), "tetrahedron");
 }
 
-/// Programs order corners in either sense, and some use both in one file. deriveSurface refuses any
-/// overlaps that result.
+/// Gives every tetrahedron positive orientation. Meshing programs use either orientation, and some
+/// mix both in one file. If this makes tetrahedra overlap at a face, deriveSurface refuses the
+/// mesh.
 void orient(Mesh& mesh, const std::string& source) {
   mesh.reoriented_tetrahedra = 0;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -99,10 +101,11 @@ void orient(Mesh& mesh, const std::string& source) {
 }
 
 struct Face {
-  Triangle sorted;  ///< equal for all tetrahedra that share the face
+  Triangle sorted;  ///< sorted nodes, equal for all tetrahedra that share the face
   std::size_t element;
   int local;
-  bool even;  ///< parity of the sorting permutation; it differs between the two sides
+  bool even;  ///< parity of the permutation that sorts the nodes; tetrahedra on the two sides of a
+              ///< face have different parities
 };
 
 Triangle nodesOf(const Mesh& mesh, std::size_t element, int face) {
@@ -117,7 +120,8 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     for (int f = 0; f < 4; ++f) {
       Triangle t = nodesOf(mesh, e, f);
-      // Moving the lowest to the front is an even permutation; at most one swap remains.
+      // Rotating the lowest node to the front is an even permutation. After it at most one swap is
+      // left.
       std::rotate(t.begin(), std::ranges::min_element(t), t.end());
       const bool even = t[1] < t[2];
       std::ranges::sort(t);
@@ -147,7 +151,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
           source, placeOf(mesh, faces[first].element, ""), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
-  // Order by element, as in the file, because the order of the surface is part of datasets.
+  // Order the triangles by element, as in the file, because datasets store them in this order.
   std::ranges::sort(outer);
   mesh.surface.clear();
   for (const auto& [element, local] : outer) mesh.surface.push_back(nodesOf(mesh, element, local));
@@ -155,7 +159,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
 
 Edge edgeBetween(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Returns the distinct edges of the tetrahedra, ascending.
+/// Returns the edges of all tetrahedra, each once, ascending.
 std::vector<Edge> edgesOf(const Mesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(6 * mesh.tetrahedra.size());
@@ -197,7 +201,7 @@ double shapeOf(const Mesh& mesh, std::size_t element) {
   double squared_edges = 0;
   for (const auto& [a, b] : tetrahedron_edges)
     squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
-  // Four equal nodes are flat; avoid 0/0.
+  // Four coincident nodes count as flat; avoid 0/0.
   if (squared_edges == 0) return 0;
   return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
 }
@@ -248,7 +252,7 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     const Eigen::Vector3d &a = nodes[tetrahedron[tetrahedron_edges[e][0]]],
                           &b = nodes[tetrahedron[tetrahedron_edges[e][1]]];
     const double off = (nodes[tetrahedron[4 + e]] - 0.5 * (a + b)).norm() / (b - a).norm();
-    // Negated, so that NaN (an edge of length 0) is refused too.
+    // The negation also refuses NaN, which an edge of length 0 gives.
     if (!(off <= tolerance))
       return fmt::format(
           "the node of its edge at {} is off the middle by {:.2g} of the edge's length; curved "
@@ -286,7 +290,7 @@ void addMidEdgeNodes(Mesh& mesh) {
 }
 
 std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near) {
-  // A direction along which the nodes of a regular mesh have different positions.
+  // An oblique direction, along which even the nodes of a regular mesh have different positions.
   const Eigen::Vector3d along = Eigen::Vector3d(0.5129, 0.6427, 0.5691).normalized();
   std::vector<std::int32_t> order(nodes.size());
   std::iota(order.begin(), order.end(), 0);
@@ -356,13 +360,14 @@ MeshQuality measure(const Mesh& mesh) {
 }
 
 void finishMesh(Mesh& mesh, const std::string& source) {
-  // In this order, so that later steps may use every number unchecked.
+  // The first steps check all numbers, so that the later ones can use them unchecked.
   refuseBrokenNumbers(mesh, source);
   refuseBrokenGroups(mesh, source);
   dropOrphans(mesh);
   orient(mesh, source);
   deriveSurface(mesh, source);
-  // A mesh with positive volumes has an outside: without one its volumes would add up to zero.
+  // Tetrahedra with positive volumes have an outer surface; without one their volumes would add up
+  // to zero.
   PALPATE_ASSERT(!mesh.surface.empty(), "nearestOnSurface and fingers look for a triangle of it");
 }
 

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr double most_cubes = 48;  ///< along each axis
+constexpr double most_cubes = 48;  ///< largest number of cubes along each axis
 
 }  // namespace
 
@@ -23,7 +23,8 @@ NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
   for (const Eigen::Vector3d& point : points_) box.extend(point);
   lowest_ = box.min().array() - reach;
   const Eigen::Vector3d size = box.sizes().array() + 2 * reach;
-  // Points that are far apart compared with their reach get longer lists instead of more cubes.
+  // The number of cubes is limited. If the points extend over many reaches, cubes are larger and
+  // their lists longer.
   edge_ = std::max(reach, size.maxCoeff() / most_cubes);
   for (std::size_t axis = 0; axis < 3; ++axis)
     cubes_[axis] = 1 + static_cast<std::int32_t>(size[static_cast<Eigen::Index>(axis)] / edge_);
@@ -41,7 +42,7 @@ NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
     });
 }
 
-/// Visits the cubes that the reach of a point touches.
+/// Calls visit(index) for each cube with a place within the reach of the point.
 template <class Visit>
 void NearPoints::forEachCubeAround(const Eigen::Vector3d& point, Visit visit) const {
   const auto cubeOf = [&](double x, int axis) {

@@ -17,16 +17,17 @@ namespace {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// Relative rounding of coordinates. A corner counts as on a plane or line within this tolerance.
+/// Relative rounding error of coordinates. A corner counts as on a plane or line if its distance is
+/// within this tolerance.
 constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
-/// Planes nearer to each other than this number of roundings count as one, since rounding alone
-/// decides where they meet.
+/// Two planes count as one if they are closer together than this number of rounding errors.
+/// Rounding alone would decide where such planes intersect.
 constexpr double one_plane = 1000;
 
 double size(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
-/// Returns the side of d from the plane through a, b, c: 1, -1, or 0 if it is within `slack`
-/// roundings.
+/// Returns on which side of the plane through a, b, c the point d lies: 1, -1, or 0 if its distance
+/// is within `slack` rounding errors.
 int sideOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
            const Eigen::Vector3d& d, double slack = 1) {
   const Eigen::Vector3d u = b - a, v = c - a, w = d - a;
@@ -47,7 +48,7 @@ int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vect
 }
 
 /// Returns whether two triangles in one plane overlap. They do not if the line through an edge of
-/// one has the other on its far side.
+/// one triangle separates it from the other.
 bool overlapInPlane(const Corners& s, const Corners& t) {
   int axis = 0;
   (s[1] - s[0]).cross(s[2] - s[0]).cwiseAbs().maxCoeff(&axis);
@@ -70,7 +71,8 @@ bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t)
   const std::array<int, 3> around = {sideOf(p, q, t[0], t[1]), sideOf(p, q, t[1], t[2]),
                                      sideOf(p, q, t[2], t[0])};
   const auto [least, most] = std::ranges::minmax(around);
-  // All of one sign, or zero if the segment passes through an edge; not in line with all three.
+  // The segment passes through the triangle or its boundary if the signs do not differ. If all are
+  // zero, it is in line with all three edges and does not count.
   return least * most >= 0 && (least != 0 || most != 0);
 }
 
@@ -79,7 +81,7 @@ bool isFlatOn(const Corners& s, const Corners& t) {
       s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p, one_plane) == 0; });
 }
 
-/// Tells whether two triangles intersect in more than their shared corners.
+/// Decides whether two triangles intersect in more than their shared corners and edges.
 class PairCheck {
  public:
   PairCheck(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
@@ -87,7 +89,7 @@ class PairCheck {
 
   bool cut(std::int32_t a, std::int32_t b) const {
     const Triangle &s = triangles_[a], &t = triangles_[b];
-    std::array<bool, 3> of_s{}, of_t{};  // shared corners
+    std::array<bool, 3> of_s{}, of_t{};  // whether each corner is shared
     int shared = 0;
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)
@@ -96,8 +98,8 @@ class PairCheck {
           ++shared;
         }
     const Corners p = cornersOf(s), q = cornersOf(t);
-    // Triangles with a shared edge, or in one plane, intersect further only by overlapping in the
-    // plane.
+    // Triangles that share an edge, or lie in one plane, can intersect further only if they overlap
+    // in that plane.
     if (shared >= 2 || isFlatOn(p, q)) return isFlatOn(p, q) && overlapInPlane(p, q);
     if (shared == 1) return edgeBeside(of_s, p, q) || edgeBeside(of_t, q, p);
     for (int i = 0; i < 3; ++i)
@@ -121,7 +123,8 @@ class PairCheck {
   const std::vector<Triangle>& triangles_;
 };
 
-/// Finds the triangles after one triangle that intersect it; a visitor for Eigen's tree.
+/// Visitor for Eigen's tree of boxes. Counts the triangles with a higher number than `triangle`
+/// that intersect it.
 struct CutsOfOne {
   const PairCheck& check;
   const std::vector<Eigen::AlignedBox3d>& boxes;
@@ -132,7 +135,7 @@ struct CutsOfOne {
   bool intersectVolume(const Eigen::AlignedBox3d& volume) const {
     return volume.intersects(boxes[triangle]);
   }
-  /// Returns false, so that the search continues.
+  /// Checks one triangle. Returns false, so that the search continues.
   bool intersectObject(std::int32_t other) {
     if (other > triangle && boxes[other].intersects(boxes[triangle]) &&
         check.cut(triangle, other)) {
@@ -150,8 +153,9 @@ SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
   std::vector<std::int32_t> numbers(triangles.size());
   std::iota(numbers.begin(), numbers.end(), 0);
-  // Rotated, because splitting an axis-aligned face along its normal gives two sets that both span
-  // the face.
+  // The boxes of the tree are rotated. For axis-aligned ones, the tree might split the triangles of
+  // an axis-aligned face along the face's normal into two sets that both extend over the whole
+  // face.
   const Eigen::Matrix3d oblique(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()));
   for (const std::int32_t t : numbers)
     for (const std::int32_t node : triangles[t]) boxes[t].extend(oblique * points[node]);

@@ -41,7 +41,7 @@ Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
 }
 
 Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept {
-  constexpr double far = 1e9;  // m; seen from there, a body is a point
+  constexpr double far = 1e9;  // m; a body is negligibly small at this distance
   const double largest = point.cwiseAbs().maxCoeff();
   return largest > far ? Eigen::Vector3d(point / largest * far) : point;
 }

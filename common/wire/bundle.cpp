@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the payload length that the message states.
+/// Returns the payload length that the message gives, bytes.
 std::size_t payloadBytesOf(const wire::Message& message) {
   switch (message.body_case()) {
     case wire::Message::kResult: return message.result().payload_bytes();

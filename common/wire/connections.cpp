@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// Reserved for files and for clients that ask for the status.
+/// Descriptors reserved for files and for clients that ask for the status.
 constexpr std::size_t descriptors_of_our_own = 128;
 constexpr double seconds_of_messages = 2;
 constexpr std::size_t most_closed_told = 20;
@@ -31,7 +31,8 @@ std::string addressOf(int descriptor) {
   return text.data();
 }
 
-/// Returns an id that the socket keeps for its lifetime; 0 without a socket.
+/// Returns the id that the system gives to a socket for its lifetime; 0 if the descriptor is not a
+/// socket.
 std::uint64_t cookieOf(int descriptor) {
   std::uint64_t cookie = 0;
   socklen_t size = sizeof cookie;
@@ -57,7 +58,8 @@ Connections::Connections(zmq::context_t& context, zmq::socket_t& router, const P
 
 Connections::~Connections() {
   thread_.request_stop();
-  zmq_socket_monitor(router_->handle(), nullptr, 0);  // this is an event too and wakes the thread
+  zmq_socket_monitor(router_->handle(), nullptr,
+                     0);  // stops the monitor, which is an event too and wakes the thread
   thread_.join();
 }
 
@@ -73,12 +75,13 @@ void Connections::watch(const std::stop_token& stop) {
   }
 }
 
-/// Returns the connection that now has the descriptor. A message may arrive before the event of its
-/// connection. An ended connection stays known until its descriptor is reused or keepDescriptors()
-/// runs.
+/// Returns the record of the connection that now has the descriptor; makes it if necessary, because
+/// a message may be read before the event that its connection was accepted. The record of an ended
+/// connection remains until its descriptor is reused or keepDescriptors() runs.
 Connections::Connection& Connections::of(int descriptor) {
   Connection& connection = connections_[descriptor];
-  // Messages of an ended connection may still arrive.
+  // If the cookie is 0, the connection has ended, but its last messages may still arrive; keep the
+  // record.
   if (const std::uint64_t cookie = cookieOf(descriptor); cookie != 0 && connection.cookie != cookie)
     connection = {.cookie = cookie, .since = Clock::now(), .latest = Clock::now()};
   return connection;
@@ -97,7 +100,8 @@ void Connections::keepDescriptors() {
     ++open;
     if (!connection.spoke) silent.emplace_back(connection.since, descriptor);
   }
-  // Close some more, so that not every new connection causes a full check.
+  // Close a few more than necessary, so that not every further connection causes another full
+  // check.
   const auto beyond = [](std::size_t count, std::size_t most) {
     return count > most ? count - most + most / 64 : 0;
   };
@@ -109,9 +113,9 @@ void Connections::keepDescriptors() {
           fmt::format("it said nothing, and there are {} others", open - 1));
 }
 
-/// Shuts the connection down; ZeroMQ's thread then drops its incomplete message and closes the
-/// descriptor. If that thread closed it a moment ago and the descriptor was reused, the new owner
-/// connects again.
+/// Shuts the connection down. ZeroMQ's thread then drops its incomplete message and closes the
+/// descriptor. If that thread closes the descriptor between the check and the shutdown, and it is
+/// reused, the wrong connection is shut down; its peer then connects again.
 void Connections::close(int descriptor, Connection& connection, const std::string& why) {
   connection.closed = true;
   ++closed_.count;

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// ZeroMQ sends its admission requests here. Without a handler it would admit everyone, and their
-/// messages would carry no key.
+/// Endpoint to which ZeroMQ sends its admission requests. Without a handler there, ZeroMQ would
+/// admit every client, and messages would not carry the key of their sender.
 constexpr const char* zap_endpoint = "inproc://zeromq.zap.01";
 
 void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t bytes) {
@@ -66,14 +66,15 @@ ZapHandler::ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const Key
 
 ZapHandler::~ZapHandler() {
   thread_.request_stop();
-  eventfd_write(wake_up_.get(), 1);  // if it fails, the thread checks within a second
+  eventfd_write(wake_up_.get(),
+                1);  // if this fails, the thread notices the stop request within a second
   thread_.join();
-  // Unbind now, because a closing socket keeps its name for a moment.
+  // Unbind now, so that the endpoint is free at once; closing the socket frees it a moment later.
   zmq_unbind(questions_.handle(), zap_endpoint);
 }
 
 void ZapHandler::answer() {
-  // version, request, domain, address, identity, mechanism, credentials
+  // The frames are version, request id, domain, address, identity, mechanism, credentials.
   const std::vector<std::string> request = receiveFrames(questions_);
   if (request.empty()) return;
   const auto key = request.size() == 7 && request[5] == "CURVE" ? PublicKey::fromBytes(request[6])

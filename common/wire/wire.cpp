@@ -20,13 +20,14 @@
 namespace palpate {
 namespace {
 
-/// Owner of the memory of a message's frames until the system has taken the last one. Frames
-/// without an owner are copied.
+/// Owner of the memory of a message's frames, released when the system has taken the last frame.
+/// Frames without an owner are copied.
 using Owner = std::shared_ptr<const void>;
 
 zmq::message_t frameOf(std::string_view bytes, const Owner& owner) {
   if (!owner) return {bytes.data(), bytes.size()};
-  // ZeroMQ wants mutable memory, although it only reads it, and releases it from its own thread.
+  // ZeroMQ takes a pointer to mutable memory, although it only reads from it. It calls the release
+  // function from its own thread.
   return {const_cast<char*>(bytes.data()), bytes.size(),
           [](void*, void* held) { delete static_cast<Owner*>(held); }, new Owner(owner)};
 }
@@ -39,7 +40,7 @@ bool sendFrame(zmq::socket_t& socket, zmq::message_t frame, bool more) {
 
 Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view message,
                   std::string_view payload, const Owner& owner) {
-  // After libzmq accepts the first frame, it accepts the rest of the message too.
+  // If libzmq accepts the first frame, it accepts the other frames of the message too.
   try {
     if (!peer.empty() && !sendFrame(socket, frameOf(peer, nullptr), true)) return Sent::full;
     if (!sendFrame(socket, frameOf(message, owner), !payload.empty())) return Sent::full;
@@ -56,7 +57,7 @@ Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, std::string_view
 
 zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
   zmq::socket_t socket(context, type);
-  // Undelivered messages are computed again; they must not keep the program from ending.
+  // Do not wait for undelivered messages when the program ends; lost results are computed again.
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(4) << 20);
   socket.set(zmq::sockopt::handshake_ivl, 10000);
@@ -70,13 +71,13 @@ zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
 /// The result of resolving a host name.
 struct HostAddress {
   std::string text = {};     ///< as in endpoints: "127.0.0.1", "[::1]"; empty if not found
-  std::string trouble = {};  ///< reason if not found
+  std::string trouble = {};  ///< the reason if no address was found
 
   bool isOfIPv6() const { return text.starts_with('['); }
 };
 
-/// Returns the first IPv4 address, else the first IPv6 address. A server at 127.0.0.1 is also
-/// called localhost, which has both.
+/// Resolves a host name. Returns its first IPv4 address, else its first IPv6 address. IPv4 goes
+/// first, because localhost has both kinds of address, and a server may listen at 127.0.0.1 only.
 HostAddress lookUp(const std::string& host) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
@@ -99,8 +100,8 @@ HostAddress lookUp(const std::string& host) {
   return {.text = of_ipv6 ? fmt::format("[{}]", text.data()) : text.data()};
 }
 
-/// Returns HOST and PORT of tcp://HOST:PORT, empty if missing, without the brackets of an IPv6
-/// address.
+/// Returns HOST and PORT of tcp://HOST:PORT. A missing part is empty. The brackets around an IPv6
+/// address are removed.
 std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
   const std::string address = endpoint.substr(std::string_view("tcp://").size());
   const std::size_t colon = address.rfind(':');
@@ -110,20 +111,22 @@ std::pair<std::string, std::string> hostAndPort(const std::string& endpoint) {
   return {host, address.substr(colon + 1)};
 }
 
-/// Returns `endpoint` with the address of its host, because libzmq does not resolve names for bind.
-/// Error if the host is not found.
+/// Returns `endpoint` with its host name replaced by the address, because libzmq does not resolve
+/// names when it binds. Error if the host is not found.
 std::string withAddress(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp://")) return endpoint;
   const auto [host, port] = hostAndPort(endpoint);
-  // * means every IPv4 address; libzmq finds the addresses of an interface (eth0).
+  // libzmq itself understands *, which means all IPv4 addresses, and names of network interfaces
+  // such as eth0.
   if (host == "*" || if_nametoindex(host.c_str()) != 0) return endpoint;
   const HostAddress found = lookUp(host);
   if (!found.trouble.empty()) throw failure("cannot listen on {}: {}", endpoint, found.trouble);
   return fmt::format("tcp://{}:{}", found.text, port);
 }
 
-/// Removes unknown fields, which would otherwise be kept and passed on; returns whether there were
-/// any. The library keeps unknown fields in maps, but no message of the protocol contains a map.
+/// Removes unknown fields, which Protobuf would otherwise keep and send on. Returns whether there
+/// were any. Protobuf does not remove unknown fields inside maps, but no message of the protocol
+/// contains a map.
 bool dropUnknownFields(google::protobuf::Message& message) {
   const std::size_t before = message.ByteSizeLong();
   message.DiscardUnknownFields();
@@ -134,8 +137,8 @@ bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
   return !message.GetReflection()->GetUnknownFields(message).empty();
 }
 
-/// Returns whether a process listens at the socket file. The file of a killed process refuses
-/// connections.
+/// Returns whether a process listens at the socket file. The file that a killed process leaves
+/// behind refuses connections.
 bool isListenedAt(const std::string& path) {
   struct sockaddr_un address {};
   address.sun_family = AF_UNIX;
@@ -145,19 +148,19 @@ bool isListenedAt(const std::string& path) {
   if (probe < 0) throw failure("ipc://{}: cannot look who listens there: {}", path, errnoText());
   const bool connected =
       connect(probe, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
-  // EAGAIN: its queue of pending connections is full.
+  // EAGAIN means that the listener's queue of pending connections is full.
   const bool listening = connected || errno == EAGAIN || errno == EACCES;
   close(probe);
   return listening;
 }
 
-/// Refuses a path in use. libzmq removes any file at the path before it listens there, even the
-/// socket of a running scheduler.
+/// Refuses an ipc:// path that is in use. Without this check libzmq would remove any file at the
+/// path before it listens there, even the socket of a running scheduler.
 void refuseTakenPath(const std::string& endpoint) {
   constexpr std::string_view ipc = "ipc://";
   if (!endpoint.starts_with(ipc)) return;
   const std::string path = endpoint.substr(ipc.size());
-  // An abstract name is not a file, and * lets libzmq choose one.
+  // A name that begins with @ is not a file, and with * libzmq chooses a file.
   if (path.starts_with('@') || path == "*") return;
   if (path.size() >= sizeof(sockaddr_un::sun_path))
     throw badInput("{}: the path is too long for a socket: it may have {} bytes", endpoint,
@@ -173,7 +176,7 @@ void refuseTakenPath(const std::string& endpoint) {
         endpoint, endpoint);
 }
 
-/// Reads doubles from raw bytes; returns false if the length is wrong.
+/// Reads a matrix of doubles from raw bytes, row by row. Returns false if the length is wrong.
 template <int rows, int columns, int options>
 bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, options>& matrix) {
   Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
@@ -183,7 +186,7 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, o
   return true;
 }
 
-/// Returns the bytes row by row, as readMatrix expects them.
+/// Returns the bytes of a matrix row by row, as readMatrix expects them.
 std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& rows) {
   return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
 }
@@ -278,7 +281,8 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  // All frames were read even so, and the next message begins after them.
+  // The frames of a bad message were read as well, so that the next call begins with the next
+  // message.
   if (!intact) incoming.message.Clear();
   return incoming;
 }
@@ -286,9 +290,10 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
 zmq::socket_t makeRouter(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::router);
   socket.set(zmq::sockopt::router_mandatory, true);
-  // A worker that reconnects under its old name replaces the old connection.
+  // If a worker reconnects under the same name, its new connection replaces the old one.
   socket.set(zmq::sockopt::router_handover, true);
-  // A frame from a worker holds a result without its fields, or a part of the fields.
+  // Frames from workers are small: a frame contains a result without its fields, or a part of the
+  // fields.
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(2 * payload_frame_bytes));
   socket.set(zmq::sockopt::backlog, 4096);
   socket.set(zmq::sockopt::sndhwm, 4096);
@@ -298,7 +303,7 @@ zmq::socket_t makeRouter(zmq::context_t& context) {
 
 zmq::socket_t makeDealer(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::dealer);
-  // Queue nothing while the scheduler is not connected.
+  // Queue no messages while there is no connection to the scheduler.
   socket.set(zmq::sockopt::immediate, true);
   socket.set(zmq::sockopt::reconnect_ivl, 200);
   socket.set(zmq::sockopt::reconnect_ivl_max, 8000);
@@ -342,9 +347,10 @@ std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
   HostAddress found;
   if (endpoint.starts_with("tcp://")) found = lookUp(hostAndPort(endpoint).first);
   try {
-    // With this option libzmq prefers IPv6 addresses wherever they exist.
+    // Set this option only for IPv6 addresses. With it libzmq prefers the IPv6 address of every
+    // host that has one.
     socket.set(zmq::sockopt::ipv6, found.isOfIPv6());
-    // By name, so that it is resolved again if the connection is lost.
+    // Connect by host name, so that libzmq resolves the name again if the connection is lost.
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     throw badInput("cannot connect to {}: {}", endpoint, error.what());
@@ -382,7 +388,7 @@ zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kind
     throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
   zmq::socket_t monitor(context, zmq::socket_type::pair);
   monitor.set(zmq::sockopt::linger, 0);
-  // Unlimited; otherwise ZeroMQ's own thread would wait for room.
+  // Do not limit the queue of events; if it were full, ZeroMQ's own thread would wait.
   monitor.set(zmq::sockopt::rcvhwm, 0);
   monitor.connect(endpoint);
   return monitor;
