@@ -1,4 +1,4 @@
-// The command `palpate VERB ...`: replaces itself by the program that has the verb.
+// The command `palpate VERB ...`, which replaces itself by the program that has this verb.
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-/// The verbs of each program.
+/// Returns the programs, each with its verbs.
 const std::vector<std::pair<std::string, Words>>& programs() {
   static const std::vector<std::pair<std::string, Words>> all = {
       {"palpate-worker", {"mesh", "new", "check", "solve", "work"}},
@@ -118,9 +118,9 @@ bool namesDirectory(const std::string& argument) {
   return std::filesystem::is_directory(argument, none);
 }
 
-/// Returns the program with the verb that the arguments begin with; empty if there is none.
+/// Returns the program that has the verb arguments[0]; empty if no program has it.
 std::string programFor(const std::vector<std::string>& arguments) {
-  // A state directory belongs to the scheduler.
+  // `check` of a state directory is a verb of the scheduler.
   if (arguments[0] == "check" &&
       std::any_of(arguments.begin() + 1, arguments.end(), namesDirectory))
     return "palpate-scheduler";
@@ -129,8 +129,8 @@ std::string programFor(const std::vector<std::string>& arguments) {
   return "";
 }
 
-/// Returns whether the system grants the memory that a solving program needs at start. While it is
-/// loaded, OpenBLAS retries for ever if it does not get its 128 MiB.
+/// Returns whether the system grants the memory that a program which solves needs at start. Checked
+/// here, because OpenBLAS retries for ever while it is loaded if it does not get its 128 MiB.
 bool memorySuffices(const std::string& program, const std::string& verb) {
   if (program != "palpate-worker" && verb != "build") return true;
   constexpr std::size_t needed = 384u << 20;
@@ -144,7 +144,8 @@ bool memorySuffices(const std::string& program, const std::string& verb) {
   return false;
 }
 
-/// Replaces this process by the program beside it. Returns only on failure.
+/// Replaces this process by the program `name` in the same folder. Returns an exit code if that
+/// fails.
 int become(const std::string& name, std::vector<std::string> arguments) {
   const std::string verb = arguments[0];
   if (!memorySuffices(name, verb)) return static_cast<int>(ExitCode::failed);
@@ -159,8 +160,9 @@ int become(const std::string& name, std::vector<std::string> arguments) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  // OpenBLAS reads this while it is loaded. palpate-worker sets it too, but on many cores with
-  // limited address space OpenBLAS's threads would keep it from starting.
+  // Set this here, because OpenBLAS reads it while it is loaded. palpate-worker sets it too, but
+  // may not get that far: with many cores and limited address space, OpenBLAS's threads would keep
+  // it from starting.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
   const bool is_missing = errno == ENOENT;

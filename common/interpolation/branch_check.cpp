@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// The cells that refinement did not split.
+/// The cells of the octree that refinement did not split.
 struct Leaves {
   const std::vector<LatticeCell>& splits;
   std::int32_t divisions;
@@ -37,7 +37,8 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
   return false;
 }
 
-/// N. Thresholds in newtons apply to bodies with forces at least this large.
+/// N, largest force in the measurements behind the thresholds. If the largest force of a space is
+/// smaller, the thresholds in newtons are reduced in proportion.
 constexpr double measured_force = 3.3;
 
 double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) {
@@ -48,7 +49,7 @@ double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) 
   return largest;
 }
 
-/// Returns the edges of leaf cells between solved points with a check that `selects` accepts.
+/// Returns the edges of leaf cells that join solved points and whose EdgeCheck `selects` accepts.
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
                                      const EquilibriumOf& equilibriumOf, Select selects) {
@@ -59,7 +60,7 @@ std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<L
     const ToolEquilibrium* const here = equilibriumOf(n);
     if (here == nullptr) continue;
     for (std::int32_t level = 0; level <= leaves.deepest(); ++level) {
-      // Edges of a level start only at corners of its cells.
+      // Edges of cells of this level start only at multiples of the cells' edge.
       if (!isMultiple(lattice.point(n), leaves.edge(level))) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         LatticePoint upper = lattice.point(n);
@@ -93,7 +94,8 @@ constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.cons
 }  // namespace
 
 bool EdgeCheck::consistent() const {
-  // The constant terms only exclude round-off and perfectly linear edges.
+  // The constant terms allow for round-off, which would otherwise make an edge with constant
+  // stiffness inconsistent.
   return force_mismatch <= 2e-3 * scale + 0.1 * change + bend &&
          energy_mismatch <= 5e-4 * scale + 0.02 * change + 0.25 * bend;
 }
@@ -106,7 +108,8 @@ bool EdgeCheck::suspect() const {
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
-  // The corrected trapezoidal rule, from the forces and their slopes at both ends.
+  // Corrected trapezoidal rule for the work of the force, with the slopes of the force at both
+  // ends.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
   return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
           .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),

@@ -10,9 +10,9 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
-// Relative to the radius. Cells that only touch the ball are left out (shallow_reach). For a
-// position that lies in no other cell, find() uses one pulled inward by more than those cells
-// reach.
+// Relative distance by which find() moves a position inward if it lies in no leaf. Such a position
+// is near the sphere, in a cell that was left out because it hardly reaches into the ball
+// (shallow_reach). The distance exceeds the depth to which these cells reach.
 constexpr double pull = 1e-9;
 static_assert(pull > shallow_reach);
 
@@ -56,7 +56,7 @@ void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::si
     edge_.push_back(spacing_ / (1 << cell.level));
     return;
   }
-  // Reserve the eight children together before any of them adds its own.
+  // Append the entries of all eight children before any child appends entries for its own children.
   const std::size_t children = nodes_.size();
   nodes_[place] = ~static_cast<std::int32_t>(children);
   nodes_.resize(children + 8, no_cell);
@@ -84,7 +84,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
       slot.kind = SlotKind::solved;
       slot.number = *number;
     }
-    // hang() comes last, because a hanging slot takes the coarse leaf's value even if it is solved.
+    // Call hang() last, because a slot can be hanging even if its position is solved.
     hang(slot);
     if (slot.kind == SlotKind::hanging)
       hanging_.push_back(static_cast<std::int32_t>(slots_.size()));
@@ -100,8 +100,8 @@ void CellTree::makeSlots(const SpaceTable& space) {
                            [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
 }
 
-/// Hangs a slot in the coarsest of the up to eight leaves around it, unless it is a corner of that
-/// leaf.
+/// Makes a slot hanging in the coarsest of the up to eight leaves that touch it, unless it is a
+/// corner of that leaf.
 void CellTree::hang(CellSlot& slot) const {
   LeafPlace coarsest;
   for (std::size_t octant = 0; octant < 8; ++octant) {
@@ -119,7 +119,8 @@ void CellTree::hang(CellSlot& slot) const {
 }
 
 LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {
-  Eigen::Vector3d beside;  // a place in the octant, a quarter of a coordinate away; in quarters
+  Eigen::Vector3d beside;  // position in the octant, a quarter of a coordinate unit from the point
+                           // on each axis; in such quarters
   for (std::size_t axis = 0; axis < 3; ++axis)
     beside[static_cast<Eigen::Index>(axis)] =
         4.0 * point[axis] + ((octant >> axis & 1) != 0 ? 1 : -1);
@@ -163,7 +164,7 @@ LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
   while (nodes_[node] < 0) {
     std::size_t child = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      // Halving is exact in floating point, so no place falls between two leaves.
+      // These operations are exact in floating point, so no position falls between two leaves.
       const bool upper = place.local[axis] >= 0.5;
       child |= static_cast<std::size_t>(upper) << axis;
       place.local[axis] = 2 * place.local[axis] - (upper ? 1 : 0);
@@ -193,7 +194,7 @@ Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius
   if (!(displacement.array().isNaN().any() || std::isinf(largest))) {
     const double length = displacement.stableNorm();
     if (length <= radius) return displacement;
-    // Scale first, because the norm of huge numbers overflows.
+    // Divide by the largest component first, because the norm of huge numbers could overflow.
     return displacement / largest * (radius / (displacement / largest).norm());
   }
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();

@@ -10,11 +10,12 @@
 namespace palpate {
 namespace {
 
-// A ghost uses the nearest solved points up to this multiple of the distance of the first, at most
-// Kind::most_extrapolated_from. Fewer points lose accuracy at the rim; more gain none.
+// A ghost is extrapolated from solved points that are at most this many times as far away as the
+// nearest one, and from at most Kind::most_extrapolated_from of them. A smaller factor reduces the
+// accuracy at the rim of the ball; a larger one does not improve it.
 constexpr double ghost_reach = 2.2;
 
-/// Chooses the sources of fits and fits the polynomials.
+/// Chooses the sources of each fit and fits the polynomials.
 class Fitter {
  public:
   Fitter(const CellTree& tree, const SpaceTable& space,
@@ -44,14 +45,15 @@ class Fitter {
     findKnown();
   }
 
-  /// Fits a solved slot: its own data exactly, the rest from the solved points around.
+  /// Fits the polynomial of a solved slot: the slot's own data exactly, higher derivatives to the
+  /// solved points around it.
   LocalPolynomial complete(std::size_t slot) {
     const std::int32_t number = tree_.slots()[slot].number;
     return fits_.complete(space_.points[number].equilibrium, neighbours(slot, number), edge_[slot],
                           known_[at(number)]);
   }
 
-  /// Extrapolates a ghost from the nearest solved points.
+  /// Fits the polynomial of a ghost to the nearest solved points.
   LocalPolynomial extrapolate(std::size_t slot) {
     std::vector<Candidate> candidates;
     for (const std::int32_t number : solved_)
@@ -64,7 +66,8 @@ class Fitter {
     const auto sources = choose(std::move(candidates), -1, fits_.kind().most_extrapolated_from);
     const auto edge =
         static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
-    // A polynomial of high degree overshoots far from its sources, so lower degrees are tried then.
+    // A polynomial of high degree overshoots far from its sources. Reduce the degree until its
+    // force is plausible.
     for (int degree = fits_.degreeFor(sources.size());; --degree) {
       LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
       if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
@@ -85,7 +88,8 @@ class Fitter {
     auto operator<=>(const Candidate&) const = default;
   };
 
-  /// Returns the nearest candidates that no inconsistent edge joins to a nearer one or to `own`.
+  /// Returns the nearest candidates, at most `most`. Leaves out those that an inconsistent edge
+  /// joins to `own` (a lattice number, or -1) or to a nearer candidate that was chosen.
   std::vector<FitSource> choose(std::vector<Candidate> candidates, std::int32_t own,
                                 std::size_t most) const {
     std::ranges::sort(candidates);
@@ -101,7 +105,7 @@ class Fitter {
     return sources;
   }
 
-  /// Determines, for each point at a slot, the orders of its data that count.
+  /// Determines for each point at a slot up to which order its data are used (LocalFits::judge).
   void findKnown() {
     known_.assign(space_.points.size(), fits_.kind().known);
     if (!fits_.kind().highest_known_are_judged) return;
@@ -113,8 +117,8 @@ class Fitter {
     }
   }
 
-  /// Returns the solved corners of the leaves around a slot that is the solved point `own`. They
-  /// include hanging corners.
+  /// Returns the sources for the solved point `own` at a slot: the solved corners of the leaves
+  /// around it, including hanging corners that are solved points.
   std::vector<FitSource> neighbours(std::size_t slot, std::int32_t own) const {
     const CellSlot& center = tree_.slots()[slot];
     std::set<std::int32_t> numbers;
@@ -134,9 +138,9 @@ class Fitter {
     return {squaredNorm(offset), offset, number};
   }
 
-  /// Returns whether the force at a ghost is plausible. It may differ from the nearest source's by
-  /// twice the larger of two changes: the one that the stiffness there predicts, and the largest
-  /// one to another source.
+  /// Returns whether the force at a ghost is plausible. Its difference from the force at the
+  /// nearest source must be at most twice the larger of two changes of force: the change that the
+  /// stiffness of that source predicts, and the largest change from that source to another one.
   bool isModest(const Equilibrium& ghost, const Candidate& nearest,
                 const std::vector<FitSource>& sources) const {
     const Equilibrium& base = space_.points[nearest.number].equilibrium;
@@ -153,8 +157,9 @@ class Fitter {
   const std::vector<bool> interpolated_;
   LocalFits& fits_;
   const std::vector<LatticeEdge>& inconsistent_;
-  std::vector<std::vector<std::int32_t>> around_;  ///< adjacent leaves, per slot
-  std::vector<std::int32_t> edge_;  ///< largest edge of the adjacent leaves, in lattice coordinates
+  std::vector<std::vector<std::int32_t>> around_;  ///< per slot, the adjacent leaves
+  std::vector<std::int32_t>
+      edge_;  ///< per slot, largest edge of the adjacent leaves, lattice units
   std::vector<std::int32_t> solved_;
   std::vector<KnownOrders> known_;  ///< per point
 };
@@ -170,13 +175,16 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   return jet;
 }
 
-/// 1-D basis of one derivative: a factor per datum at an end, [end 0..1][order 0..2].
+/// Factors of the data at both ends of an interval in one derivative at a place, [end 0..1][order
+/// of the datum 0..2].
 using AxisBasis = std::array<std::array<double, 3>, 2>;
-/// Quintic Hermite basis along an axis, 0..1, with its first and second derivatives.
+/// Quintic Hermite basis along an axis, on the interval 0..1: the factors for the value, the first
+/// and the second derivative.
 using Basis = std::array<AxisBasis, 3>;
 
-/// f has value 1 at the end, g slope 1, k curvature 1. The upper end mirrors the lower one, with a
-/// changed sign for odd orders.
+/// Returns the basis at t. The functions f, g and k belong to the lower end: there f has value 1, g
+/// slope 1 and k curvature 1, and everything else is zero. Those of the upper end are their mirror
+/// images, with the sign of odd orders reversed.
 Basis quinticHermite(double t) {
   const double s = 1 - t;
   Basis basis;
@@ -199,7 +207,8 @@ Basis quinticHermite(double t) {
   return basis;
 }
 
-/// Returns the basis along an axis of a leaf, for data in units of the spacing.
+/// Returns the basis along an axis of a leaf with edges of `edge`, for data that are scaled with
+/// the spacing.
 Basis basisIn(double edge, double spacing, double local) {
   Basis basis = quinticHermite(local);
   if (edge == spacing) return basis;
@@ -308,13 +317,14 @@ LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
   return basis;
 }
 
-/// Sums over z, then y, then x, so that the longest sums run over contiguous memory.
+/// Sums over z first, then y, then x, so that the longest sums run over contiguous memory.
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept {
   using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
   using Line = Eigen::Array3d;               // orders a
   const auto [x, y, z] = basesIn(edge, spacing, local);
-  // Derivatives of the interpolant, [f along z][e along y][d along x], d + e + f <= 2.
+  // Derivatives of the interpolant, of order f along z, e along y and d along x at [f][e][d]; only
+  // d + e + f <= 2.
   double d[3][3][3] = {};
   for (std::size_t x_end = 0; x_end < 2; ++x_end) {
     Line lines[3][3];  // [derivative f along z][e along y]

@@ -10,16 +10,19 @@
 namespace palpate {
 namespace {
 
-// Measured at 18000 exact solutions: liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
-// 100 mm, spacings from 10 to 33 mm. They include the rim and the neighbourhood of jumps between
-// branches. The bound holds at 99 % of them and is then 6 to 10 times the error in the median.
-constexpr double share_of_spread = 0.75;  ///< of the disagreement at solved corners
-constexpr double share_at_ghosts = 2.5;   ///< added, times the weight of the ghosts
-constexpr double at_suspect_edges = 3;    ///< multiplies the bound
+// Chosen by 18000 exact solutions: liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
+// 100 mm, spacings from 10 to 33 mm, including the rim of the ball and the neighbourhood of jumps
+// between branches. The bound holds at 99 % of these solutions, where it is 6 to 10 times the error
+// in the median.
+constexpr double share_of_spread = 0.75;  ///< factor of the disagreement if all corners are solved
+constexpr double share_at_ghosts =
+    2.5;  ///< times the weight of the ghost corners, added to the factor
+constexpr double at_suspect_edges = 3;  ///< factor of the bound in leaves with a suspect edge
 
 using Forces = Eigen::Matrix<double, 3, LocalPolynomial::terms>;
 
-/// Matrix from the derivatives of a polynomial to its force at one offset, in units of its scale.
+/// Returns the matrix that maps the derivatives of a polynomial to its force at an offset; lengths
+/// in units of the polynomial's scale.
 Forces forcesAt(const Eigen::Vector3d& offset) {
   Forces forces;
   for (Eigen::Index t = 0; t < LocalPolynomial::terms; ++t) {
@@ -30,8 +33,8 @@ Forces forcesAt(const Eigen::Vector3d& offset) {
   return forces;
 }
 
-/// Evaluates the forces of local polynomials at the nodes of leaves. Caches the matrices, since
-/// offsets repeat in units of the polynomial's scale.
+/// Evaluates the forces of local polynomials at the grid nodes of leaves. Caches the matrices of
+/// forcesAt(), because the same offsets, in units of the polynomial's scale, occur again and again.
 class NodeForces {
  public:
   Eigen::Vector3d at(const LocalPolynomial& polynomial, const Eigen::Vector3d& offset) {
@@ -67,7 +70,8 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
   return false;
 }
 
-/// Returns the leaves coarse to fine, because fine leaves hang on coarse ones.
+/// Returns the leaves from coarse to fine. In this order, the bound in a coarse leaf is known when
+/// a finer leaf with a hanging corner needs it.
 std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
   std::vector<std::int32_t> order(tree.leaves().size());
   std::iota(order.begin(), order.end(), 0);
@@ -79,12 +83,13 @@ std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
 /// Measures how far the polynomials at the corners of a leaf are from its interpolant.
 class Disagreement {
  public:
-  /// The arguments must outlive it.
+  /// The arguments must outlive this object.
   Disagreement(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
                const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
       : tree_(tree), polynomials_(polynomials), jets_(jets), suspect_(suspect) {}
 
-  /// `inherited(leaf, local)` returns the bound in a coarser leaf at a hanging corner.
+  /// Returns the error bound at a place in a leaf. inherited(leaf, local) must return the bound at
+  /// a place in a coarser leaf; it is called for hanging corners.
   template <class Inherited>
   double boundAt(std::int32_t leaf, const Eigen::Vector3d& local, Inherited inherited) {
     const Eigen::Vector3d force = evaluateEnergy(tree_, jets_, {leaf, local}).force;
@@ -107,7 +112,7 @@ class Disagreement {
       ++known;
       if (slot.kind == SlotKind::ghost) ghosts += weights[c];
     }
-    // Hanging corners have no polynomial, so the mean of the others stands in.
+    // Hanging corners have no polynomial; use the mean difference of the other corners for them.
     if (known > 0) spread += hanging * sum / known;
     const double factor = hasSuspectEdge(tree_, leaf, suspect_) ? at_suspect_edges : 1;
     return factor * (share_of_spread + share_at_ghosts * ghosts) * spread + of_coarser;

@@ -9,11 +9,11 @@
 namespace palpate {
 namespace {
 
-// Largest number of data of a source: energy, three slopes, six curvatures and ten third
-// derivatives, in the order of the first terms.
+// Largest number of data of a source: the energy, three first, six second and ten third
+// derivatives, in the order of the polynomial's terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// Size of the cached factorisations, in numbers (8 MB). When it is exceeded, the cache is cleared.
-/// The drives of a site share some 150 factorisations.
+/// Limit of the size of all cached factorisations, in numbers (8 MB). When it is exceeded, the
+/// cache is cleared. The fits of the drives of one site use about 150 different factorisations.
 constexpr Eigen::Index most_kept = 1 << 20;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
@@ -30,7 +30,7 @@ const std::vector<Orders> all_orders = makeOrders();
 
 constexpr int termsUpTo(int degree) { return (degree + 1) * (degree + 2) * (degree + 3) / 6; }
 
-/// x^n / n! along the axes, at [axis][n + 3]; zero for n < 0.
+/// Powers x^n / n! of each coordinate x, at [axis][n + 3]; zero for n < 0.
 using Powers = std::array<std::array<double, LocalPolynomial::degree + 4>, 3>;
 
 Powers powersOf(const Eigen::Vector3d& x) {
@@ -44,7 +44,8 @@ Powers powersOf(const Eigen::Vector3d& x) {
   return powers;
 }
 
-/// Returns derivative `wanted`, at most of third order, of the term x^a/a! y^b/b! z^c/c!.
+/// Returns the derivative of the term x^a/a! y^b/b! z^c/c!, with a, b, c the entries of `term`.
+/// `wanted` gives the order of the derivative along each axis, at most 3 in total.
 double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   double product = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -54,14 +55,14 @@ double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   return product;
 }
 
-/// Returns the known data in units of length in which `scale` is 1.
+/// Returns the data of a source, scaled to a unit of length of `scale` metres.
 KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   const Eigen::Vector3d slope = -scale * e.force;
   const Eigen::Matrix3d curvature = -0.5 * scale * scale * (e.stiffness + e.stiffness.transpose());
   KnownDerivatives data(most_data);
   data.head<10>() << e.energy, slope, curvature(0, 0), curvature(0, 1), curvature(0, 2),
       curvature(1, 1), curvature(1, 2), curvature(2, 2);
-  const SymmetricSlope& t = e.stiffness_by_p;  // rows xx, xy, xz, yy, yz, zz
+  const SymmetricSlope& t = e.stiffness_by_p;  // rows are xx, xy, xz, yy, yz, zz
   data.tail<10>() << t(0, 0), t(0, 1), t(0, 2), t(3, 0), t(4, 0), t(5, 0), t(3, 1), t(3, 2),
       t(5, 1), t(5, 2);
   data.tail<10>() *= -scale * scale * scale;
@@ -69,21 +70,21 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   return data;
 }
 
-// Chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm, with spacings from 15 to
-// 33 mm. Factors of ten in either direction change the errors by some 10 %. The exception is a
-// fifth degree without penalty, which doubles them at the rim. Directions that all sources together
-// leave undetermined are pulled to zero by smallest_penalty.
+// Weights and penalties, chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm,
+// with spacings from 15 to 33 mm. Penalties ten times as large or small change the errors by some
+// 10 %, but no penalty on the fifth degree doubles the errors at the rim. smallest_penalty makes
+// derivatives zero that the sources together do not determine.
 constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
-/// A slope counts if its prediction is at most this number of times worse than zero: a slope in the
-/// middle of a coarse cell is useful even then. Near a point with singular stiffness, slopes of
-/// dT/ds are wrong by factors of thousands.
+/// A slope is used if its prediction is at most this many times as bad as predicting no change,
+/// because in the middle of a coarse cell even such a slope is useful. Near a point with singular
+/// stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 
-/// Returns the matrix of its components (symmetric_axes).
+/// Returns the symmetric matrix with these components, in the order of symmetric_axes.
 Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
   Eigen::Matrix3d matrix;
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
@@ -97,13 +98,13 @@ KnownOrders oneLess(KnownOrders known) {
   return static_cast<KnownOrders>(static_cast<int>(known) - 1);
 }
 
-/// Returns the number of data of a source that count.
+/// Returns the number of data of a source that are used.
 Eigen::Index numbersOf(KnownOrders of_source, KnownOrders of_kind) {
   return termsUpTo(static_cast<int>(std::min(of_source, of_kind)));
 }
 
-/// The least-squares system. Rows: the weighted data of the sources, then the penalties. Columns:
-/// the terms of degree `from` to `degree`.
+/// The least-squares system of a fit. Its rows are the weighted data of the sources, then the
+/// penalties. Its columns are the terms of degree `from` to `degree`.
 struct WeightedSystem {
   WeightedSystem(const std::vector<FitSource>& sources, std::int32_t edge, int from, int degree,
                  KnownOrders known, const std::array<double, 6>& penalty) {
@@ -131,8 +132,8 @@ struct WeightedSystem {
     int known_of_all = from > 0 ? from - 1 : static_cast<int>(known);
     for (const FitSource& source : sources)
       known_of_all = std::min(known_of_all, static_cast<int>(source.known));
-    // One row per unknown pulls it to zero (ridge regression). A few sources may also leave slopes
-    // and curvatures undetermined if no source knows them.
+    // Add a penalty row for each unknown (ridge regression). Derivatives that not every source has
+    // as data always get a penalty, because few sources may leave them undetermined.
     for (int t = 0; t < unknowns; ++t) {
       const int order = total(term(t));
       matrix(weights.size() + t, t) = order > known_of_all
@@ -248,7 +249,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   known = std::min(known, kind_.known);
   const Eigen::Index n_known = termsUpTo(static_cast<int>(known));
   result.derivatives.head(n_known) = dataOf(own, result.scale, known);
-  // The own data remain; unknown derivatives stay zero.
+  // Without sources the higher derivatives stay zero.
   if (sources.empty()) return result;
   const Factors& factors =
       factorsOf(sources, edge, static_cast<int>(known) + 1, kind_.highest_completed);

@@ -28,18 +28,18 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
   NodalFields fields = {std::vector<float>(3 * n_nodes), std::vector<float>(n_pressures)};
   for (std::vector<float>* values : {&fields.displacement, &fields.pressure}) {
     const std::size_t length = values->size() * sizeof(float);
-    // memcpy must not get the null pointer of an empty array.
+    // Do not use memcpy, which must not get the null pointer of an empty array.
     std::ranges::copy(bytes.substr(0, length), reinterpret_cast<char*>(values->data()));
     bytes.remove_prefix(length);
     for (const float value : *values)
-      // Newton would start from this value and fail far from the cause.
+      // Refuse such a value here. Newton's method would start from it and fail far from the cause.
       if (!std::isfinite(value)) throw failure("nodal fields hold a value that is not finite");
   }
   return fields;
 }
 
 bool isUsable(const Equilibrium& e) {
-  // False for NaN.
+  // Returns false for NaN too.
   const auto is = [](const auto& values) { return (values.array().abs() <= largest_stored).all(); };
   return is(e.force) && is(e.stiffness) && std::abs(e.energy) <= largest_stored &&
          std::abs(e.min_det_F) <= largest_stored && is(e.drive) && is(e.drive_stiffness) &&

@@ -8,15 +8,15 @@
 namespace palpate {
 namespace {
 
-/// The words of name(), by value.
+/// The words that name() returns, by value of the cause.
 constexpr auto cause_words = std::to_array<std::string_view>(
     {"none", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia",
      "factorization_failed", "not_finite", "step_budget", "worker_lost", "unreachable",
      "limit_point", "beyond_force", "bifurcation"});
 static_assert(cause_words.size() == static_cast<std::size_t>(Cause::bifurcation) + 1);
 
-/// Returns the meaning of `f` and the usual remedy. A switch, so that the compiler reports a cause
-/// without a case.
+/// Returns the meaning of `f` and the usual remedy. This is a switch, so that the compiler warns
+/// about a cause without a case.
 std::string meaningOf(const Failure& f) {
   switch (f.cause) {
     case Cause::none: break;
@@ -85,7 +85,7 @@ bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cau
 
 std::string describe(const Failure& failure) {
   if (failure.cause == Cause::none) return "no failure";
-  // A lost worker reports no position.
+  // A worker that died has not reported how far the transition got.
   const bool has_place = stopsTransitions(failure.cause) && failure.cause != Cause::worker_lost;
   const std::string where =
       has_place ? fmt::format(" at {:.1f} % of the transition", 100 * failure.step_reached) : "";

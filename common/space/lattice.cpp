@@ -13,8 +13,9 @@
 namespace palpate {
 namespace {
 
-constexpr double max_points = 1e7;  // 4/3 pi ratio^3 estimates the count to 0.1 %
-/// The spacing 14.3 mm means 100/7 mm = 14.2857 mm, and 6.667 mm means 100/15 mm.
+constexpr double max_points = 1e7;  // the estimate 4/3 pi ratio^3 is accurate to 0.1 %
+/// Relative tolerance for rounded spacings: 14.3 mm stands for 100/7 mm = 14.2857 mm, and 6.667 mm
+/// for 100/15 mm.
 constexpr double spacing_tolerance = 2e-3;
 
 /// Returns radius / spacing, rounded to an integer if it is within spacing_tolerance of one.
@@ -28,7 +29,7 @@ double ratioOf(double radius, double spacing) {
         radius, spacing);
   const double ratio = radius / spacing;
   const double whole = std::round(ratio);
-  // Users round 100/7 mm to 14.3 mm and mean a lattice that ends on the sphere.
+  // Users who write 14.3 mm for 100/7 mm want a lattice that ends on the sphere.
   return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
 }
 
@@ -42,11 +43,11 @@ void forEachPointOfBall(std::int32_t extent, std::int64_t limit, Visit visit) {
           visit(LatticePoint{i, j, k}, static_cast<std::size_t>(norm));
 }
 
-/// Returns the lattice points of the ball by (squared norm, i, j, k). A counting sort, since there
-/// may be millions.
+/// Returns the lattice points of the ball, sorted by (squared norm, i, j, k). Uses a counting sort,
+/// because there may be millions of points.
 std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) {
   std::vector<std::size_t> next(static_cast<std::size_t>(limit) + 2,
-                                0);  // index of the next point of a norm
+                                0);  // per squared norm, index of its next point
   forEachPointOfBall(extent, limit,
                      [&](const LatticePoint&, std::size_t norm) { ++next[norm + 1]; });
   std::partial_sum(next.begin(), next.end(), next.begin());
@@ -79,8 +80,7 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
-  // The sphere is decided in integers, so a ratio that is whole but for round-off must not lose its
-  // points.
+  // The margin keeps the points on the sphere if the ratio is an integer up to round-off.
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
   points_ = pointsOfBall(extent_, limit);
@@ -113,7 +113,8 @@ std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const
   std::size_t place = 0;
   for (const std::int32_t coordinate : point) {
     const std::int32_t in_spacings = coordinate / divisions_;
-    // Division truncates, so negative coordinates are compared after multiplying back.
+    // Division truncates. Multiply back to find out whether the coordinate is a multiple of the
+    // divisions.
     if (in_spacings * divisions_ != coordinate || std::abs(in_spacings) > extent_)
       return std::nullopt;
     place = place * (2 * static_cast<std::size_t>(extent_) + 1) +
@@ -159,7 +160,7 @@ struct Step {
   int i, j, k;
 };
 
-/// The steps to a point's neighbours, in lexicographic order.
+/// The steps from a point to its 26 neighbours, in lexicographic order.
 constexpr std::array<Step, 26> steps = [] {
   std::array<Step, 26> all = {};
   std::size_t n = 0;
@@ -179,7 +180,8 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
   const auto place = static_cast<std::int64_t>(*placeInCube(point));
   const std::int64_t side = 2 * std::int64_t{extent_} + 1;
   const auto isInside = [&](std::int32_t x) { return std::abs(x) <= extent_; };
-  // Sort by length of the step, then norm of the point, then coordinates.
+  // Sort keys of the neighbours found: length of the step, then norm of the neighbour, then
+  // coordinates.
   std::array<std::pair<std::int64_t, std::int32_t>, 26> found;
   std::size_t count = 0;
   for (std::size_t s = 0; s < steps.size(); ++s) {
@@ -187,10 +189,11 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
     if (!isInside(center[0] + i) || !isInside(center[1] + j) || !isInside(center[2] + k)) continue;
     const std::int32_t number =
         index_of_[static_cast<std::size_t>(place + (i * side + j) * side + k)];
-    // Refined points have parents of their own (the plan's pursuits).
+    // Skip added points. The plan chooses the parents of those points in another way.
     if (number < 0 || number >= uniform_size_) continue;
     const std::int64_t squared_length = i * i + j * j + k * k;
-    // Among steps of one length the norm grows with the product.
+    // For steps of equal length, the norm of the neighbour grows with the dot product of point and
+    // step.
     const std::int64_t along =
         std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
     found[count++] = {(squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
@@ -231,15 +234,15 @@ LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions) {
   PALPATE_ASSERT(cell.level > 0, "cells of level 0 are in no other");
   LatticeCell parent = {cell.lowest, cell.level - 1};
   const std::int32_t edge = divisions >> parent.level;
-  // The remainder of a negative coordinate is negative, so this computes floor instead of
-  // truncation.
+  // Round down to a multiple of `edge`, also if the coordinate, and with it the remainder, is
+  // negative.
   for (std::int32_t& coordinate : parent.lowest) coordinate -= (coordinate % edge + edge) % edge;
   return parent;
 }
 
 bool reachesIntoBall(const Lattice& lattice, const LatticeCell& cell) {
   const std::int32_t edge = lattice.divisions() >> cell.level;
-  double squared = 0;  // of the distance from the origin to the nearest place of the cell
+  double squared = 0;  // squared distance from the origin to the nearest place of the cell
   for (const std::int32_t low : cell.lowest) {
     const double distance = std::max({low, -(low + edge), 0});
     squared += distance * distance;

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Returns whether a coordinate lies beyond all cubes that reach into the ball.
+/// Returns whether a coordinate lies outside all cells that reach into the ball.
 bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   const std::int64_t limit =
       static_cast<std::int64_t>(std::floor(lattice.radius() / lattice.spacing() * (1 + 1e-9)) + 1) *
@@ -28,7 +28,8 @@ std::string faultOfSplits(const SpaceRows& space) {
     return "splits are not sorted by level and lowest";
   for (std::size_t i = 0; i < splits.size(); ++i) {
     const LatticeCell& cell = splits[i];
-    // A shift by 31 or more is undefined, and the table may come from a file.
+    // The table may come from a file, so check the level before a shift, which is undefined for 31
+    // and more.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
       return fmt::format("split {} is of level {}, which has no halves", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
@@ -97,7 +98,7 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   for (const PointRecord& point : space.points)
     if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
   const double limit =
-      // Without an expandable point there is no force to compare with.
+      // Without an expandable point there is no force to compare with, so there is no limit.
       largest > 0 ? largest_force_share * largest : std::numeric_limits<double>::infinity();
   std::vector<bool> interpolated;
   for (const PointRecord& point : space.points)
@@ -120,7 +121,7 @@ std::string faultOf(const SpaceRows& space) {
   }
   for (std::int32_t i = 0; i < space.probes(); ++i) {
     const Probe probe = space.probe(i);
-    // Negated, so that NaN is a fault.
+    // The negation makes NaN a fault too.
     if (!(probe.displacement.norm() <= lattice.radius() * (1 + 1e-9)))
       return fmt::format("probe {} lies outside of the ball", i);
     if (const std::int32_t parent = probe.record.parent; parent != -1 && !isPoint(parent))
