@@ -94,8 +94,8 @@ constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.cons
 }  // namespace
 
 bool EdgeCheck::consistent() const {
-  // The constant terms allow for round-off, which would otherwise make an edge with constant
-  // stiffness inconsistent.
+  // The constant terms only keep round-off, and edges along which the force is linear, from
+  // counting as inconsistent.
   return force_mismatch <= 2e-3 * scale + 0.1 * change + bend &&
          energy_mismatch <= 5e-4 * scale + 0.02 * change + 0.25 * bend;
 }

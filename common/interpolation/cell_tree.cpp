@@ -10,8 +10,8 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
-// Relative distance by which find() moves a position inward if it lies in no leaf. Such a position
-// is near the sphere, in a cell that was left out because it hardly reaches into the ball
+// Distance, in radii, by which find() moves a position inward if it lies in no leaf. Such a
+// position is near the sphere, in a cell that was left out because it hardly reaches into the ball
 // (shallow_reach). The distance exceeds the depth to which these cells reach.
 constexpr double pull = 1e-9;
 static_assert(pull > shallow_reach);

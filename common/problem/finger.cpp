@@ -11,17 +11,20 @@
 namespace palpate {
 namespace {
 
-/// Length of the mean unit normal below which the finger is on both sides of a lobe. It is a half
-/// where the surface turns by a right angle under the finger.
+/// If the mean of the unit normals under a finger is shorter than this, the finger covers both
+/// sides of a lobe. For comparison, the length is 0.5 if the surface turns by a right angle under
+/// the finger.
 constexpr double both_sides = 0.35;
 
-/// Cosine and sine of the largest lean of a pushed displacement, 75 degrees.
+/// Cosine and sine of 75 degrees, the largest angle between the displacement of a pushing finger
+/// and the inward normal.
 constexpr double lean_cosine = 0.25881904510252074, lean_sine = 0.9659258262890683;
 
-/// Largest sideways displacement, in radii: soft parts are followed inward, not sideways.
+/// Largest component along the surface of a pushed displacement, in finger radii. Deep
+/// displacements into soft parts go inward rather than sideways.
 constexpr double pushed_width = 1.5;
 
-/// Mean of the unit normals, weighted by the bump of the finger.
+/// Returns the mean of the unit normals under the finger, weighted by the finger's bump.
 Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double whole = 0;
@@ -93,7 +96,8 @@ PushedPart pushedAt(const Eigen::Vector3d& normal, double radius) {
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const Eigen::Vector3d mean = meanNormal(mesh, finger);
   const double length = mean.norm();
-  const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);  // of the angle a in finger.hpp
+  const double cosine =
+      std::clamp(2 * length - 1, -1.0, 1.0);  // cos a, with the angle a of finger.hpp
   const double sine = std::sqrt(1 - cosine * cosine);
   if (!(sine * lean_cosine + cosine * lean_sine > 0)) return {};
   return {mean / length, sine * lean_sine - cosine * lean_cosine, pushed_width * finger.radius};

@@ -26,7 +26,7 @@ constexpr double usual_body = 0.2;
 void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
   const double size = boundingBox(mesh).sizes().maxCoeff();
   if (size >= smallest_body && size <= largest_body) return;
-  // A scene keeps the size of its unit, not the word.
+  // Find the unit by its size, because a scene does not keep the name of its unit.
   const auto* const used = std::ranges::min_element(length_units, {}, [&](const LengthUnit& unit) {
     return std::abs(unit.metres - metres_per_unit);
   });
@@ -47,8 +47,8 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
       finding, best->name, used->name, best->word, best_size, best->word);
 }
 
-/// A component is held if its nodes that are fixed, or shared with held components, prevent it from
-/// turning.
+/// Refuses a body with a component that can move freely. A component is held if its fixed nodes,
+/// together with the nodes that it shares with other held components, do not lie on one line.
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   const std::vector<NodeSet> pieces = piecesOf(mesh);
@@ -95,8 +95,8 @@ void refuseLoosePieces(const Problem& problem) {
                    counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
-/// Returns whether `nodes` is a sorted set of nodes of the mesh. Data from the wire may be
-/// anything.
+/// Returns whether `nodes` is a sorted set of nodes of a mesh with `n_nodes` nodes. Checked because
+/// data from other processes cannot be trusted.
 bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
   return std::ranges::adjacent_find(nodes, std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() ||
@@ -112,8 +112,9 @@ void checkFixed(const Problem& problem) {
     throw badInput("[fixed] selects all {} nodes: nothing is left to move", n_nodes);
 }
 
-/// Error unless the weights fit the tool: none for a rigid patch, else one per node with sum 1.
-/// Fingers, and only they, must have a place.
+/// Error unless the patch fits the tool. The patch of a rigid tool must have no weights, other
+/// patches one weight per node with sum 1. A finger must have ActivePatch::finger, and other tools
+/// must not.
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
   if (patch.finger.has_value() != finger || (finger && !isFinger(*patch.finger)))
@@ -126,8 +127,8 @@ void checkWeights(const ActivePatch& patch, ToolKind tool) {
                    patch.weights.size(), sum, patch.nodes.size());
 }
 
-/// Largest ratio of stiffness in a body. Beyond it, forces in the soft part are lost in the
-/// round-off of the stiff part.
+/// Largest allowed ratio of stiffness between the materials of a body. At larger ratios, the
+/// round-off of the stiff part exceeds the forces in the soft part.
 constexpr double largest_contrast = 1e7;
 
 void refuseContrast(const std::vector<Region>& regions) {
@@ -171,9 +172,10 @@ std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
   return nodes;
 }
 
-/// Refuses elements that cannot keep their volume. A pressure keeps the volume of the elements
-/// around it. If the tool and the fixed set hold all nodes of these elements, every displacement
-/// changes a volume that no free node can restore.
+/// Refuses a patch with which some elements cannot keep their volume. The pressure at a node keeps
+/// the volume of the elements around the node constant. If all nodes of these elements are fixed or
+/// move with the tool, a displacement changes their volume, and no free node can compensate for
+/// this.
 void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
   const PressureSpace pressure = problem.scene.discretization.pressure;
   const bool exact = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
@@ -229,8 +231,8 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
   refuseSqueezed(problem, patch);
 }
 
-/// Error unless problem and scene agree on the probe and it lies where the lattice can represent
-/// it.
+/// Error unless problem and scene agree on the probe, and its displacement can be a position of the
+/// lattice.
 void checkProbe(const Problem& problem, std::size_t number) {
   const auto& probe = problem.active[number].probe;
   if (probe != problem.scene.active[number].probe)
@@ -265,8 +267,8 @@ void checkWorkspace(const Problem& problem) {
         radius, diagonal);
 }
 
-/// Refuses a missing file or another format here, because the reader cannot name the scene's file
-/// and key.
+/// Refuses a mesh file that does not exist or has another format. Done here, because the mesh
+/// reader cannot name the scene file and the key in its error.
 void refuseOtherMeshes(const Scene& scene) {
   std::error_code ignored;
   if (!std::filesystem::exists(scene.mesh, ignored))
@@ -279,7 +281,7 @@ void refuseOtherMeshes(const Scene& scene) {
         shellWord(std::filesystem::path(scene.mesh).replace_extension(".msh").string()));
 }
 
-/// Returns the error with its position in the scene file.
+/// Returns the error with the scene file and, if known, the line in front of its message.
 Error inScene(const std::filesystem::path& scene_file, const Error& error) {
   const auto* const of_line = dynamic_cast<const SceneError*>(&error);
   const std::string line =
@@ -350,7 +352,7 @@ std::int32_t probesIn(const Scene& scene, std::size_t space) {
 
 Problem resolve(Scene scene, Mesh mesh) {
   atLine(scene.lines.of("mesh"), [&] { refuseMistakenUnit(mesh, scene.metres_per_unit); });
-  // Before the selectors, which also select mid-edge nodes.
+  // Add mid-edge nodes before selectors are resolved, because these also select mid-edge nodes.
   if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   Problem problem;
   problem.region_of = selectRegions(scene.regions, mesh);

@@ -16,16 +16,17 @@
 namespace palpate {
 namespace {
 
-/// Young's moduli of soft tissue, Pa, from brain and fat to cartilage.
+/// Range of Young's modulus of soft tissue, Pa, from brain and fat to cartilage.
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
-/// Stretch far beyond the limits of tissue, and of max_force.
+/// A stretch far beyond those that tissue endures or that max_force allows.
 constexpr double largest_stretch = 3;
-/// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres
-/// differs from their stretch. Measured on a cube pulled along its fibres: at 2, 10 and 50 times k1
-/// the force is 29, 11 and 3 % too small.
+/// Smallest ratio of the bulk modulus to the moduli of matrix and fibres. The energy of fibres
+/// depends on their isochoric stretch, which differs from their actual stretch if the bulk modulus
+/// is smaller. Measured on a cube pulled along its fibres: at 2, 10 and 50 times k1 the force is
+/// 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
 
-/// Returns `"a", "b" and 398 more`.
+/// Lists names for a message, such as `"a", "b" and 398 more`.
 std::string listOf(const std::vector<std::string>& names) {
   const std::size_t shown = names.size() <= listed_names + 1 ? names.size() : listed_names;
   std::string text = fmt::format(
@@ -35,7 +36,7 @@ std::string listOf(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Collects the warnings of one problem.
+/// Collects the warnings about a problem.
 class Warnings {
  public:
   explicit Warnings(const Problem& problem)
@@ -97,8 +98,9 @@ class Warnings {
           named(region), *material.bulk, fibres_need_bulk * std::max(material.mu, material.k1));
   }
 
-  /// A tool at the edge of the workspace strains the tissue below it by about the workspace radius
-  /// divided by the distance to the fixed nodes.
+  /// Warns about laws that are unstable at the strains of the workspace. At the edge of the
+  /// workspace, the strain below the tool is about the workspace radius divided by the distance to
+  /// the fixed nodes.
   void warnOfStability() {
     const double strain = scene_.workspace.radius / distance_to_fixed_;
     for (const Region& region : scene_.regions)
@@ -120,7 +122,7 @@ class Warnings {
     };
     for (const Region& region : scene_.regions) {
       warnOfNumbers(region);
-      // The bulk modulus has a warning of its own.
+      // There is a separate warning about the bulk modulus, so leave its effect out here.
       const double young =
           region.material.bulk ? 3 * shearModulus(region.material) : youngModulus(region.material);
       if (isTissue(young)) continue;
@@ -158,7 +160,8 @@ class Warnings {
     }
   }
 
-  /// A linear element between two rigid parts cannot bulge.
+  /// Warns about single layers of linear elements between the tool and fixed nodes, because such
+  /// elements cannot bulge.
   void warnOfLayers() {
     if (scene_.discretization.displacement != DisplacementSpace::p1) return;
     std::set<std::int32_t> beside_fixed;
@@ -168,7 +171,7 @@ class Warnings {
     std::vector<std::string> thin;
     for (const ActivePatch& patch : problem_.active)
       if (beside_fixed.contains(patch.node)) thin.push_back(patch.name);
-    // Among many places, some lie beside fixed nodes.
+    // Warn only if most active nodes are affected: among many, some always lie beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
           "active {}: one element lies between the tool and what is fixed, which cannot bulge: "
@@ -209,7 +212,8 @@ class Warnings {
     return distance(*std::ranges::min_element(problem_.fixed, {}, distance));
   }
 
-  /// Median over the active nodes, m. Among many, some lie beside the fixed nodes.
+  /// Returns the median, over the active nodes, of the distance to the nearest fixed node, m. The
+  /// minimum would be misleading, because among many active nodes some lie beside fixed nodes.
   double usualDistanceToFixed() const {
     std::vector<double> distances;
     for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
@@ -285,7 +289,7 @@ class Warnings {
     std::map<std::int32_t, std::string> name_of;
     std::vector<std::string> twins;
     for (const ActivePatch& patch : problem_.active) {
-      if (patch.finger) continue;  // its node does not identify its place
+      if (patch.finger) continue;  // two fingers may have the same nearest node
       const auto [first, is_new] = name_of.emplace(patch.node, patch.name);
       if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, patch.name));
     }

@@ -1,4 +1,4 @@
-// The problem as bytes, and its id.
+// Encoding of a problem as bytes, and its id.
 
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -26,7 +26,7 @@ std::vector<T> arrayFrom(const std::string& bytes, const char* what) {
   if (bytes.size() % sizeof(T) != 0)
     throw badInput("{} have {} bytes, not a multiple of {}", what, bytes.size(), sizeof(T));
   std::vector<T> values(bytes.size() / sizeof(T));
-  // memcpy must not get the null pointer of an empty array.
+  // Do not use memcpy, which must not get the null pointer of an empty array.
   std::ranges::copy(bytes, reinterpret_cast<char*>(values.data()));
   return values;
 }
@@ -59,11 +59,12 @@ wire::Problem toMessage(const Problem& problem) {
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
     group.set_name(name);
-    // Mid-edge nodes come last and are made again from the vertices.
+    // Leave out mid-edge nodes, which come last: the decoder makes them again from the vertices.
     const auto end = std::lower_bound(nodes.begin(), nodes.end(), problem.mesh.vertices());
     group.set_nodes(bytesOfArray(std::span(nodes.begin(), end)));
   }
-  // Bodies of one material keep the ids they had before regions existed.
+  // Leave region_of out for bodies of one material, so that they keep the ids from before regions
+  // existed.
   if (problem.scene.regions.size() > 1) message.set_region_of(bytesOfArray(problem.region_of));
   message.set_fibers(bytesOfArray(problem.fibers));
   return message;
@@ -137,7 +138,7 @@ Problem decodeProblem(std::string_view bytes) {
     Problem problem = fromMessage(message);
     checkProblem(problem);
     problem.pressures = pressureSlots(problem);
-    // Equal problems must have equal ids, so only one encoding of each is accepted.
+    // Accept only one encoding of each problem, because equal problems must have equal ids.
     if (encodeProblem(problem) != bytes)
       throw failure("it is not written as this version of Palpate writes it");
     return problem;
@@ -148,7 +149,7 @@ Problem decodeProblem(std::string_view bytes) {
 
 ContentId problemId(const Problem& problem) {
   Problem bare = problem;
-  // The names must not be empty: the scene reader refuses that.
+  // These texts are not empty, because the scene reader refuses empty ones.
   bare.scene.name = "any";
   bare.scene.mesh = "any";
   bare.scene.fixed = {};
@@ -157,7 +158,8 @@ ContentId problemId(const Problem& problem) {
   bare.scene.storage = {};
   bare.scene.contact = {};
   bare.mesh.node_groups.clear();
-  // Without refinement the other numbers of [accuracy] have no effect.
+  // Keep only the number of probes if there is no refinement: the rest of [accuracy] has no effect
+  // then.
   if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
     Region& region = bare.scene.regions[r];
@@ -166,7 +168,8 @@ ContentId problemId(const Problem& problem) {
   }
   ContentHasher hasher;
   hasher.add(encodeProblem(bare));
-  // Earlier versions solved these with one pressure per node, which gave other configurations.
+  // Change the id of bodies with pressures that jump between materials. Earlier versions solved
+  // these with one pressure per node, which gave other configurations.
   if (problem.pressures.count() > problem.pressures.nodes())
     hasher.add("pressures jump between materials");
   return hasher.finish();

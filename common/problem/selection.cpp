@@ -28,8 +28,8 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
   return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
 }
 
-/// Returns the entry of this name. An Error begins with `missing`, which says what is not there,
-/// and lists the existing names of the kind `what`.
+/// Returns the entry with this name. If there is none, throws an Error that begins with `missing`
+/// and lists the existing names; `what` is the plural noun for them.
 template <class Named>
 const auto& entryNamed(const Named& named, const std::string& name, std::string_view missing,
                        const char* what) {
@@ -49,7 +49,7 @@ const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string
   return group;
 }
 
-/// Adds the candidates for which `inside` holds; throws `nothing()` if there are none.
+/// Adds the candidates for which inside(node) is true; throws nothing() if there are none.
 template <class Inside, class Nothing>
 void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing nothing) {
   const std::size_t before = selected.size();
@@ -57,7 +57,8 @@ void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing
   if (selected.size() == before) throw nothing();
 }
 
-/// Adds the candidates in each box and each sphere; throws `nothing(key)` if one of them is empty.
+/// Adds the candidates in each box and each sphere of the selection; throws nothing(key) if a box
+/// or sphere contains none.
 template <class Selection, class Nothing>
 void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& candidates,
                   const Mesh& mesh, Nothing nothing) {
@@ -73,7 +74,7 @@ void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& 
 
 // ---- [fixed] --------------------------------------------------------------------------------
 
-/// Returns whether the half space contains x, for a mesh with this bounding box.
+/// Returns whether the half space contains x. `box` is the bounding box of the mesh.
 bool isIn(const HalfSpace& half, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& x) {
   const double extent = box.sizes()[half.axis];
   const double plane = half.at      ? *half.at
@@ -82,7 +83,7 @@ bool isIn(const HalfSpace& half, const Eigen::AlignedBox3d& box, const Eigen::Ve
   return half.below ? x[half.axis] < plane : x[half.axis] > plane;
 }
 
-/// Adds the mid-edge nodes between two listed vertices.
+/// Adds to `fixed` the mid-edge nodes of edges with both vertices in `listed`.
 void addNodesBetween(NodeSet listed, const Mesh& mesh, NodeSet& fixed) {
   sortUnique(listed);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -114,8 +115,8 @@ NodeSet selectOnSurface(const SurfaceSelection& selection, const std::string& ke
 NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& surface,
                   const NodeSet& fixed) {
   const std::string key = fmt::format("active \"{}\": surface", selection.name);
-  // Fixed nodes are left out silently if some others remain, since a surface may reach over the
-  // rim.
+  // Leave out fixed nodes without an error if others remain, because a selected surface may extend
+  // beyond the movable part.
   const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surface);
   NodeSet movable;
   std::set_difference(selected.begin(), selected.end(), fixed.begin(), fixed.end(),
@@ -126,7 +127,7 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   return movable;
 }
 
-/// Returns the triangles whose three corners `surface` selects.
+/// Returns the surface triangles with three selected corners (ActiveSelection::surface).
 std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Mesh& mesh) {
   const std::string key = fmt::format("active \"{}\": surface", selection.name);
   const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surfaceNodes(mesh));
@@ -142,7 +143,7 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
   return triangles;
 }
 
-/// Returns one finger for each site of a surface.
+/// Returns one finger per site of a selected surface.
 std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
                                      const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, const Scene& scene) {
@@ -165,7 +166,7 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
   return fingers;
 }
 
-/// Returns one finger for each probe place of a surface.
+/// Returns one finger per probe place of a selected surface.
 std::vector<ActiveSelection> probesOf(const ActiveSelection& selection, const Mesh& mesh,
                                       const std::vector<std::int32_t>& triangles,
                                       const NodeSet& fixed, const Scene& scene) {
@@ -226,7 +227,7 @@ ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, con
   return patch;
 }
 
-/// Returns the vertices `surface` and the mid-edge nodes of their triangles.
+/// Returns the vertices of the surface together with its mid-edge nodes.
 NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
   if (mesh.edges.empty()) return surface;
   for (const Triangle& t : mesh.surface)
@@ -246,7 +247,7 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
   std::vector<double> weights;
   for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node].value);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-  // Single weights may be negative with quadratic shape functions.
+  // With quadratic shape functions single weights may be negative, and thus also their sum.
   if (!(sum > 0))
     throw badInput(
         "active \"{}\": the weights of its {} nodes do not have a positive sum; make radius larger",
@@ -294,7 +295,8 @@ std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
   return elements;
 }
 
-/// Returns the vectors of the material's fibre field, null if it has fixed fibres or none.
+/// Returns the element vectors that give the material's fibre directions (Material::fiber_field),
+/// or null if it uses none.
 const std::vector<Eigen::Vector3d>* fieldOf(const Material& material, const Mesh& mesh) {
   if (material.fiber_field.empty()) return nullptr;
   return &entryNamed(
@@ -385,7 +387,7 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
   for (const std::int32_t node : weighted ? withMidEdgeNodes(surface, mesh) : allNodes(mesh)) {
     const bool within = (mesh.nodes[node] - center).squaredNorm() <=
                         selection.radius * selection.radius * on_the_sphere;
-    // The node itself always belongs, even if round-off puts it outside a radius of 0.
+    // Always include the active node itself. With a radius of 0, round-off could exclude it.
     if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
   }
   PALPATE_ASSERT(contains(patch.nodes, patch.node),
@@ -406,7 +408,7 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
             placeOf(mesh, element), regions[region_of[element]].name(), regions[r].name());
       region_of[element] = static_cast<std::uint16_t>(r);
     }
-  // [material] takes the tetrahedra outside all regions. Without a [material], none may be left.
+  // Tetrahedra outside all regions belong to [material]. Without a [material] there must be none.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
     throw badInputAt(regions.front().lines.table,

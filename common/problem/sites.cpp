@@ -17,26 +17,29 @@
 namespace palpate {
 namespace {
 
-/// Sampling by pieces gives the free share of a finger to about 0.01.
+/// Margin for the error of mayStand(), which samples the free share of a finger at the middles of
+/// pieces with an accuracy of about 0.01.
 constexpr double free_share_margin = 0.02;
 
-/// Sites lie closer together where the surface bends under the finger (mean unit normal m), because
-/// the energy changes faster with s at rims and tips. Their distance is site_distance for |m| above
-/// `flat` and falls to `closest` times that for |m| below `bent`.
+/// Sites lie closer together where the surface bends under the finger, because at rims and tips the
+/// energy changes faster with the place s. The length of the mean unit normal under the finger
+/// measures the bend. If it is above `flat`, the distance of sites is not reduced; if it is below
+/// `bent`, the distance is reduced by the factor `closest`.
 constexpr double flat = 0.95, bent = 0.55, closest = 0.6;
 
-/// Sites also lie closer if a finger sinks in deeply, because the tissue folds around it. The
-/// factor falls to `closest_when_deep` between depths of `shallow` and `deep` radii. On a dome
-/// under a finger pressed in by up to 1.1 radii, 94 % of 146 exact solutions are kept with this
-/// rule and 90 % without it.
+/// Sites also lie closer together if a finger sinks in deeply, because the tissue folds around it.
+/// The distance is reduced by a factor that falls from 1 at a depth of `shallow` radii to
+/// `closest_when_deep` at `deep` radii. On a dome under a finger pressed in by up to 1.1 radii, the
+/// allowed error is kept at 94 % of 146 exact solutions with this rule, and at 90 % without it.
 constexpr double shallow = 0.75, deep = 1.25, closest_when_deep = 0.7;
-/// A force F presses a finger in by at most about F / (stiffness_share * shear modulus * radius).
+/// A force F presses a finger in by at most about F / (stiffness_share * shear modulus * finger
+/// radius).
 constexpr double stiffness_share = 3;
 
 struct Piece {
   Eigen::Vector3d middle, normal;
   double area;
-  double free;  ///< share of the shape functions at the middle that belong to movable nodes
+  double free;  ///< sum of the shape functions of movable vertices at the middle
 };
 
 void appendPieces(const Mesh& mesh, std::int32_t triangle, const NodeSet& fixed, double width,
@@ -58,7 +61,7 @@ double areaOf(const Mesh& mesh, const std::vector<std::int32_t>& triangles) {
   return area;
 }
 
-/// Returns whether a finger here rests on movable tissue.
+/// Returns whether enough of a finger at `center` rests on movable nodes (least_free_share).
 bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Piece>& pieces) {
   double whole = 0, free = 0;
   for (const Piece& piece : pieces) {
@@ -69,7 +72,7 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
   return free >= (least_free_share + free_share_margin) * whole;
 }
 
-/// Returns, for each place, the largest distance to a site, metres.
+/// Returns for each place the largest allowed distance to its nearest site, metres.
 std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
                                   const std::vector<Piece>& pieces, double radius,
                                   double distance) {
@@ -93,14 +96,16 @@ std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
   return distances;
 }
 
-/// Largest number of draws per wanted probe. A purely pushing finger uses a third of them and may
-/// stand on half of the surface.
+/// Largest number of random draws per wanted probe. Many draws are refused: a finger that only
+/// pushes reaches about a third of the displacements, and can often stand on only half of the
+/// surface.
 constexpr std::int64_t most_draws = 100;
-/// Shortest displacement, in reaches. The probes' lattice rounds shorter ones to rest.
+/// Smallest length of a probe's displacement, as a fraction of `reach`. Shorter displacements would
+/// be rounded to the rest position of the probe's lattice.
 constexpr double least_length = 0.01;
 
-/// Returns element n of the sequence of Roberts (2018), which fills the unit cube evenly: fractions
-/// of multiples of the powers of 1/g, with g^5 = g + 1.
+/// Returns element n of the low-discrepancy sequence of Roberts (2018) in the 4-D unit cube.
+/// Coordinate k = 1..4 is the fractional part of 0.5 + n / g^k, with g^5 = g + 1.
 Eigen::Vector4d quasiRandom(std::int64_t n) {
   constexpr double g = 1.1673039782614187;
   Eigen::Vector4d x;
@@ -113,7 +118,7 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
   return x;
 }
 
-/// Maps the unit square to the unit sphere with constant density (Archimedes).
+/// Maps the unit square to the unit sphere so that areas are preserved up to a factor (Archimedes).
 Eigen::Vector3d onSphere(double height, double turn) {
   const double z = 2 * height - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
   return {r * std::cos(angle), r * std::sin(angle), z};
@@ -155,10 +160,12 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
         "make radius larger, or the surface smaller",
         radius, max_sites);
   };
-  // A site covers at most a disk. This check costs little before there are many pieces.
+  // A site covers at most a disk, so the area gives a lower bound for the number of sites. Check it
+  // first, before the surface is divided into a huge number of pieces.
   const double disk = std::numbers::pi * std::pow(distance * radius, 2);
   if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
-  // A finger reaches beyond the surface to cover.
+  // Pieces are also needed around the triangles to cover, because a finger at their rim reaches
+  // beyond them.
   Eigen::AlignedBox3d box;
   for (const std::int32_t triangle : triangles) box.extend(boxOf(mesh, triangle));
   box = {box.min().array() - radius, box.max().array() + radius};
@@ -178,8 +185,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
   const FreeShare free_share(mesh, fixed, radius);
   return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {
-                          // The pieces look at vertices alone, so their result is checked with all
-                          // nodes.
+                          // mayStand() considers only vertices; FreeShare considers all nodes.
                           const bool may_stand = mayStand(place, radius, pieces) &&
                                                  !free_share.isBelow(least_free_share, place);
                           if (may_stand && taken == max_sites) refuse();
@@ -191,7 +197,7 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
                                     const NodeSet& fixed, double radius, double reach,
                                     ContactMode contact, std::int32_t count) {
   std::vector<Eigen::Vector3d> middles, normals;
-  std::vector<double> areas;  // running sum over the pieces, m^2
+  std::vector<double> areas;  // cumulative area of the pieces, m^2
   double area = 0;
   for (const std::int32_t triangle : triangles)
     forEachPiece(mesh, triangle, place_distance * radius, [&](const SurfacePiece& piece) {

@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the name of every active node, or of its area; each once, in scene order.
+/// Returns the names that users can choose, each once, in scene order: those of the areas, and
+/// those of the active nodes outside areas.
 std::vector<std::string> choicesOf(const Scene& scene) {
   std::vector<std::string> names;
   for (const ActiveSelection& active : scene.active) {

@@ -32,7 +32,7 @@ double shearModulus(const Material& m) {
       return twice / 2;
     }
     case LawName::veronda_westmann:
-      // dW/dI1 + dW/dI2 = c1 c2 - c1 c2 / 2 at rest.
+      // mu = 2 (dW/dI1 + dW/dI2) = 2 (c1 c2 - c1 c2 / 2) at rest.
       return m.c1 * m.c2;
   }
   return 0;

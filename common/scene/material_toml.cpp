@@ -14,7 +14,7 @@ namespace {
 
 enum class Sign { positive, not_negative, any };
 
-/// A key that holds one number.
+/// A key of a material whose value is a number.
 struct NumberKey {
   std::string_view key;
   double Material::*member;
@@ -42,7 +42,7 @@ constexpr NumberKey k1 = {"k1", &Material::k1, Sign::positive, "Pa",
 constexpr NumberKey k2 = {"k2", &Material::k2, Sign::positive, "",
                           "the factor in the exponent of the fibres, a number"};
 
-/// Returns the number keys of a law. Ogden's terms are lists and not among them.
+/// Returns the keys of a law whose values are numbers. Ogden's terms are lists and not included.
 std::vector<NumberKey> numbersOf(LawName law) {
   switch (law) {
     case LawName::linear:
@@ -63,7 +63,7 @@ bool takesYoung(LawName law) {
          law == LawName::modified_st_venant_kirchhoff;
 }
 
-/// Keys that a law requires, and keys that it accepts.
+/// Keys that a law requires, and further keys that it accepts.
 struct Keys {
   std::vector<std::string_view> needed, optional;
 };
@@ -139,7 +139,8 @@ std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
 Eigen::Vector3d directionOf(const TomlSection& section, const toml::node& node) {
   Eigen::Vector3d direction = section.vector("fiber", node);
   if (direction.isZero(0)) throw section.wrong("fiber", "[0, 0, 0] has no direction");
-  // Normalising again would change the last bit, and with it the id of the scene.
+  // Do not normalise a unit vector again. Round-off could change it, and with it the id of the
+  // scene.
   if (std::abs(direction.squaredNorm() - 1) < 1e-14) return direction;
   return direction.stableNormalized();
 }
@@ -155,7 +156,7 @@ void readFibers(const TomlSection& section, Material& material) {
   if (array == nullptr || array->empty())
     throw section.wrong("fiber",
                         "write [x, y, z], [[x, y, z], [x, y, z]], or the name of element vectors");
-  // A single direction may be written without the outer brackets.
+  // A single direction may be written without the outer brackets, as [x, y, z].
   if (!array->get(0)->is_array()) {
     material.fibers = {directionOf(section, node)};
     return;
@@ -185,7 +186,7 @@ std::string listToml(const std::vector<OgdenTerm>& terms, double OgdenTerm::*mem
   return fmt::format("[{}]", fmt::join(textsOf(terms, value), ", "));
 }
 
-/// A key, its value as TOML, and the unit ("" for a pure number).
+/// A key, its value as TOML, and the unit of the value ("" for a pure number).
 struct Entry {
   std::string_view key;
   std::string value;
@@ -250,7 +251,7 @@ std::string materialToml(const Material& material) {
 std::string inWords(const Material& material) {
   std::string text(word(material.law));
   for (const auto& [key, value, unit] : entriesOf(material)) {
-    // TOML needs 1300.0; 1300 reads better.
+    // Remove ".0", which only TOML needs.
     const std::size_t end = value.ends_with(".0") ? value.size() - 2 : value.size();
     text += fmt::format(", {} = {}{}{}", key, value.substr(0, end), unit.empty() ? "" : " ", unit);
   }

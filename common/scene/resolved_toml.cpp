@@ -1,4 +1,4 @@
-// The scene as TOML for messages and datasets; scene.cpp reads it.
+// Writes a scene as TOML, for messages and datasets. scene.cpp reads it.
 
 #include <fmt/ranges.h>
 
@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Returns `key = [item, ...]`, one item per line; empty without items.
+/// Returns the TOML `key = [item, ...]` with one item per line; empty if there are no items.
 std::string listOf(const char* key, const std::vector<std::string>& items) {
   if (items.empty()) return {};
   std::string text = fmt::format("{} = [\n", key);
@@ -78,7 +78,8 @@ std::string activeToml(const ActiveSelection& active) {
   return text;
 }
 
-/// Returns an empty text for defaults: such a scene keeps the id from before [accuracy] existed.
+/// Returns the table [accuracy]. It is empty if all values are defaults, so that such scenes keep
+/// their ids from before [accuracy] existed.
 std::string accuracyToml(const Accuracy& accuracy) {
   if (accuracy == Accuracy{}) return {};
   const std::string error =
@@ -101,7 +102,7 @@ std::string resolvedToml(const Scene& scene) {
   std::string text =
       fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                   quotedToml(scene.mesh.filename().string()));
-  // The default is left out, so that older scenes keep their bytes.
+  // Leave out the default, so that scenes from before the key existed keep their bytes and ids.
   if (scene.contact != ContactMode{})
     text += fmt::format("contact = \"{}\"\n", word(scene.contact));
   for (const Region& region : scene.regions) text += regionToml(region);

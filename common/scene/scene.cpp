@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, length_units.size()> unit_words = {
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
-/// Refuses the last entry if an earlier one has the same name.
+/// Refuses the last entry of `before` if an earlier entry has the same name.
 template <class Entry>
 void refuseTwin(const TomlSection& section, const std::vector<Entry>& before,
                 std::string Entry::*name, const char* key, const char* what) {
@@ -75,7 +75,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
       throw section.wrong("group",
                           "missing: give the physical group of the mesh that is this region, or "
                           "box or sphere");
-    // Before the material is read, so that a duplicate group is reported first.
+    // Check this before the material is read, so that a duplicate group is reported first.
     if (!region.group.empty())
       refuseTwin(section, regions, &Region::group, "group", "regions are the group");
     region.material = readMaterial(section);
@@ -83,7 +83,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
   return regions;
 }
 
-/// Returns whether a material of some region has the property.
+/// Returns whether the material of any region has the property.
 bool anyMaterial(const std::vector<Region>& regions, bool (*property)(const Material&)) {
   return std::ranges::any_of(regions, [&](const Region& r) { return property(r.material); });
 }
@@ -112,7 +112,7 @@ void checkPressure(const TomlSection& section, const Discretization& d,
 Discretization readDiscretization(const TomlSection& root, const std::vector<Region>& regions) {
   Discretization d;
   const auto section = root.inner("discretization", {"displacement", "pressure", "constraint"});
-  // The displacement comes first, because the default pressure depends on it.
+  // Read the displacement first, because the default pressure depends on it.
   if (section) d.displacement = section->choice("displacement", d.displacement);
   d.pressure = !anyMaterial(regions, isMixed)            ? PressureSpace::none
                : d.displacement == DisplacementSpace::p1 ? PressureSpace::p1_stabilized
@@ -235,7 +235,8 @@ ActiveSelection readActive(const TomlSection& section) {
   return active;
 }
 
-/// Checks that fingers of one area have one radius and that no active node has an area's name.
+/// Checks that all fingers of an area have the same radius and that no active node has the name of
+/// an area.
 void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& actives) {
   std::map<std::string, double> radius_of;
   for (const ActiveSelection& active : actives)
@@ -281,7 +282,7 @@ std::optional<Device> readDevice(const TomlSection& root) {
   return Device{device_profiles[section->choice("profile", profile, device_words)]};
 }
 
-/// Returns the smaller of `limit` and `value`. A larger `value` is kept in `wanted`.
+/// Returns the smaller of `limit` and `value`. If `value` exceeds the limit, stores it in `wanted`.
 double atMost(double limit, double value, std::optional<double>& wanted) {
   if (value <= limit) return value;
   wanted = value;
@@ -343,7 +344,7 @@ Storage readStorage(const TomlSection& root) {
 }
 
 Scene readTables(const toml::table& table, const std::string& source) {
-  // length_unit is read before any length, into the context that all tables share.
+  // Read length_unit before any length, into the context that all tables share.
   TomlContext context{source};
   constexpr std::array<std::string_view, 14> keys = {
       "name",   "mesh",           "length_unit", "material", "region",   "gravity", "fixed",
@@ -405,7 +406,7 @@ Scene parseScene(const std::string& text, const std::string& source) {
 
 Scene readScene(const std::filesystem::path& file) {
   Scene scene = parseScene(readText(file, "scene"), file.string());
-  // The current folder may change before the mesh is read.
+  // Make the path absolute, because the current folder may change before the mesh is read.
   scene.mesh = std::filesystem::absolute(file.parent_path() / scene.mesh).lexically_normal();
   return scene;
 }

@@ -11,14 +11,16 @@
 namespace palpate {
 namespace {
 
-/// Returns "; did you mean \"spacing\"?", or a list of the valid words if none is similar.
+/// Returns a hint to append to an error about an unknown word: "; did you mean \"spacing\"?", or a
+/// list of the valid words if none is similar.
 std::string hint(std::string_view word, TomlSection::Words words) {
   const std::string_view nearest = nearestWord(word, words);
   if (nearest.empty()) return fmt::format("; there is {}", listed(words));
   return fmt::format("; did you mean \"{}\"?", nearest);
 }
 
-/// Returns 0 for a table that exists only through its inner tables.
+/// Returns the line of a node in the scene file. It is 0 for a table that is not written itself and
+/// exists only because of its inner tables.
 int sceneLine(const toml::source_region& source) { return static_cast<int>(source.begin.line); }
 
 std::string_view kindOf(const toml::node& node) {
