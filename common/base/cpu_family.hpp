@@ -29,8 +29,8 @@ constexpr std::string_view blasKernelsOf(CpuFamily family) {
   return names[static_cast<std::size_t>(family)];
 }
 
-/// Names the two sets of kernels that determine the bits of a result: the element kernels and those
-/// of OpenBLAS, as in "avx2/Haswell". The name depends on the family alone, not on the model of the
+/// Names the element kernels and the OpenBLAS kernels, as in "avx2/Haswell". Together they
+/// determine the bits of a result. The name depends on the family alone, not on the model of the
 /// CPU.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));

@@ -138,7 +138,8 @@ Ran runToItsEnd(const ForeignProgram& program) {
     case WhyEnded::interrupted:
       throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was at work", name));
     case WhyEnded::out_of_patience: {
-      // Report what the program printed: sbatch, for example, retries for minutes and prints why.
+      // Report the program's own messages. sbatch, for example, retries for minutes and prints the
+      // reason.
       const std::string said = printable(readWhole(err), longest_reason);
       throw failure("{} did not answer within {} s{}{}", name, program.patience.count(),
                     said.empty() ? "" : " but: ", said);

@@ -51,8 +51,8 @@ std::filesystem::path programBeside(const std::string& name);
 /// Returns whether SIGINT, SIGTERM or SIGHUP has arrived since catchInterrupts() was called. SIGHUP
 /// does not count if it was ignored at start. A second signal ends the process at once with code
 /// 130, unless it arrives within a second of the first. Two signals within a second usually have
-/// one cause: timeout(1) signals a process and then its group; after Ctrl-C a child gets a signal
-/// from the terminal and another one from its parent.
+/// one cause. For example, timeout(1) signals a process and then its group, and after Ctrl-C a
+/// child gets a signal from the terminal and another one from its parent.
 bool interrupted();
 /// Throws an Error with the exit code of an interrupt if interrupted(). Only for work that has not
 /// replaced any file yet.

@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// Returns the content of a file. `what` ("scene", "mesh") says in errors what the file is. Error
+/// Returns the content of a file. Errors call the file by the noun `what` ("scene", "mesh"). Error
 /// (bad input) if the file is a directory or cannot be opened; Error if it cannot be read to its
 /// end.
 std::string readText(const std::filesystem::path& file, std::string_view what);
@@ -31,7 +31,7 @@ std::filesystem::path linkTarget(std::filesystem::path file);
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write);
 
-/// Replaces `file` by these bytes. `what` ("page", "picture") says in errors what the file is.
+/// Replaces `file` by these bytes. Errors call the file by the noun `what` ("page", "picture").
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
 
 /// Replaces `file` by the result of `bytes`. That function may read the old content, because no

@@ -40,9 +40,9 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
 /// its members.
 class Dataset {
  public:
-  /// Opens and verifies `file`. Error that names the file and the array if the file is missing,
-  /// truncated, not a Palpate dataset or of a major version that is not supported, or if an array
-  /// does not match its hash.
+  /// Opens and verifies `file`. Error if the file is missing, truncated, not a Palpate dataset or
+  /// of an unsupported major version, or if an array does not match its hash. The message names the
+  /// file and the array.
   explicit Dataset(const std::filesystem::path& file);
   ~Dataset();
   Dataset(Dataset&&) noexcept;

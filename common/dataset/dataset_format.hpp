@@ -80,10 +80,11 @@ class FieldsReader {
                const std::vector<SpaceTable>& spaces);
 
   /// Returns the fields of `count` points of a space, from point `first` on, one point after the
-  /// other: displacements (metres) of the stored nodes, and pressures (Pa) of all nodes of the
-  /// pressure space if they are stored. Values are NaN at points that are not solved. A node with
-  /// one pressure per adjacent material gets that of the first one (PressureSlots). `table` is the
-  /// space with the index `space`. Error that names the point and the array if a row is damaged.
+  /// other. They are the displacements (metres) of the stored nodes and, if stored, the pressures
+  /// (Pa) of the nodes with a pressure. Values are NaN at points that are not solved. A node
+  /// between materials has several pressures and gets the one in its first slot (PressureSlots).
+  /// `table` is the space with the index `space`. Error that names the point and the array if a row
+  /// is damaged.
   NodalFields read(std::size_t space, const SpaceTable& table, std::size_t first,
                    std::size_t count) const;
 

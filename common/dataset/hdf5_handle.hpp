@@ -22,7 +22,7 @@ void silenceErrorStack();
 /// to close files at the end.
 void leaveOpenFilesAtExit() noexcept;
 
-/// Returns the reason why the last HDF5 call failed: the system's message ("No space left on
+/// Returns the reason why the last HDF5 call failed. It is the system's message ("No space left on
 /// device") if a system call failed, else the innermost message of HDF5's error stack, or "unknown
 /// HDF5 error".
 std::string lastError();
@@ -87,7 +87,7 @@ using Shape = std::vector<hsize_t>;        ///< extents, slowest first; empty fo
 std::size_t countOf(const Shape& shape);   ///< product of the extents
 std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
 
-/// Layout of a list in an array: each entry of the list is one row, whose numbers have the shape
+/// Layout of a list in an array: each entry of the list is one row of numbers with the shape
 /// `extents`, slowest first.
 template <class NumberInFile, hsize_t... extents>
 struct Row {

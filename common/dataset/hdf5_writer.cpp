@@ -28,7 +28,7 @@ Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()) {
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
   // Turn off HDF5's file locks. The caller may hold a lock on the file (replaceFile), which HDF5
-  // would take for that of another process.
+  // would take for a lock of another process.
   check(H5Pset_file_locking(access.get(), false, true), "file locking");
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");

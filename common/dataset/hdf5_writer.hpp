@@ -9,7 +9,7 @@ namespace palpate::hdf5 {
 class RowWriter;
 
 /// Writes arrays of plain types and attributes to a new HDF5 file. The bytes of the file depend on
-/// the calls alone (no time stamps). The file format is that of HDF5 1.10, the first one with
+/// the calls alone (no time stamps). The file has the format of HDF5 1.10, the first version with
 /// checksums on all structural data.
 ///
 /// Memory use does not grow with the file. If the disk is full, the function that notices it

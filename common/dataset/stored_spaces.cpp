@@ -54,8 +54,8 @@ constexpr auto probe_count = [](const SpaceToWrite& space) {
 constexpr auto attempt_count = [](const SpaceToWrite& space) { return space.rows.attempts(); };
 
 /// Calls visit(firsts, rows, list, count) for each table. `firsts` is the path of the array with
-/// the first row of each space, `rows` is the path of one of the table's arrays, list(SpaceTable)
-/// is the list with the rows of a space, and count(SpaceToWrite) is its number of rows.
+/// the first row of each space. `rows` is the path of one of the table's arrays. list(SpaceTable)
+/// is the list with the rows of a space. count(SpaceToWrite) is the number of these rows.
 template <class Visit>
 void forEachTable(const Visit& visit) {
   visit("/spaces/first_patch_node", patch_node_path, patch_nodes,

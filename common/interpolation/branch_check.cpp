@@ -49,7 +49,8 @@ double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) 
   return largest;
 }
 
-/// Returns the edges of leaf cells that join solved points and whose EdgeCheck `selects` accepts.
+/// Returns the edges of leaf cells that join solved points and have an EdgeCheck for which
+/// `selects` is true.
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
                                      const EquilibriumOf& equilibriumOf, Select selects) {

@@ -19,7 +19,7 @@ struct EdgeCheck {
   double change = 0;  ///< N
   double bend = 0;    ///< N
   /// 0 to 1: factor for the thresholds in newtons. It is below 1 if the largest force of the space
-  /// is smaller than that of the body on which the thresholds were measured.
+  /// is smaller than the largest force in the measurements behind the thresholds.
   double scale = 1;
 
   /// Returns false only if it is implausible that a smooth branch joins a and b. If the stiffness
@@ -43,8 +43,8 @@ EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Ei
 ///
 /// All edges of leaf cells are tested. A leaf is a cell of the uniform lattice, or an eighth of a
 /// split cell, that is not split itself. In an unrefined lattice these are all pairs of solved
-/// points that are one spacing apart along an axis. Where a coarse leaf meets finer ones, both the
-/// whole edge of the coarse leaf and its two halves are tested. Any thread.
+/// points that are one spacing apart along an axis. At the boundary between a coarse leaf and finer
+/// ones, both the whole edge of the coarse leaf and its two halves are tested. Any thread.
 ///
 /// The thresholds were chosen on liver-493 (Mooney-Rivlin, eight active nodes, 33 mm spacing,
 /// pushed up to 100 mm inwards). To know which edges have a jump, every edge was solved in 32 steps

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Where the nodal data of a slot come from.
+/// Source of the nodal data of a slot.
 enum class SlotKind : std::uint8_t {
   /// A lattice point that holds an equilibrium (and is one of interpolatedPoints).
   solved,
@@ -15,8 +15,8 @@ enum class SlotKind : std::uint8_t {
   /// interpolatedPoints). Its data are extrapolated from solved points.
   ghost,
   /// A position on the boundary of a coarser leaf, but not at one of its corners. Its data are
-  /// those of the interpolant in the coarser leaf, even if the position is solved, so that the
-  /// interpolants of both leaves agree on their common boundary.
+  /// taken from the interpolant in the coarser leaf, even if the position is solved. The
+  /// interpolants of both leaves therefore agree on their common boundary.
   hanging,
 };
 
@@ -45,9 +45,8 @@ inline bool isCorner(const Eigen::Vector3d& local) noexcept {
 }
 
 /// The octree of one configuration space. Its root cells are the cells of the uniform lattice that
-/// reach into the workspace ball. A split cell has as children those of its eighths that reach into
-/// the ball, and so on. The cells without children are the leaves; together they cover the whole
-/// ball.
+/// reach into the workspace ball. The children of a split cell are its eighths that reach into the
+/// ball, and so on. The cells without children are the leaves; together they cover the whole ball.
 ///
 /// A method that interpolates nodal data proceeds in three steps:
 /// 1. take the data of the solved slots from the space;

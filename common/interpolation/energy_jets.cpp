@@ -88,8 +88,8 @@ class Fitter {
     auto operator<=>(const Candidate&) const = default;
   };
 
-  /// Returns the nearest candidates, at most `most`. Leaves out those that an inconsistent edge
-  /// joins to `own` (a lattice number, or -1) or to a nearer candidate that was chosen.
+  /// Returns the nearest candidates, at most `most`. A candidate is left out if an inconsistent
+  /// edge joins it to `own` (a lattice number, or -1) or to a nearer candidate that was chosen.
   std::vector<FitSource> choose(std::vector<Candidate> candidates, std::int32_t own,
                                 std::size_t most) const {
     std::ranges::sort(candidates);
@@ -139,8 +139,9 @@ class Fitter {
   }
 
   /// Returns whether the force at a ghost is plausible. Its difference from the force at the
-  /// nearest source must be at most twice the larger of two changes of force: the change that the
-  /// stiffness of that source predicts, and the largest change from that source to another one.
+  /// nearest source must be at most twice the usual change. The usual change is the one that the
+  /// stiffness of the nearest source predicts, or the largest change from the nearest source to
+  /// another one if that is larger.
   bool isModest(const Equilibrium& ghost, const Candidate& nearest,
                 const std::vector<FitSource>& sources) const {
     const Equilibrium& base = space_.points[nearest.number].equilibrium;
@@ -183,8 +184,8 @@ using AxisBasis = std::array<std::array<double, 3>, 2>;
 using Basis = std::array<AxisBasis, 3>;
 
 /// Returns the basis at t. The functions f, g and k belong to the lower end: there f has value 1, g
-/// slope 1 and k curvature 1, and everything else is zero. Those of the upper end are their mirror
-/// images, with the sign of odd orders reversed.
+/// slope 1 and k curvature 1, and everything else is zero. The functions of the upper end are their
+/// mirror images, with the sign of odd orders reversed.
 Basis quinticHermite(double t) {
   const double s = 1 - t;
   Basis basis;

@@ -35,13 +35,13 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);
 
-/// Returns the jets of all slots. They are taken from the slots' polynomials (slotPolynomials),
-/// except that those of hanging slots are interpolated in the slot's coarser leaf.
+/// Returns the jets of all slots. The jet of a hanging slot is interpolated in the slot's coarser
+/// leaf. All other jets are taken from the slots' polynomials (slotPolynomials).
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
-/// Returns the jets of all slots from their polynomials. The caller must fill in those of hanging
-/// slots.
+/// Returns the jets of all slots from their polynomials. The caller must fill in the jets of
+/// hanging slots.
 std::vector<EnergyJet> slotJets(const CellTree& tree,
                                 const std::vector<LocalPolynomial>& polynomials);
 
@@ -58,9 +58,9 @@ EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing
                             const Eigen::Vector3d& local) noexcept;
 
 /// 1-D Hermite basis along each axis, at a place in a leaf, with indices
-/// [axis][wanted][end][known]. Each factor is the contribution of the derivative of order `known`
-/// at one end of the leaf to the derivative of order `wanted` at the place, both in units of the
-/// spacing.
+/// [axis][wanted][end][known]. A factor is the contribution of the derivative of order `known` at
+/// an end of the leaf to the derivative of order `wanted` at the place. Both derivatives are in
+/// units of the spacing.
 using AxisFactors = std::array<std::array<std::array<std::array<double, 3>, 2>, 3>, 3>;
 AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local);
 

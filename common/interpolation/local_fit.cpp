@@ -72,15 +72,15 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
 
 // Weights and penalties, chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm,
 // with spacings from 15 to 33 mm. Penalties ten times as large or small change the errors by some
-// 10 %, but no penalty on the fifth degree doubles the errors at the rim. smallest_penalty makes
-// derivatives zero that the sources together do not determine.
+// 10 %. Without a penalty on the fifth degree, however, the errors at the rim double.
+// smallest_penalty makes derivatives zero that the sources together do not determine.
 constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
-/// A slope is used if its prediction is at most this many times as bad as predicting no change,
-/// because in the middle of a coarse cell even such a slope is useful. Near a point with singular
+/// A slope is used if its prediction is at most this many times as bad as predicting no change.
+/// Even such a slope is useful in the middle of a coarse cell. Near a point with singular
 /// stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Return the bounding box of a surface triangle, and that of a ball; metres.
+/// Return the bounding box of a surface triangle and the bounding box of a ball, metres.
 inline Eigen::AlignedBox3d boxOf(const Mesh& mesh, std::int32_t triangle) {
   Eigen::AlignedBox3d box;
   for (const std::int32_t node : mesh.surface[triangle]) box.extend(mesh.nodes[node]);

@@ -13,8 +13,9 @@ namespace palpate {
 /// smaller share, a few free nodes at the rim of the finger would carry all the force.
 inline constexpr double least_free_share = 0.5;
 
-/// Largest edge, in finger radii, of the pieces into which the surface is divided to choose sites,
-/// and spacing of the candidates for collocation points of an area (placesAround in sites.hpp).
+/// Largest edge, in finger radii, of the pieces into which the surface is divided to choose sites.
+/// It is also the spacing of the candidates for collocation points of an area (placesAround in
+/// sites.hpp).
 inline constexpr double place_distance = 0.1;
 
 /// Returns the weights of a finger on this body. Error (bad input) if the finger is as wide as the
@@ -54,8 +55,9 @@ PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
 /// normals under it nearly cancel out.
 bool isOnBothSides(const Mesh& mesh, const Finger& finger);
 
-/// Returns the largest distance from the surface, m, at which a given place still counts as on the
-/// surface: a quarter of the finger's radius, or a millionth of the body's size if that is more.
+/// Returns the largest distance from the surface, m, at which a place still counts as on the
+/// surface. It is a quarter of the finger's radius, or a millionth of the body's size if that is
+/// more.
 inline double mostPlaceDistance(const Mesh& mesh, double finger_radius) {
   return std::max(0.25 * finger_radius, 1e-6 * boundingBox(mesh).diagonal().norm());
 }

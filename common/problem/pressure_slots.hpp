@@ -42,7 +42,7 @@ class PressureSlots {
   /// Returns the slot at a node for elements of `region`, which must have a pressure there.
   std::int32_t slotOf(std::int32_t node, std::uint16_t region) const;
   /// Returns the slots of the further materials at a node, ascending. They come in addition to the
-  /// node's first slot, whose number is that of the node.
+  /// node's first slot, which has the number of the node.
   std::span<const Further> furtherAt(std::int32_t node) const;
   /// Returns the number of a slot that furtherAt() returned.
   std::int32_t numberOf(const Further& slot) const {

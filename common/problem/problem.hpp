@@ -111,10 +111,10 @@ Problem decodeProblem(std::string_view bytes);
 /// regions and fibres, fixed nodes, and the names, nodes, weights, places and reach of the active
 /// patches.
 ///
-/// The id leaves out everything that does not influence configurations, so that a change of it does
-/// not make computed results useless: the scene's name, file paths, selectors (only the selected
-/// nodes count), names of groups, the unit of the files, [storage], and the device (only its effect
-/// on the workspace counts).
+/// The id leaves out everything that does not influence configurations, so that results stay valid
+/// if it changes. It leaves out the scene's name, file paths, selectors (only the selected nodes
+/// count), names of groups, the unit of the files, [storage], and the device (only its effect on
+/// the workspace counts).
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ namespace {
 
 /// Range of Young's modulus of soft tissue, Pa, from brain and fat to cartilage.
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
-/// A stretch far beyond those that tissue endures or that max_force allows.
+/// A stretch far beyond the range that tissue endures or max_force allows.
 constexpr double largest_stretch = 3;
 /// Smallest ratio of the bulk modulus to the moduli of matrix and fibres. The energy of fibres
 /// depends on their isochoric stretch, which differs from their actual stretch if the bulk modulus

@@ -29,7 +29,7 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
 }
 
 /// Returns the entry with this name. If there is none, throws an Error that begins with `missing`
-/// and lists the existing names; `what` is the plural noun for them.
+/// and lists the existing names, introduced by the plural noun `what`.
 template <class Named>
 const auto& entryNamed(const Named& named, const std::string& name, std::string_view missing,
                        const char* what) {

@@ -15,10 +15,11 @@ namespace palpate {
 /// nothing, or if a group or node does not exist.
 NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
 
-/// Returns the [[active]] tables of a scene, with each table that has a `surface` replaced by one
-/// table per place:
+/// Returns the [[active]] tables of a scene. Each table with a `surface` is replaced by several
+/// tables, one per place.
 /// - For a rigid or weighted-average tool there is one table per selected surface vertex that is
-///   not fixed, ascending, called NAME-NODE, with the radius and tool of the original table.
+///   not fixed, ascending. It is called NAME-NODE and has the radius and tool of the original
+///   table.
 /// - For a finger there is one table per site (sitesOn), called NAME-0, NAME-1, ..., with the site
 ///   as `near` and NAME as area. A triangle belongs to the surface if its three corners are
 ///   selected.

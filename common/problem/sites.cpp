@@ -30,7 +30,8 @@ constexpr double flat = 0.95, bent = 0.55, closest = 0.6;
 /// Sites also lie closer together if a finger sinks in deeply, because the tissue folds around it.
 /// The distance is reduced by a factor that falls from 1 at a depth of `shallow` radii to
 /// `closest_when_deep` at `deep` radii. On a dome under a finger pressed in by up to 1.1 radii, the
-/// allowed error is kept at 94 % of 146 exact solutions with this rule, and at 90 % without it.
+/// error is within the allowed one at 94 % of 146 exact solutions with this rule, and at 90 %
+/// without it.
 constexpr double shallow = 0.75, deep = 1.25, closest_when_deep = 0.7;
 /// A force F presses a finger in by at most about F / (stiffness_share * shear modulus * finger
 /// radius).

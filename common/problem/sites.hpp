@@ -15,7 +15,7 @@ inline constexpr std::size_t max_sites = 5000;
 /// `radius` (metres). It is site_distance, and decreases to 0.7 times that if forces up to
 /// max_force may press the finger in by more than its radius. The depth is estimated with the
 /// smallest shear modulus at rest of all regions, without fibres. readScene has already limited
-/// max_force to that of the device.
+/// max_force to the largest force of the device.
 double siteDistance(const Scene& scene, double radius);
 
 /// Returns the sites of a finger of `radius` (metres) that cover these triangles of the mesh's
@@ -26,9 +26,9 @@ double siteDistance(const Scene& scene, double radius);
 /// (finger_weights.hpp). One site may therefore serve both sides of a thin lobe.
 ///
 /// A place is left out if nearly half or more of the finger would rest on `fixed` (sorted), or if
-/// its triangle is fixed; neighbouring sites cover it as far as they reach. The number of sites
-/// depends on the shape of the surface and the radius, but not on the mesh, because triangles are
-/// divided into pieces of at most place_distance. The result is a deterministic function of the
+/// its triangle is fixed. Neighbouring sites cover such places as far as they reach. The number of
+/// sites depends on the shape of the surface and the radius, but not on the mesh, because triangles
+/// are divided into pieces of at most place_distance. The result is a deterministic function of the
 /// arguments. It is empty if the finger would rest on fixed nodes everywhere. Error (bad input)
 /// with a remedy if there are more than max_sites.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,

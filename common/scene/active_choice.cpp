@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the names that users can choose, each once, in scene order: those of the areas, and
-/// those of the active nodes outside areas.
+/// Returns the names that users can choose, each once, in scene order: the names of areas, and of
+/// active nodes that belong to no area.
 std::vector<std::string> choicesOf(const Scene& scene) {
   std::vector<std::string> names;
   for (const ActiveSelection& active : scene.active) {

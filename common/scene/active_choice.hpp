@@ -16,8 +16,8 @@ struct ActiveChoice {
 
 /// Returns the active node or area with this name; if `name` is empty, the scene's only active node
 /// or area. Error (bad input) that lists all names if no active node or area has this name, or if
-/// the name is empty and there are several. The list contains the names of areas, but not those of
-/// their sites.
+/// the name is empty and there are several. The list contains the names of areas, but not of their
+/// sites.
 ActiveChoice chooseActive(const Scene& scene, const std::string& name);
 
 /// Returns every area with its sites, in scene order.

@@ -14,7 +14,7 @@ namespace {
 
 enum class Sign { positive, not_negative, any };
 
-/// A key of a material whose value is a number.
+/// A numerical key of a material.
 struct NumberKey {
   std::string_view key;
   double Material::*member;
@@ -42,7 +42,7 @@ constexpr NumberKey k1 = {"k1", &Material::k1, Sign::positive, "Pa",
 constexpr NumberKey k2 = {"k2", &Material::k2, Sign::positive, "",
                           "the factor in the exponent of the fibres, a number"};
 
-/// Returns the keys of a law whose values are numbers. Ogden's terms are lists and not included.
+/// Returns the numerical keys of a law. The keys of Ogden's terms hold lists and are not included.
 std::vector<NumberKey> numbersOf(LawName law) {
   switch (law) {
     case LawName::linear:

@@ -107,9 +107,9 @@ struct ActiveSelection {
   /// are the sites from which the energy E(s, p) is interpolated for any place s between them.
   /// Empty for a finger that belongs to no area. No active node may have this name.
   std::string area = {};
-  /// Set for a finger that is not a site but a probe of the area `probe_of`: the exact solution for
-  /// the displacement `probe` (metres) is compared with the one interpolated in that area. Either
-  /// both are set, or neither.
+  /// Set for a finger that is not a site but a probe of the area `probe_of`. The exact solution for
+  /// the displacement `probe` (metres) is compared with the interpolated one. Either both are set,
+  /// or neither.
   std::string probe_of = {};
   std::optional<Eigen::Vector3d> probe = {};
   KeyLines lines = {};

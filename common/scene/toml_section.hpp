@@ -98,8 +98,8 @@ class TomlSection {
 
   /// Returns `key` as a list: empty if absent, the elements of an array, or the single value.
   std::vector<const toml::node*> oneOrMany(std::string_view key) const;
-  /// Returns the tables [[key]], of which there must be at least one. For errors, `each` says what
-  /// one table describes.
+  /// Returns the tables [[key]], of which there must be at least one. For errors, `each` is the
+  /// noun for the thing that one table describes.
   const toml::array& tables(std::string_view key, std::string_view each) const;
   /// Returns the table that `key` holds, which may contain only these keys.
   TomlSection inner(std::string_view key, const toml::node& node, Words keys) const;

@@ -41,8 +41,8 @@ struct ActivePatch {
   /// (r/radius)^2)^2. With P2 displacement some weights may be negative, because quadratic shape
   /// functions are negative in places.
   std::vector<double> weights = {};
-  /// Set for a finger, which may be centred anywhere on the surface. The weights are then those of
-  /// fingerWeights() around its centre (finger_weights.hpp), and `node` is the vertex in `nodes`
+  /// Set for a finger, which may be centred anywhere on the surface. The weights are then computed
+  /// by fingerWeights() around its centre (finger_weights.hpp), and `node` is the vertex in `nodes`
   /// that is nearest to the centre.
   std::optional<Finger> finger = {};
   /// Set for a finger that is a probe place of an area. Its space then consists of the rest

@@ -87,8 +87,8 @@ class SpaceRows {
  public:
   virtual ~SpaceRows() = default;
   virtual const ActivePatch& patch() const = 0;
-  /// A lattice whose first points() points are those of the space. Other positions (probes) may
-  /// follow.
+  /// Returns a lattice that begins with the points() points of the space. Other positions (probes)
+  /// may follow.
   virtual const Lattice& lattice() const = 0;
   virtual const std::vector<LatticeCell>& splits() const = 0;
   virtual std::int32_t points() const = 0;  ///< number of points
