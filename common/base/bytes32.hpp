@@ -24,7 +24,7 @@ class Bytes32 {
 
   std::string hex() const;       ///< 64 digits
   std::string shortHex() const;  ///< the first 12 digits, for messages
-  /// Valid for the lifetime of this object.
+  /// Returns the bytes as a view, which is valid for the lifetime of this object.
   std::string_view bytes() const { return {reinterpret_cast<const char*>(data()), bytes_.size()}; }
   const std::uint8_t* data() const { return bytes_.data(); }
   std::uint8_t* data() { return bytes_.data(); }

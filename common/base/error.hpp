@@ -33,20 +33,21 @@ inline std::string errnoText() {
   return errno == EFBIG ? "the limit of file sizes is reached (ulimit -f)" : std::strerror(errno);
 }
 
-/// The scene, the mesh or the command line is wrong; exit code 2.
+/// Returns an Error with exit code 2: the scene, the mesh or the command line is wrong.
 template <class... Args>
 Error badInput(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::usage, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-/// The input is right, but something else failed (disk, network, library); exit code 1.
+/// Returns an Error with exit code 1: the input is right, but something else failed (disk, network,
+/// library).
 template <class... Args>
 Error failure(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::failed, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-/// Writes a message to stderr. Unlike fmt::print, it does not throw if that fails, because a log on
-/// a full disk must not end a long run.
+/// Writes a message to stderr. Unlike fmt::print, it does not throw if writing fails, because a log
+/// on a full disk must not end a long run.
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) {
   std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);

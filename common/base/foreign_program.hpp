@@ -11,8 +11,8 @@ struct ForeignProgram {
   std::vector<std::string> words;  ///< the program, found in $PATH, then its arguments; no shell
   std::string package;     ///< Debian package that the error names if the program is missing
   std::string input = {};  ///< contents of its stdin
-  std::chrono::seconds patience =
-      std::chrono::seconds(60);  ///< the program is killed after this time
+  /// The program is killed after this time.
+  std::chrono::seconds patience = std::chrono::seconds(60);
   /// Whether an interrupt of this process (interrupted()) kills the program and makes runToItsEnd()
   /// throw an Error with exit code 130. Otherwise the call waits until the program ends.
   bool heeds_interrupts = false;

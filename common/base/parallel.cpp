@@ -13,8 +13,8 @@ namespace palpate {
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
-  std::exception_ptr
-      error;  // written by the thread that sets `failed`; read after all threads have ended
+  // Written by the thread that sets `failed`; read after all threads have ended.
+  std::exception_ptr error;
   const auto work = [&] {
     for (std::size_t n = next++; n < count && !failed; n = next++) try {
         task(n);

@@ -24,8 +24,8 @@ constexpr const char* log_format_variable = "PALPATE_LOG_FORMAT";
 /// Signals at most this far apart, ms, are assumed to have one cause (interrupted()).
 constexpr std::int64_t same_interrupt = 1000;
 
-std::atomic<std::int64_t> first_interrupt =
-    0;  ///< time of the first signal, CLOCK_MONOTONIC, ms; 0 before it
+/// Time of the first signal, CLOCK_MONOTONIC, ms; 0 before that signal.
+std::atomic<std::int64_t> first_interrupt = 0;
 static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
 
 void onInterrupt(int) {

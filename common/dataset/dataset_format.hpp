@@ -91,8 +91,8 @@ class FieldsReader {
  private:
   const hdf5::Reader& in_;
   std::vector<std::size_t> first_rows_;  ///< first row of each space
-  std::size_t n_values_, n_pressures_;   ///< per row of the result
-  std::size_t stored_pressures_ = 0;     ///< per row of the file
+  std::size_t n_values_, n_pressures_;   ///< values per row of the result
+  std::size_t stored_pressures_ = 0;     ///< pressures per row of the file
   bool quantized_;
   std::vector<ContentId> hashes_;
   std::vector<float> steps_;  ///< m

@@ -16,10 +16,10 @@ namespace palpate::hdf5 {
 /// Turns off HDF5's error output on stderr. Every Reader and Writer calls this.
 void silenceErrorStack();
 
-/// Keeps HDF5 from closing open files when the process ends, because HDF5 1.10.8 crashes then if
-/// closing a file has failed on a full disk. Programs that write call this before any other HDF5
-/// function. libpalpate does not call it, because other code in its process (h5py) may rely on HDF5
-/// to close files at the end.
+/// Keeps HDF5 from closing open files when the process ends. If a file could not be closed because
+/// the disk is full, HDF5 1.10.8 would try again at the end and crash. Programs that write call
+/// this before any other HDF5 function. libpalpate does not call it, because other code in its
+/// process (h5py) may rely on HDF5 to close files at the end.
 void leaveOpenFilesAtExit() noexcept;
 
 /// Returns the reason why the last HDF5 call failed. It is the system's message ("No space left on

@@ -14,8 +14,9 @@ namespace {
 constexpr std::size_t max_text_bytes = std::size_t{1} << 26;
 constexpr int max_rank = 3;
 constexpr std::size_t verified_at_once = std::size_t{4} << 20;  // bytes
-constexpr double max_gzip_ratio =
-    1040;  // deflate reaches 1032; the rest is margin for other data in the file
+// Largest ratio of array bytes to file bytes. Deflate reaches 1032; the rest is a margin for other
+// data in the file.
+constexpr double max_gzip_ratio = 1040;
 
 void refuseWhatIsNoFile(const std::filesystem::path& file, const FileKind& kind) {
   std::error_code problem;

@@ -9,10 +9,10 @@ namespace palpate {
 
 /// Source of the nodal data of a slot.
 enum class SlotKind : std::uint8_t {
-  /// A lattice point that holds an equilibrium (and is one of interpolatedPoints).
+  /// A lattice point with an equilibrium that interpolation uses (interpolatedPoints).
   solved,
-  /// A position without a usable equilibrium (outside the ball, failed, or not one of
-  /// interpolatedPoints). Its data are extrapolated from solved points.
+  /// A position without such an equilibrium: outside the ball, failed, or with too large a force.
+  /// Its data are extrapolated from solved points.
   ghost,
   /// A position on the boundary of a coarser leaf, but not at one of its corners. Its data are
   /// taken from the interpolant in the coarser leaf, even if the position is solved. The

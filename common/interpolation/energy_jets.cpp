@@ -159,8 +159,8 @@ class Fitter {
   LocalFits& fits_;
   const std::vector<LatticeEdge>& inconsistent_;
   std::vector<std::vector<std::int32_t>> around_;  ///< per slot, the adjacent leaves
-  std::vector<std::int32_t>
-      edge_;  ///< per slot, largest edge of the adjacent leaves, lattice units
+  /// Per slot, the largest edge of the adjacent leaves, in lattice units.
+  std::vector<std::int32_t> edge_;
   std::vector<std::int32_t> solved_;
   std::vector<KnownOrders> known_;  ///< per point
 };

@@ -15,8 +15,8 @@ namespace {
 // jumps between branches. The bound holds at 99 % of these solutions, where it is 6 to 10 times the
 // error in the median.
 constexpr double share_of_spread = 0.75;  ///< factor of the disagreement if all corners are solved
-constexpr double share_at_ghosts =
-    2.5;  ///< times the weight of the ghost corners, added to the factor
+/// This number times the weight of the ghost corners is added to the factor.
+constexpr double share_at_ghosts = 2.5;
 constexpr double at_suspect_edges = 3;  ///< factor of the bound in leaves with a suspect edge
 
 using Forces = Eigen::Matrix<double, 3, LocalPolynomial::terms>;

@@ -33,8 +33,8 @@ class LocalPolynomial {
 };
 
 /// Highest order up to which the derivatives of the fitted quantity, the energy or another one, are
-/// known at a source. A source then has 1, 4, 10 or 20 numbers; for the energy these are the
-/// energy, the force, the stiffness and stiffness_by_p.
+/// known at a source. A source then has 1, 4, 10 or 20 numbers. For the energy, the orders 0 to 3
+/// are the energy itself, the force, the stiffness and stiffness_by_p.
 enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2, third = 3 };
 
 /// A solved point near the position of a fit.
@@ -47,8 +47,8 @@ struct FitSource {
 
 /// Weighted least-squares fits of local polynomials to energies, forces, stiffnesses and further
 /// known derivatives. Nearer sources have larger weights. A penalty on derivatives of higher order
-/// than the known ones keeps undetermined terms small. Fits with the same offsets of the sources
-/// share one cached factorisation, also between spaces. One thread.
+/// than the known ones keeps undetermined terms small. Fits with equal offsets and known orders of
+/// the sources share one cached factorisation, even across spaces. One thread.
 class LocalFits {
  public:
   /// Configures the data that a fit uses and its degrees, 2 to 5. With `known` below
@@ -57,8 +57,8 @@ class LocalFits {
     KnownOrders known = KnownOrders::curvature;
     int highest_extrapolated = LocalPolynomial::degree;
     int highest_completed = LocalPolynomial::degree;
-    std::size_t most_extrapolated_from = 16,
-                most_completed_from = 26;  ///< largest number of sources; the nearest are used
+    /// Largest number of sources; the nearest are used.
+    std::size_t most_extrapolated_from = 16, most_completed_from = 26;
     /// Whether callers use judge() to decide if a point's data of the highest known order are used.
     bool highest_known_are_judged = false;
   };

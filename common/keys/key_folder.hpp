@@ -44,7 +44,7 @@ struct AllowedKey {
 
 /// The folder with the keys of one user (docs/security.md):
 ///
-/// own.key this user's secret key, 64 hexadecimal digits, for servers and clients
+///   own.key   this user's secret key, 64 hexadecimal digits, for servers and clients
 ///   allowed   keys that servers of this user admit: KEY ROLES NAME, one per line
 ///   servers   keys of the servers that clients of this user connect to: KEY ENDPOINT
 ///

@@ -4,10 +4,10 @@
 
 namespace palpate {
 
-/// Weights of the nodes under a soft finger. The finger prescribes the weighted mean sum over n of
-/// w_n(s) u_n of the nodal displacements u_n. This is the mean displacement of the surface around
-/// the finger's centre s, weighted by the bump (1 - (r/radius)^2)^2, with r the distance from s.
-/// The weights are proportional to the bumpIntegrals and add up to 1.
+/// Weights of the nodes under a soft finger. The finger prescribes the weighted mean of the nodal
+/// displacements u_n, which is the sum over n of w_n(s) u_n. This is the mean displacement of the
+/// surface around the finger's centre s, weighted by the bump (1 - (r/radius)^2)^2, with r the
+/// distance from s. The weights are proportional to the bumpIntegrals and add up to 1.
 ///
 /// s may be any position on or near the surface. The weights are continuously differentiable in s,
 /// even across edges and corners of the surface, because they depend only on the distance r.

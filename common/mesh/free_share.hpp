@@ -23,9 +23,9 @@ class FreeShare {
   /// A triangle of the surface.
   struct Part {
     Eigen::AlignedBox3d box;
-    Eigen::Matrix3d corners;       ///< one per column, m
-    std::array<double, 6> free{};  ///< per node, 1 if free, 0 if fixed: corners, then mid-edge
-                                   ///< nodes of edges 01, 12, 20
+    Eigen::Matrix3d corners;  ///< one per column, m
+    std::array<double, 6>
+        free{};  ///< 1 if free, else 0: corners, then mid-edge nodes of 01, 12, 20
     bool is_quadratic = false;
   };
   static double freeAt(const Part& part, const Eigen::Vector3d& barycentric) noexcept;

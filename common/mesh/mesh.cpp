@@ -104,8 +104,9 @@ struct Face {
   Triangle sorted;  ///< sorted nodes, equal for all tetrahedra that share the face
   std::size_t element;
   int local;
-  bool even;  ///< parity of the permutation that sorts the nodes; tetrahedra on the two sides of a
-              ///< face have different parities
+  /// Parity of the permutation that sorts the nodes. Tetrahedra on the two sides of a face have
+  /// different parities.
+  bool even;
 };
 
 Triangle nodesOf(const Mesh& mesh, std::size_t element, int face) {

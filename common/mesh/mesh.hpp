@@ -41,7 +41,7 @@ struct Mesh {
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;  ///< nodes of the file that no tetrahedron used
-  /// Number of tetrahedra with reversed node order.
+  /// Number of tetrahedra that had negative volume in the file; two of their nodes were swapped.
   std::int32_t reoriented_tetrahedra = 0;
 };
 

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// Point locator on a uniform grid, built in linear time. Immutable, so any thread may use it.
+/// Finds the points near a position. The points are listed per cube of a uniform grid, which is
+/// built in linear time. Immutable, so any thread may use it.
 class NearPoints {
  public:
   NearPoints() = default;
@@ -31,7 +32,8 @@ class NearPoints {
   double reach_ = 0, edge_ = 0;  ///< m; edge_ is the edge of a grid cube
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
   std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< number along each axis
-  std::vector<std::int32_t> first_, listed_;       ///< per cube, x fastest
+  /// first_ holds the first entry of each cube in listed_, x fastest.
+  std::vector<std::int32_t> first_, listed_;
 };
 
 /// Chooses some of `places` by farthest-point sampling, so that every place has a chosen one near

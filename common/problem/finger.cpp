@@ -96,8 +96,8 @@ PushedPart pushedAt(const Eigen::Vector3d& normal, double radius) {
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const Eigen::Vector3d mean = meanNormal(mesh, finger);
   const double length = mean.norm();
-  const double cosine =
-      std::clamp(2 * length - 1, -1.0, 1.0);  // cos a, with the angle a of finger.hpp
+  // This is cos a, with the angle a of finger.hpp.
+  const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);
   const double sine = std::sqrt(1 - cosine * cosine);
   if (!(sine * lean_cosine + cosine * lean_sine > 0)) return {};
   return {mean / length, sine * lean_sine - cosine * lean_cosine, pushed_width * finger.radius};

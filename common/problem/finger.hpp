@@ -24,8 +24,8 @@ inline constexpr double place_distance = 0.1;
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
                             const Finger& finger);
 
-/// Returns whether the numbers are valid: finite centre, positive radius, `outward` of length 1 or
-/// 0, pull and width in their ranges.
+/// Returns whether the numbers of a finger are valid: finite centre, positive radius, `outward` of
+/// length 1 or 0, `pull` and `width` in their ranges (PushedPart).
 bool isFinger(const Finger& finger);
 
 /// Makes the patch of a finger from the nodes and weights of checkedFinger.

@@ -67,10 +67,11 @@ PressureSlots pressureSlots(const Problem& problem);
 /// input) that names the key of the scene if
 /// - the mesh is larger than 10 m or smaller than 1 mm (the message suggests a plausible
 ///   length_unit);
-/// - a selector selects nothing, or only fixed nodes for an active one, or a group or node does not
-///   exist;
+/// - a selector selects nothing, or a group or node does not exist;
+/// - the selector of an active node selects only fixed nodes;
 /// - the fixed set is empty, contains every node, or lies on one line in a component of the mesh;
-/// - a tetrahedron is in no region or in two, or a region has no group or no tetrahedron;
+/// - a tetrahedron is in no region or in two;
+/// - a region names a group that does not exist, or contains no tetrahedron;
 /// - a material takes its fibres from element vectors that the mesh lacks or that are zero;
 /// - an active node is fixed or not on the surface, or `near` is farther from the surface than the
 ///   body is wide;
@@ -78,9 +79,8 @@ PressureSlots pressureSlots(const Problem& problem);
 ///   nodes;
 /// - a finger is as wide as the body, rests on fixed nodes, or is so small that a surface needs
 ///   more than max_sites of it;
-/// - a component of the mesh has no fixed nodes, and shares with the others no nodes or only nodes
-/// on
-///   one line;
+/// - a component of the mesh has no fixed nodes, and shares no nodes with the others, or only nodes
+///   on one line;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
 /// Input that is doubtful but can be computed is not an Error; warningsOf() reports it

@@ -8,8 +8,8 @@ namespace palpate {
 /// problem can be computed. Each warning gives the number in question, its probable cause and the
 /// remedy. It reports
 /// - coincident nodes, and parts that are joined by nodes or edges only;
-/// - moduli outside those of soft tissue (0.1 to 1000 kPa at rest), and a bulk modulus, density or
-///   fibre stiffness that suggests another unit;
+/// - a Young's modulus outside the range of soft tissue (0.1 to 1000 kPa at rest), and a bulk
+///   modulus, density or fibre stiffness that suggests another unit;
 /// - a law that is not stable at the strains of the workspace, and fibres with a small bulk
 ///   modulus;
 /// - pressure spaces that violate the inf-sup condition, elements without a pressure that lock, and

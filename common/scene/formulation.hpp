@@ -20,7 +20,7 @@ enum class LawName : std::uint8_t {
   veronda_westmann,
   holzapfel_gasser_ogden
 };
-/// "P1" (4-node tetrahedra) or "P2" (10-node tetrahedra with straight edges).
+/// Displacement space: "P1" (4-node tetrahedra) or "P2" (10-node tetrahedra with straight edges).
 enum class DisplacementSpace : std::uint8_t { p1, p2 };
 /// Pressure space:
 /// - "none";
@@ -30,8 +30,8 @@ enum class DisplacementSpace : std::uint8_t { p1, p2 };
 /// - "P2": for P2 displacement, the paper's quadratic equal-order element, which violates the
 ///   inf-sup condition.
 enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized, p2 };
-/// "ln-det-F" (default, a barrier that keeps elements from inverting) or "det-F-1" (used by the
-/// paper and GetFEM).
+/// Form of the constraint det F = 1: "ln-det-F" (default, a barrier that keeps elements from
+/// inverting) or "det-F-1" (used by the paper and GetFEM).
 enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 
 /// How a tool prescribes the displacements of a patch of nodes:
@@ -41,8 +41,8 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 /// - "finger" prescribes the weighted mean around a point that may be anywhere on the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 
-/// Words of the scene file for the enumerators of an enum, in their order. Each enum has a
-/// specialisation after its definition.
+/// Words of the scene file for the enumerators of a Choice, in their order. Each enum that a scene
+/// uses has a specialisation.
 template <class Choice>
 inline constexpr std::array<std::string_view, 0> words_of = {};
 template <>

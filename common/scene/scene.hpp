@@ -97,8 +97,8 @@ struct ActiveSelection {
   /// Metres. Selects the nearest surface node, or for a finger the nearest surface point.
   std::optional<Eigen::Vector3d> near = {};
   std::optional<std::int32_t> node = {};  ///< 0-based; must lie on the surface
-  double radius =
-      0;  ///< metres; the patch holds all nodes at most this far away, except fixed ones
+  /// Metres. The patch holds all nodes that are at most this far away, except fixed ones.
+  double radius = 0;
   ToolKind tool = ToolKind::rigid;  ///< all kinds but rigid require a radius > 0
   /// Selects the part of the surface inside it: every vertex there that is not fixed, or for a
   /// finger the whole part.
@@ -117,7 +117,7 @@ struct ActiveSelection {
   bool operator==(const ActiveSelection&) const = default;
 };
 
-/// [workspace].
+/// [workspace]: the displacements and forces for which configurations are computed.
 struct Workspace {
   double radius = 0.1;     ///< m, r_G in the paper
   double spacing = 0.02;   ///< m

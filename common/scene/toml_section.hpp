@@ -48,7 +48,7 @@ class TomlSection {
   // Readers of a value. Errors name `key`.
   double number(std::string_view key, const toml::node& node) const;    ///< finite
   double positive(std::string_view key, const toml::node& node) const;  ///< > 0
-  /// > 0, converted to metres. At least 1e-12 m, so that quotients by it are finite.
+  /// A length > 0, converted to metres. At least 1e-12 m, so that quotients by it are finite.
   double positiveLength(std::string_view key, const toml::node& node) const;
   /// Three numbers, without conversion of units.
   Eigen::Vector3d vector(std::string_view key, const toml::node& node) const;

@@ -30,8 +30,8 @@ struct Finger {
   bool operator==(const Finger&) const = default;
 };
 
-/// The tool's contact with the body: the active node, which names the contact, and all nodes that
-/// the tool moves or averages.
+/// The tool's contact with the body: the active node, and all nodes that the tool moves together or
+/// averages.
 struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node

@@ -15,8 +15,8 @@ namespace palpate {
 /// transitions start from it.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, one row per node, metres
-  std::vector<float>
-      pressure;  ///< one per slot of Problem::pressures, Pa; empty without a pressure space
+  /// One per slot of Problem::pressures, Pa; empty without a pressure space.
+  std::vector<float> pressure;
 
   /// Returns the displacement bytes, then the pressure bytes, little-endian.
   std::string encode() const;

@@ -14,8 +14,8 @@ enum class Cause : std::uint8_t {
   none = 0,                 ///< no failure
   iteration_limit = 1,      ///< Newton used up its iterations while still descending
   line_search_stalled = 2,  ///< no step along the Newton direction reduced the residual
-  inverted_element =
-      3,  ///< det F <= 0 in the converged state, or earlier if ln det F must be computed
+  /// det F <= 0 in the converged state, or earlier if ln det F must be computed.
+  inverted_element = 3,
   wrong_inertia = 4,         ///< negative pivots show an unstable state or another branch
   factorization_failed = 5,  ///< MUMPS gave up; mumps_infog has the reason
   not_finite = 6,            ///< NaN or infinity in residual or tangent, or !isUsable()
@@ -46,8 +46,8 @@ struct Failure {
   Cause cause = Cause::none;
   double step_reached = 0;  ///< fraction of the transition accepted before the stop, 0 to 1
   double residual = 0;      ///< N, norm of the residual at the stop
-  std::int32_t element =
-      -1;  ///< index in Mesh::tetrahedra of the element with the smallest det F; -1 if unknown
+  /// Index in Mesh::tetrahedra of the element with the smallest det F; -1 if unknown.
+  std::int32_t element = -1;
   double element_det_F = 0;          ///< det F of `element`
   std::int32_t negative_pivots = 0;  ///< in the last factorisation
   std::int32_t expected_negative_pivots = 0;

@@ -52,8 +52,8 @@ struct PushedPart {
 /// out, and the others are numbered in the same order.
 ///
 /// Coordinates are integers in units of spacing / divisions, with divisions a power of two, so that
-/// points of refined cells and probes have integer coordinates too. The number of divisions does
-/// not change a bit of the displacements of uniform points.
+/// points of refined cells and probes have integer coordinates too. Displacements of uniform points
+/// are the same, bit for bit, for any number of divisions.
 ///
 /// Uniform points have the numbers 0..uniformSize()-1, sorted by (squared norm, i, j, k); number 0
 /// is the origin. Added points follow in the order in which they were added. The numbering is part
@@ -90,8 +90,9 @@ class Lattice {
   Eigen::Vector3d displacementOf(const LatticePoint& point) const;
 
   /// Returns the up to 26 uniform points that differ from the uniform point `index` by at most one
-  /// spacing per coordinate. They are in the order in which a transition to `index` is tried from
-  /// them: first by distance to `index`, then by distance to the origin, then by (i, j, k).
+  /// spacing per coordinate. They are in the order in which they are tried as starts of a
+  /// transition to `index`: sorted by distance to `index`, then by distance to the origin, then by
+  /// (i, j, k).
   std::vector<std::int32_t> neighbours(std::int32_t index) const;
 
   /// Returns a copy with only the first `count` points. `count` must be at least uniformSize().
@@ -118,9 +119,9 @@ class Lattice {
 /// bounds if the lattice does not contain the point.
 std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacings);
 
-/// A cell of the octree over a lattice, which is a cube. Its edge is divisions >> level coordinate
-/// units: one spacing at level 0, half a spacing at level 1, and so on. The coordinates of `lowest`
-/// are multiples of this edge.
+/// A cubic cell of the octree over a lattice. Its edge is divisions >> level coordinate units: one
+/// spacing at level 0, half a spacing at level 1, and so on. The coordinates of `lowest` are
+/// multiples of this edge.
 struct LatticeCell {
   LatticePoint lowest = {0, 0, 0};  ///< the corner with the smallest coordinates
   std::int32_t level = 0;
@@ -136,8 +137,8 @@ bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell);
 /// Returns the cell of the next coarser level that contains `cell`, which must not be of level 0.
 LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions);
 
-/// A cell reaches into the ball if it does so by more than this depth, in radii. Cells that only
-/// touch the sphere from outside are thus excluded despite round-off.
+/// A cell counts as reaching into the ball only if a part of it lies deeper inside than this, in
+/// radii. This excludes cells that only touch the sphere from outside, despite round-off.
 inline constexpr double shallow_reach = 1e-10;
 
 /// Returns whether the cell reaches into the ball of the lattice.

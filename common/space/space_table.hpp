@@ -45,8 +45,8 @@ inline bool isBeyondForce(const PointRecord& record) {
 /// interpolation, so no interpolation may use them.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
-  PointRecord
-      record;  ///< its parent is a lattice point; the tag is unknown only in an incomplete build
+  /// Its parent is a lattice point; the tag is unknown only in an incomplete build.
+  PointRecord record;
 };
 
 /// Numbers of probes by result. All programs use these definitions.
@@ -67,8 +67,8 @@ struct ProbeCounts {
 /// with number n.
 struct SpaceTable {
   ActivePatch patch;
-  double max_force =
-      3.3;  ///< N, Workspace::max_force of the scene; the default is that of the weakest device
+  /// N, Workspace::max_force of the scene; the default is that of the weakest device.
+  double max_force = 3.3;
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by coarserFirst
   std::vector<PointRecord> points;

@@ -58,8 +58,8 @@ Connections::Connections(zmq::context_t& context, zmq::socket_t& router, const P
 
 Connections::~Connections() {
   thread_.request_stop();
-  zmq_socket_monitor(router_->handle(), nullptr,
-                     0);  // stops the monitor, which is an event too and wakes the thread
+  // Stop the monitor. This is an event too, which wakes the thread.
+  zmq_socket_monitor(router_->handle(), nullptr, 0);
   thread_.join();
 }
 

@@ -44,8 +44,7 @@ class ZapHandler {
   zmq::socket_t questions_;
   Admission admission_;
   FileDescriptor wake_up_;
-  std::jthread thread_;  ///< last member, so that the thread ends before the members that it uses
-                         ///< are destroyed
+  std::jthread thread_;  ///< last, so that it ends before the other members are destroyed
 };
 
 /// Finds out why a client cannot connect to its server, because ZeroMQ retries silently without

@@ -34,8 +34,8 @@ inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
 /// this limit, but meshes in practice are far smaller.
 inline constexpr std::size_t max_payload_bytes = 512u << 20;
 
-/// Calls `call`, a call of ZeroMQ, again for as long as a signal interrupts it, so that messages of
-/// several frames stay complete.
+/// Makes the ZeroMQ call `call` and repeats it if a signal interrupts it, so that messages of
+/// several frames stay complete. Returns its result.
 template <class Call>
 auto repeatWhenInterrupted(Call call) {
   for (;;) {
@@ -72,8 +72,8 @@ struct Incoming {
 /// read its messages: drop the message or try again later, but never block.
 enum class Sent : std::uint8_t { yes, unroutable, full };
 
-/// Sends without blocking. `peer` is the routing id on a ROUTER, empty on a DEALER. Error on any
-/// other ZeroMQ failure.
+/// Sends without blocking. `peer` is the routing id on a ROUTER, empty on a DEALER. Error on ZeroMQ
+/// failures for which Sent has no value.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
 
@@ -121,8 +121,8 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 /// again whenever it tries to connect. Error (bad input) for an invalid endpoint.
 [[nodiscard]] std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint);
 
-/// Waits at most `longest` until a message arrives or the descriptor `wake_up` is readable. Returns
-/// false if a signal came first. Error on any other ZeroMQ failure.
+/// Waits until a message arrives or the descriptor `wake_up` is readable, but at most for
+/// `longest`. Returns false if a signal interrupted it. Error on any other ZeroMQ failure.
 bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up = -1);
 
 /// Returns all frames of the next message without blocking; empty if there is no message.
