@@ -106,7 +106,8 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
 enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
 
 /// Waits for the end of the child and sets `status` as waitpid does. Kills the child if it takes
-/// too long or if this process is interrupted. Returns why the child ended.
+/// longer than `patience`, or on an interrupt if `heeds_interrupts` is set. Returns why the child
+/// ended.
 WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
   const auto deadline = std::chrono::steady_clock::now() + program.patience;
   for (;;) {

@@ -65,8 +65,8 @@ std::string describeExpected(const Shape& expected) {
 }  // namespace
 
 bool isOpenForWriting(const std::filesystem::path& file) {
-  // Offsets in the superblock of the version, and of the consistency flags, which mark write access
-  // and SWMR (HDF5 File Format Specification 3.0, II.A).
+  // Byte offsets in the superblock: of its version, and of the consistency flags, which mark a file
+  // as open for write access or SWMR (HDF5 File Format Specification 3.0, II.A).
   constexpr std::size_t version = 8, flags = 11;
   std::array<char, flags + 1> head{};
   std::ifstream in(file, std::ios::binary);

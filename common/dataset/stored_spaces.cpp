@@ -238,8 +238,8 @@ struct ColumnWriter {
   }
 };
 
-/// Returns a writer for the rows of all spaces. A space has countOf(space) rows, which each(space,
-/// visit) visits.
+/// Returns a writer for the rows of all spaces. countOf(space) is the number of rows of a space,
+/// and each(space, visit) calls visit(row) for each of them.
 template <class Row, class Count, class Each>
 ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Count& countOf,
                             const Each& each) {

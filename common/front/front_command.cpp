@@ -129,8 +129,8 @@ std::string programFor(const std::vector<std::string>& arguments) {
   return "";
 }
 
-/// Returns whether the system grants the memory that a program which solves needs at start. Checked
-/// here, because OpenBLAS retries for ever while it is loaded if it does not get its 128 MiB.
+/// Returns whether the system grants the memory that a solving program needs at start. The check is
+/// here, because OpenBLAS, while it is loaded, retries for ever if it does not get its 128 MiB.
 bool memorySuffices(const std::string& program, const std::string& verb) {
   if (program != "palpate-worker" && verb != "build") return true;
   constexpr std::size_t needed = 384u << 20;

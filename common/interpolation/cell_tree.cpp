@@ -119,8 +119,9 @@ void CellTree::hang(CellSlot& slot) const {
 }
 
 LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {
-  Eigen::Vector3d beside;  // position in the octant, a quarter of a coordinate unit from the point
-                           // on each axis; in such quarters
+  // Position in the octant, a quarter of a coordinate unit from the point on each axis. Its
+  // coordinates are in such quarters.
+  Eigen::Vector3d beside;
   for (std::size_t axis = 0; axis < 3; ++axis)
     beside[static_cast<Eigen::Index>(axis)] =
         4.0 * point[axis] + ((octant >> axis & 1) != 0 ? 1 : -1);

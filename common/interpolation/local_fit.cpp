@@ -195,8 +195,9 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
   PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "a value is held against nothing");
-  double with = 0, without = 0;  // sums of squared residuals of difference quotients, with and
-                                 // without the derivative
+  // Sums of squared residuals of difference quotients, with the prediction of the derivative and
+  // without it.
+  double with = 0, without = 0;
   for (const FitSource& source : around) {
     const Eigen::Vector3d step =
         unit_ * Eigen::Vector3d(source.offset[0], source.offset[1], source.offset[2]);

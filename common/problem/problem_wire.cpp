@@ -149,7 +149,8 @@ Problem decodeProblem(std::string_view bytes) {
 
 ContentId problemId(const Problem& problem) {
   Problem bare = problem;
-  // These texts are not empty, because the scene reader refuses empty ones.
+  // Name and path do not count for the id. Set them to a fixed text that is not empty, because the
+  // scene reader refuses empty ones.
   bare.scene.name = "any";
   bare.scene.mesh = "any";
   bare.scene.fixed = {};

@@ -49,7 +49,8 @@ const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string
   return group;
 }
 
-/// Adds the candidates for which inside(node) is true; throws nothing() if there are none.
+/// Adds the candidates for which inside(node) is true. If there are none, throws the Error that
+/// nothing() returns.
 template <class Inside, class Nothing>
 void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing nothing) {
   const std::size_t before = selected.size();
@@ -57,8 +58,8 @@ void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing
   if (selected.size() == before) throw nothing();
 }
 
-/// Adds the candidates in each box and each sphere of the selection; throws nothing(key) if a box
-/// or sphere contains none.
+/// Adds the candidates in each box and each sphere of the selection. If a box or sphere contains
+/// none, throws the Error that nothing(key) returns.
 template <class Selection, class Nothing>
 void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& candidates,
                   const Mesh& mesh, Nothing nothing) {
