@@ -7,14 +7,15 @@
 
 namespace palpate {
 
-/// Disjoint sets of the numbers 0, 1, ... (union-find with path halving).
+/// Disjoint sets of the numbers 0, 1, ..., size - 1 (union-find with path halving). Each number
+/// begins in a set of its own.
 class JoinedSets {
  public:
   explicit JoinedSets(std::size_t size) : parent_(size) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// Returns the lowest number in the set of n.
+  /// Returns the lowest number in the set that contains n.
   std::int32_t lowest(std::int32_t n) {
     while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
     return n;

@@ -23,7 +23,7 @@ std::string counted(Count count, std::string_view noun, std::string_view plural 
 /// significant digits. Zero never has a sign.
 inline std::string vectorText(const Eigen::Vector3d& v, int figures,
                               std::string_view between = ", ") {
-  // -0.0 + 0.0 is 0.0.
+  // Adding 0.0 turns -0.0 into 0.0.
   return fmt::format("{1:.{0}g}{4}{2:.{0}g}{4}{3:.{0}g}", figures, v[0] + 0.0, v[1] + 0.0,
                      v[2] + 0.0, between);
 }

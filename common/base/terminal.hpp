@@ -18,7 +18,7 @@ TerminalSize sizeOf(int terminal);
 std::string fitted(const std::string& text, TerminalSize size);
 
 /// Breaks text at blanks into lines of at most `columns` columns and indents continuation lines. A
-/// wider word stays whole.
+/// word that is longer than a line is not broken.
 std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent);
 
 }  // namespace palpate

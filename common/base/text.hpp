@@ -26,7 +26,7 @@ std::string shellWord(std::string_view file);
 /// entry is that close.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words);
 
-/// Returns `words` as text for messages: "a, b or c", with `last` before the last one.
+/// Joins words for a message, such as "a, b or c". `last` is the word between the last two.
 std::string listed(std::span<const std::string_view> words, std::string_view last = "or");
 
 }  // namespace palpate

@@ -66,7 +66,7 @@ class Dataset {
   /// One space per probe place of an area, in scene order. Each holds the rest position and one
   /// probe (ActivePatch::probe).
   const std::vector<SpaceTable>& probePlaces() const { return probe_places_; }
-  /// Vertices on the visible surface, sorted.
+  /// Vertices on the surface, sorted.
   const std::vector<std::int32_t>& surfaceNodes() const { return body_.surface; }
   /// Nodes with stored displacements, sorted: the surface nodes, or all nodes.
   const std::vector<std::int32_t>& storedNodes() const { return body_.stored; }
@@ -79,7 +79,8 @@ class Dataset {
   /// empty if the dataset stores none (storedPressures). Values are NaN at points that are not
   /// solved.
   NodalFields surfaceFields(std::size_t space) const;
-  /// Reads and verifies every array, including the nodal fields. Error names the first damaged one.
+  /// Reads and verifies every array, including the nodal fields. Error that names the first damaged
+  /// array.
   void verifyAll() const;
 
  private:

@@ -44,7 +44,8 @@ class BumpQuadrature {
     const Eigen::Vector3d x = corners * a, y = corners * b, z = corners * c;
     const double longest =
         std::sqrt(std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()}));
-    // The bump does not reach a part that lies farther outside the radius than its own width.
+    // The bump does not reach this part: its centroid is farther outside the radius than the part
+    // is wide.
     if (((x + y + z) / 3 - center_).norm() > radius_ + longest) return;
     if (longest > part_) {
       const Barycentric ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;

@@ -24,8 +24,8 @@ class FreeShare {
   struct Part {
     Eigen::AlignedBox3d box;
     Eigen::Matrix3d corners;  ///< one per column, m
-    std::array<double, 6>
-        free{};  ///< 1 if free, else 0: corners, then mid-edge nodes of 01, 12, 20
+    /// 1 if free, 0 if fixed; for the corners, then for the mid-edge nodes of edges 01, 12 and 20.
+    std::array<double, 6> free{};
     bool is_quadratic = false;
   };
   static double freeAt(const Part& part, const Eigen::Vector3d& barycentric) noexcept;

@@ -42,8 +42,8 @@ std::size_t storedPressures(const Problem& problem);
 /// Returns the bytes of the stored fields of one configuration, before compression.
 std::size_t storedBytes(const Problem& problem);
 
-/// Error (bad input) unless the numbers of the problem satisfy everything that resolve()
-/// guarantees.
+/// Checks everything that resolve() guarantees about a problem, for problems from other sources.
+/// Error (bad input) if the problem violates it.
 void checkProblem(const Problem& problem);
 
 /// Number of parts into which one lattice spacing is divided, so that a lattice can also hold
@@ -84,11 +84,11 @@ PressureSlots pressureSlots(const Problem& problem);
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
 /// Input that is doubtful but can be computed is not an Error; warningsOf() reports it
-/// (problem_warnings.hpp). An active `surface` is replaced by one active node per surface node, or
-/// for a finger by its sites and then its probe places. The scene in the result has the same
-/// entries, as if a user had written them one by one. Tests whether a node lies within a radius
-/// allow 5e-13 of the radius for round-off. With P2 displacement the mesh first gets its mid-edge
-/// nodes (`mesh` has none). selection.hpp describes the selectors.
+/// (problem_warnings.hpp). An active `surface` is replaced by one active node per selected vertex,
+/// or for a finger by its sites and, after all other entries, its probe places. The scene in the
+/// result has the same entries, as if a user had written them one by one. Tests whether a node lies
+/// within a radius allow 5e-13 of the radius for round-off. With P2 displacement the mesh first
+/// gets its mid-edge nodes (`mesh` has none). selection.hpp describes the selectors.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// Reads a scene file and its mesh (readScene, readGmsh) and resolves the scene. A mesh in another

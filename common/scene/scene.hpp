@@ -80,7 +80,7 @@ struct FixedSelection {
   bool operator==(const FixedSelection&) const = default;
 };
 
-/// Places on the surface of the body: all of it, or the union of the given selectors, which work as
+/// A part of the surface of the body: all of it, or the union of the given selectors, which work as
 /// in [fixed].
 struct SurfaceSelection {
   bool all = false;  ///< if true, nothing else is given

@@ -110,7 +110,8 @@ class Lattice {
   std::int32_t extent_ = -1;  ///< largest coordinate of a uniform point, in spacings
   std::int32_t uniform_size_ = 0;
   std::vector<LatticePoint> points_;
-  std::vector<std::int32_t> index_of_;  ///< (2 extent + 1)^3 cube, -1 where there is no point
+  /// Numbers of the points in a cube of (2 extent_ + 1)^3 positions; -1 where there is no point.
+  std::vector<std::int32_t> index_of_;
   std::map<LatticePoint, std::int32_t> added_;  ///< points outside the cube
 };
 
