@@ -29,8 +29,8 @@ struct PointRecord {
   Equilibrium equilibrium;  ///< valid if isSolved(tag)
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
-  /// Id of the NodalFields of all nodes, from which transitions start; zero if not solved. A
-  /// dataset may store only a part of these fields (Storage).
+  /// Id of the NodalFields of the whole mesh. Transitions start from these fields. Zero if the
+  /// point is not solved. A dataset may store only a part of the fields (Storage).
   ContentId fields;
 };
 

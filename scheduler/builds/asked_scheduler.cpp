@@ -111,7 +111,8 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   wire::Status status = progressIn(directory);
   StoredTables tables(directory);
   std::vector<wire::WorkerStatus> servers = tables.servers();
-  // The tables hold the last known states. Without a scheduler no worker is idle or busy.
+  // The tables hold each worker's last known state. No scheduler runs now, so every worker that
+  // was not lost is shown as left.
   for (wire::WorkerStatus& row : servers)
     if (row.state() != "lost") row.set_state("left");
   addServers(status, servers, tables.counters());

@@ -72,7 +72,7 @@ class CellInspection {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
-      // Assume that solving the missing corners is enough for every second leaf.
+      // Assume that half of the leaves with untried corners need no split once these are solved.
       const double halved = halvedIn(leaf, ratio);
       halved_later += untried.empty() ? std::max(0.0, halved - 1) : halved / 2;
       points.insert(untried.begin(), untried.end());

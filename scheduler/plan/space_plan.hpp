@@ -135,8 +135,8 @@ class SpacePlan {
   Frontier frontier_;  ///< for the stage lattice
   /// Further equilibria that the current round of branches found, by point.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
-  /// Recorded transitions that converged, but to another equilibrium than their target had, or to
-  /// one that was replaced later by one of less energy.
+  /// Recorded transitions that converged, but whose equilibrium is not the one kept at the target:
+  /// the target had another one already, or one of less energy replaced it later.
   std::set<Transition> passed_over_;
   std::map<std::int32_t, Pursuit> pursuits_;  ///< open work after the stage lattice, by target
   std::vector<Transition> ready_;

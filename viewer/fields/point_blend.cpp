@@ -14,8 +14,8 @@ namespace {
 /// the space even if they form a flat rim.
 constexpr std::ptrdiff_t most_sources = 20;
 
-/// Returns the slots of `solved` nearest to a ghost, nearest first, without slots on another branch
-/// than the first.
+/// Returns the slots of `solved` that are nearest to a ghost (a slot without a solution of its
+/// own), nearest first. Leaves out slots that are not on the branch of the first.
 std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const CellBranches& data,
                                     std::int32_t ghost) {
   const LatticePoint& center = data.tree.slots()[at(ghost)].point;

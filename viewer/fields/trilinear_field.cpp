@@ -11,7 +11,7 @@ TrilinearField::TrilinearField(const CellData& data) : CellField("trilinear", da
   fillHangingTrilinearly(tree(), stiffness);
   for (std::int32_t leaf = 0; leaf < std::ssize(tree().leaves()); ++leaf) {
     const LeafCorners& corners = tree().corners(leaf);
-    // N, largest change of the stiffness along each axis, times the edge length
+    // Largest change of the stiffness along each axis, times the edge length; in newtons.
     Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis)
       for (std::size_t c = 0; c < 8; ++c)

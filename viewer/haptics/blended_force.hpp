@@ -45,7 +45,8 @@ class BlendedForce {
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:
-  /// If every vertex of the surface is active, a vertex has about seven spaces around it.
+  /// Largest number of spaces sampled at once. About seven surround a vertex if every vertex is
+  /// active.
   static constexpr std::size_t most_samples = 32;
   /// Returns the sample of a space at the current displacement; null if more than most_samples
   /// spaces were requested.

@@ -231,7 +231,8 @@ void HapticLoop::watch() {
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    // Read this flag first. The values that are read below are then newer than a resume.
+    // Read this flag first. If it says that the loop has resumed, the values read below were
+    // written after the resume.
     const bool halted = halted_.load(std::memory_order_acquire);
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);

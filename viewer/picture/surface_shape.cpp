@@ -55,7 +55,7 @@ std::uint32_t packed(const std::array<float, 4>& tissue, const Cover& cover) {
   return std::bit_cast<std::uint32_t>(bytes);
 }
 
-/// Returns the index of a place in such a table. place: clamped to 0 to 1.
+/// Returns the index in a colour table of `levels` entries; place is clamped to 0 to 1.
 std::size_t levelAt(float place) {
   return static_cast<std::size_t>(std::clamp(place, 0.0F, 1.0F) * (levels - 1));
 }

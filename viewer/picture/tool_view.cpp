@@ -14,7 +14,7 @@ constexpr Paint steel = {0.80F, 0.83F, 0.86F, 1}, grip = {0.50F, 0.56F, 0.62F, 0
 constexpr Paint sure = {0.10F, 0.42F, 0.86F, 0.5F}, unsure = {0.98F, 0.67F, 0.10F, 0.4F};
 constexpr Paint at_rest = {0.16F, 0.26F, 0.48F, 0.9F};
 
-// These are in extents of the scene.
+// Sizes as fractions of the scene's extent.
 constexpr double point_radius = 0.022, shortest_arrow = 0.015;
 constexpr double arrow_radius = 0.011, head_radius = 0.030, head_length = 0.085, dash = 0.05,
                  skin_dash = 0.04;

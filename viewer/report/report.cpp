@@ -73,7 +73,8 @@ struct Study {
 using NodeComparison = std::vector<MethodComparison>;        ///< per method
 using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< [compared node][method]
 
-/// Returns the measures of a lattice with its number of solved points and of their factorizations.
+/// Returns the measures of a lattice, including the number of its solved points and the number of
+/// factorizations they took.
 LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   LatticeMeasures measures{std::move(lattice), 0, 0, {}, {}, {}};
   // The sums are integers, so they are exact in doubles.

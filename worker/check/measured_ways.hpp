@@ -36,8 +36,8 @@ struct MeasuredWays {
   std::int32_t transitions = 0;
   double seconds = 0;    ///< processor time, including the analysis of the matrix
   double stiffness = 0;  ///< N/m, largest ratio of force to displacement in first steps
-  /// Why the body has no rest state from which a way could start; usually empty. If set, there are
-  /// no ways.
+  /// If the body has no rest state, the reason; otherwise empty. If set, nothing was measured,
+  /// because every straight path starts at rest.
   std::string no_rest;
   /// If the first step of some way failed, the reason for the earliest such way. Otherwise empty.
   std::string no_first_step;

@@ -14,8 +14,8 @@ constexpr int max_refinements = 30;
 /// new factorisation is cheaper than the remaining refinements.
 constexpr double slowest_contraction = 0.5;
 
-/// Returns double precision if the pressure block is zero, because pivots may be small in that
-/// block, and if the body has a nearly rigid part, because single precision would lose the soft
+/// Returns double precision in two cases: the pressure block is zero, so that its pivots may be
+/// small, or the body has a nearly rigid part, beside which single precision would lose the soft
 /// part.
 Precision precisionFor(const BodyModel& body) {
   const PressureSpace pressure = body.discretization.pressure;

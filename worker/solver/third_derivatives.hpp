@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-/// Sets the third derivatives of the energy E(s, p) of a finger at `state` in `equilibrium`.
+/// Computes the third derivatives of the energy E(s, p) of a finger at `state`, and stores them in
+/// `equilibrium`.
 ///
 /// First-order sensitivities suffice for third derivatives of a minimum (the 2n + 1 theorem,
 /// Wigner). With x_a the change of the state when p or s moves along a,
@@ -16,9 +17,9 @@ namespace palpate {
 /// in the directions a, b, c, where B, u and the multiplier all move. Pi is the energy of the
 /// elements. Its third derivative is computed from central differences of the tangent along x_a.
 ///
-/// `sensitivity` has the derivatives of the unknowns and multipliers: three columns by p, then
-/// three by s. `finger` must be the tool of `system`. Costs six tangents and no factorisation. The
-/// results are right to about seven digits.
+/// `sensitivity` has the derivatives of the unknowns and multipliers: three columns for
+/// p, then three for s. `finger` must be the tool of `system`. Costs six tangents and no
+/// factorisation. The results are right to about seven digits.
 ///
 /// If the stiffness of an element jumps between the two states of a difference (slack fibres become
 /// taut), the result is the jump divided by the step. That number is useless, and LocalFits::judge

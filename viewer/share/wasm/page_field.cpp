@@ -102,8 +102,8 @@ PALPATE_PAGE(prepareAhead)(std::size_t touch, std::int32_t triangle, double u, d
   return in_page->touched.prepareAhead(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
 
-/// Returns ten numbers: force (3), error bound, energy, coverage, inside, and the position of the
-/// place at rest (3).
+/// Returns ten numbers: force (3), error bound, energy, coverage, 1 inside of the computed region
+/// (else 0), and the rest position of the touched point (3).
 PALPATE_PAGE(evaluate)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const double* {
