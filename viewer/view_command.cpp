@@ -50,20 +50,19 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--device", options->device, deviceHelp(true))
       ->type_name("WORD")
       ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
-  options->keys.addTo(app, "Take a device on the network that asks for no key");
+  options->keys.addTo(app, "Accept a network device that requires no key");
   app.add_option("--profile", options->profile,
-                 "Limits of force and stiffness as of this device; default: the device's own")
+                 "Use this device's force and stiffness limits [the device's own]")
       ->check(oneOf(device_words));
   app.add_option("--method", options->method, "Interpolation to begin with")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
-  app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
+  app.add_option("--contact", *contact, "Contact mode [the scene's]")
       ->check(oneOf(words_of<ContactMode>));
   app.add_option("--friction", options->friction, "Coulomb's coefficient of unilateral contact")
       ->capture_default_str();
-  app.add_option(
-         "--reach", options->reach,
-         "m around active nodes in which the surface can be touched; 0: up to the next nodes")
+  app.add_option("--reach", options->reach,
+                 "How far from an active node you can touch the surface, m [0: to the next nodes]")
       ->capture_default_str();
   app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
   app.add_option("--duration", options->duration, "s after which it ends; 0: never")

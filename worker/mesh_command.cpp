@@ -148,7 +148,7 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
   app.add_option("-o,--output", options->output, "The mesh to write")
       ->required()
       ->type_name("FILE.msh");
-  app.add_option("--nodes", options->nodes, "Of a surface: how many nodes about [1000]")
+  app.add_option("--nodes", options->nodes, "Approximate number of nodes for a surface [1000]")
       ->check(CLI::Range(4, most_nodes))
       ->type_name("N");
   app.add_option("--size", options->size, "Instead: the length of edges, in the unit of the file")
@@ -161,13 +161,12 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
          "gmsh, then tetgen [auto]")
       ->check(CLI::IsMember({"auto", "gmsh", "tetgen"}))
       ->type_name("WORD");
-  app.add_flag("--largest", options->largest, "Of several bodies in a surface take the largest");
+  app.add_flag("--largest", options->largest, "Keep only the largest of several bodies");
   app.add_flag("--weld", options->weld,
-               "Of tetrahedra make nodes that lie on each other one, so that parts hold together");
-  app.add_flag("--straight", options->straight, "Of tetrahedra with curved edges take the corners");
-  app.add_option(
-         "--unit", options->unit,
-         "What the file counts in, m, cm or mm, for the report and the next command [guessed]")
+               "Merge coincident nodes of tetrahedra, so that parts hold together");
+  app.add_flag("--straight", options->straight, "Use the corners of tetrahedra with curved edges");
+  app.add_option("--unit", options->unit,
+                 "Length unit of the file, for the report: m, cm or mm [guessed]")
       ->type_name("UNIT");
   app.footer(
       "The mesh keeps the numbers of INPUT: its unit is said in the scene (length_unit). Groups\n"

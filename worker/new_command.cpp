@@ -112,7 +112,7 @@ std::function<ExitCode()> prepareNew(CLI::App& app) {
   app.add_option("--mesh", options->mesh, "The mesh, as palpate mesh or Gmsh writes it")
       ->required()
       ->type_name("FILE.msh");
-  app.add_option("--unit", options->unit, "What the mesh counts in: m, cm or mm [guessed]")
+  app.add_option("--unit", options->unit, "Length unit of the mesh: m, cm or mm [guessed]")
       ->type_name("UNIT");
   app.footer(
       "Proposes what holds the body, a finger that touches the rest of it, and how deep; change\n"

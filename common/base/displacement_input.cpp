@@ -55,7 +55,7 @@ std::vector<std::string> wordsIn(std::string line) {
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words) {
   return app
       .add_option("--at", words,
-                  "Of a finger: the point of the surface nearest to this one, metres; or - to read "
+                  "Centre of a finger: the surface point nearest to this one, m; or - to read "
                   "X Y Z of it before X Y Z of the displacement from each line")
       ->expected(1, 3)
       ->allow_extra_args(false)

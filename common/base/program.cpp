@@ -162,7 +162,7 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
     sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
     sub->add_flag("-v,--verbose", verbose, "Say more");
-    sub->add_option("--log-format", log_format, "Of the log on stderr, text or json [text]")
+    sub->add_option("--log-format", log_format, "Log format on stderr: text or json [text]")
         ->check(CLI::IsMember({"text", "json"}))
         ->envname(log_format_variable)
         ->type_name("WORD");

@@ -59,8 +59,8 @@ std::function<ExitCode()> prepareEvents(CLI::App& app) {
   auto options = std::make_shared<EventsOptions>();
   app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
       ->required();
-  app.add_flag("-f,--follow", options->follow, "Then go on with what happens, until interrupted");
-  app.add_option("--last", options->last, "Of what happened so far, the last N")->type_name("N");
+  app.add_flag("-f,--follow", options->follow, "Continue with new events until interrupted");
+  app.add_option("--last", options->last, "Print the last N events")->type_name("N");
   app.add_option("--event", options->words, "Only these, separated by commas (docs/commands.md)")
       ->delimiter(',')
       ->type_name("WORD,...")

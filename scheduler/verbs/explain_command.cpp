@@ -33,7 +33,7 @@ std::function<ExitCode()> prepareExplain(CLI::App& app) {
   app.add_option("--active", options->active,
                  "Name of the active node, area or site; may be left out where there is one");
   app.add_option("--at", options->at,
-                 "Of a surface that a finger touches: its site nearest to this place, metres")
+                 "For a finger's surface: the site nearest to this place, metres")
       ->expected(3);
   app.add_option("I", options->point[0],
                  "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "

@@ -142,11 +142,11 @@ void addTo(CLI::App& app, FleetOptions& options) {
   options.asked.addTo(app);
   app.add_option("--connect", options.endpoint,
                  "The scheduler as nodes reach it, tcp://HOST:PORT [where it is asked]");
-  app.add_option("--every", options.every_s, "Ask the scheduler every so many seconds")
+  app.add_option("--every", options.every_s, "Seconds between two queries of the scheduler")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   app.add_option("--give-up", options.give_up_s,
-                 "End all workers when the scheduler says nothing for so many seconds")
+                 "End all workers after this many seconds without an answer")
       ->check(CLI::Range(1, 7 * 24 * 3600))
       ->capture_default_str();
   app.add_flag("--dry-run", options.dry_run, "Say what would be done, and do nothing");
@@ -157,18 +157,19 @@ void addTo(CLI::App& app, SlurmFleetOptions& options) {
   app.add_option("--most", options.limits.most, "Workers at most, one core each")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--backlog", options.limits.most_queued, "Of them, queued at most")
+  app.add_option("--backlog", options.limits.most_queued,
+                 "Largest number of workers queued at once")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--each", options.limits.transitions_each,
-                 "Another worker is asked for when so many transitions wait for it")
+                 "Request one more worker for every N ready transitions")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--minutes", options.slurm.minutes, "Each may run at most so long")
+  app.add_option("--minutes", options.slurm.minutes, "Time limit of each job")
       ->check(CLI::Range(1, 60 * 24 * 30))
       ->capture_default_str();
   app.add_option("--leave-idle", options.leave_idle_s,
-                 "Each leaves after so many seconds without work")
+                 "Seconds without work after which a worker leaves")
       ->check(CLI::Range(1, 24 * 3600))
       ->capture_default_str();
   app.add_option("--constraint", options.slurm.constraint,

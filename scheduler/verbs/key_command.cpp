@@ -83,19 +83,20 @@ CLI::App& declare(CLI::App& app, const Order& order, const char* name, const cha
 std::function<ExitCode()> prepareKey(CLI::App& app) {
   const auto order = std::make_shared<KeyOrder>();
   declare(app, order, "new", "Make the own key; prints what others may know of it", makeNew)
-      .add_flag("--replace", order->replace, "In the place of the one there is");
-  declare(app, order, "show", "Print the own key, who is let in, and the known servers", show);
-  CLI::App& allowed = declare(app, order, "allow", "Let the holder of a key in", allow);
+      .add_flag("--replace", order->replace, "Replace the existing key pair");
+  declare(app, order, "show", "Print your public key, the allowed keys and the known servers",
+          show);
+  CLI::App& allowed = declare(app, order, "allow", "Allow the holder of a key to connect", allow);
   allowed.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
       ->required();
   allowed
       .add_option("ROLES", order->roles, "worker, observer, operator, or several: worker,observer")
       ->required();
   allowed.add_option("NAME", order->name, "For people");
-  declare(app, order, "withdraw", "Let nobody in with this key any more", withdraw)
+  declare(app, order, "withdraw", "Withdraw the permission of a key", withdraw)
       .add_option("KEY", order->key, "Its digits, or its name")
       ->required();
-  CLI::App& trusted = declare(app, order, "trust", "Know the key of a server", trust);
+  CLI::App& trusted = declare(app, order, "trust", "Record the public key of a server", trust);
   trusted.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
       ->required();
   trusted.add_option("--at", order->endpoint, "Of the server at this endpoint [of every server]");

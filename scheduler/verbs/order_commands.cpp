@@ -91,7 +91,8 @@ std::function<ExitCode()> preparePriority(CLI::App& app) {
   auto options = std::make_shared<PriorityOptions>();
   options->asked.addTo(app);
   app.add_option("SPACE", options->space, "An active node, as status names it")->required();
-  app.add_option("PRIORITY", options->priority, "Higher ones are computed first; 0 at the start")
+  app.add_option("PRIORITY", options->priority,
+                 "Spaces of higher priority are computed first; 0 at the start")
       ->required();
   app.footer("The dataset is the same whatever is computed first.");
   return [options] { return setPriority(*options); };

@@ -58,7 +58,7 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
   auto options = std::make_shared<StatusOptions>();
   options->asked.addTo(app);
   app.add_flag("--watch", options->watch,
-               "Again every second, until the build is complete or stops");
+               "Repeat every second until the build is complete or stops");
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   return [options] { return showStatus(*options); };
 }

@@ -43,7 +43,7 @@ constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>
      {"bad_messages", "Messages that were dropped."},
      {"checked_results", "Results that others confirmed or refuted."},
      {"unchecked_results", "Checks that were given up for want of another machine."},
-     {"wrong_results", "Those who were found to lie."},
+     {"wrong_results", "Workers, machines or keys excluded because a result was wrong."},
      {"overdue_targets", "Targets that were given to others while somebody held them."},
      {"closed_connections", "Connections that were closed because they cost too much."},
      {"unread_answers", "Questions left unanswered because answers lay unread."}});

@@ -73,7 +73,8 @@ Verb deviceVerb() {
             app.add_option("--rate", options->rate, "Readings per second")
                 ->check(CLI::Range(1.0, 1e5))
                 ->capture_default_str();
-            options->keys.addTo(app, "Ask for no keys: whoever reaches the port pushes the hand");
+            options->keys.addTo(app,
+                                "Require no keys: anyone who reaches the port can push the hand");
             app.footer(
                 "Over there: palpate view ... --device tcp://HOST:PORT, with a key that is let in "
                 "here as an operator.\n"

@@ -138,8 +138,9 @@ std::function<ExitCode()> prepareExport(CLI::App& app) {
   app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
       ->required()
       ->type_name("FILE");
-  app.add_option("-o,--output", options->output,
-                 fmt::format("What to write, by its ending: {}", ExportTarget::endings()))
+  app.add_option(
+         "-o,--output", options->output,
+         fmt::format("Output file; its ending chooses the format: {}", ExportTarget::endings()))
       ->required()
       ->type_name("FILE");
   app.add_option("--active", options->active,
@@ -153,7 +154,7 @@ std::function<ExitCode()> prepareExport(CLI::App& app) {
       ->expected(3)
       ->type_name("I J K");
   app.add_option("--steps", options->steps,
-                 "A straight way from rest to the displacement in so many steps (.pvd and .csv)")
+                 "Number of steps on the straight path from rest (.pvd and .csv)")
       ->type_name("N");
   app.add_option("--method", options->method,
                  fmt::format("Interpolation of forces: {} [{}]",
