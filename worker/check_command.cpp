@@ -42,7 +42,7 @@ std::function<ExitCode()> prepareCheck(CLI::App& app) {
 }  // namespace
 
 const Verb check_verb = {
-    "check", "Validate a scene; print sizes, mesh quality, warnings and what a build will cost",
+    "check", "Validate a scene; print sizes, mesh quality, warnings and the cost of a build",
     prepareCheck};
 
 }  // namespace palpate

@@ -122,6 +122,6 @@ std::function<ExitCode()> prepareNew(CLI::App& app) {
 
 }  // namespace
 
-const Verb new_verb = {"new", "Write a scene around a mesh, commented, to begin with", prepareNew};
+const Verb new_verb = {"new", "Write a first, commented scene around a mesh", prepareNew};
 
 }  // namespace palpate

@@ -33,45 +33,45 @@ const std::vector<std::pair<std::string, Words>>& programs() {
 }
 
 constexpr const char* overview =
-    R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
+    R"(Feel a nonlinear soft body at 1 kHz: Palpate computes the equilibrium of the body in advance for a
 lattice of positions of one displaced surface node, and answers with forces interpolated from them.
 
-Usage: palpate VERB [ARGUMENTS]        palpate VERB --help tells all of a verb
+Usage: palpate VERB [ARGUMENTS]        palpate VERB --help prints the options of a verb
 
 From a mesh to forces
-  mesh     Make a mesh: of a closed surface (.stl, .obj, .ply, .off), or of a mesh of another format
-  new      Write a scene around a mesh, commented, to begin with
-  check    Validate a scene; print sizes, mesh quality, warnings and what a build will cost
-  build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
-  query    Force, stiffness and error bound at any displacement, from a dataset
-  view     Feel and see it: the haptic client, with a virtual hand when there is no device
-  share    A dataset as one HTML page that can be touched, by mouse or finger
-  export   Deformed bodies for ParaView and others; force curves as CSV
-  solve    One exact solution, without scheduler and dataset
+  mesh     Make a mesh from a closed surface (.stl, .obj, .ply, .off) or a mesh of another format
+  new      Write a first, commented scene around a mesh
+  check    Validate a scene; print sizes, mesh quality, warnings and the cost of a build
+  build    Compute the dataset of a scene on this machine; continues after an interruption
+  query    Print force, stiffness and error bound at any displacement, from a dataset
+  view     Touch a dataset: the haptic client, with a virtual hand if there is no device
+  share    Write a dataset as one HTML page that can be touched by mouse or finger
+  export   Write deformed bodies for ParaView and others, and force curves as CSV
+  solve    Solve exactly at given displacements, without scheduler and dataset
 
 On several machines
-  serve    Run the scheduler of a scene; workers come and go as they like
-  work     Run workers for it, here or anywhere
-  fleet    As many workers as a build can use, from Slurm or by ssh
-  status   How far it is: tags, rate, time left, workers, failures by cause
-  stop     Let it finish what is running, and end it; serve goes on later
-  pause    Hand out no more work before resume; workers stay
-  resume   Go on with what was paused
-  seal     Make a dataset of what is computed by now, while the build goes on
+  serve    Run the scheduler of a scene; workers may join and leave at any time
+  work     Run workers for a scheduler, on any machine
+  fleet    Start as many workers as a build can use, by Slurm or ssh
+  status   Show the progress of a build: tags, rate, time left, workers, failures by cause
+  stop     Let workers finish their solves, then end the build; serve continues it later
+  pause    Stop handing out work until resume; workers stay
+  resume   Continue a paused build
+  seal     Write a dataset of the results so far, while the build continues
   priority Compute one space before others
-  retry    Try again what workers ended on, or what failed with some cause
-  explain  How a lattice point was reached, or why it failed
-  events   What happened, and what happens: failures, workers, stages
-  key      Keys: make one, let other machines and people in, withdraw them
-  check    Of a state directory: whether it is whole; repair it
+  retry    Try transitions again that ended workers or failed with a given cause
+  explain  Show how a lattice point was reached, or why it failed
+  events   Print the events of a build: failures, workers, stages
+  key      Make a key; allow other machines and people, or withdraw their keys
+  check    Check a state directory for damage; repair it
 
 With a haptic device elsewhere
-  device   Lend a haptic device of this machine to a simulator on another
+  device   Lend a haptic device of this machine to a simulator on another machine
 
-Whether to trust it
-  verify   Solve problems whose solution is known; print computed, reference and deviation
-  report   Speed against error of every method of interpolation, from a dataset; with --html a page
-  doctor   Can this machine run the haptic client: timer, real-time limits, display, devices
+How far to trust it
+  verify   Solve problems with known solutions; print computed, reference and deviation
+  report   Compare speed and error of the interpolation methods on a dataset; --html writes a page
+  doctor   Check whether this machine can run the haptic client: timer, limits, display, devices
 
 In five minutes, from a closed surface organ.stl:
   palpate mesh organ.stl -o organ.msh

@@ -70,7 +70,6 @@ std::function<ExitCode()> prepareEvents(CLI::App& app) {
 
 }  // namespace
 
-const Verb events_verb = {"events", "What happened in a build, and what happens now",
-                          prepareEvents};
+const Verb events_verb = {"events", "Print the events of a build", prepareEvents};
 
 }  // namespace palpate

@@ -218,7 +218,7 @@ std::function<ExitCode()> prepareFleet(CLI::App& app) {
 
 }  // namespace
 
-const Verb fleet_verb = {"fleet", "As many workers as a build can use, from Slurm or by ssh",
+const Verb fleet_verb = {"fleet", "Start as many workers as a build can use, by Slurm or ssh",
                          prepareFleet};
 
 }  // namespace palpate

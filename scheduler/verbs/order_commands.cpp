@@ -150,15 +150,15 @@ std::function<ExitCode()> prepareRetry(CLI::App& app) {
 
 }  // namespace
 
-const Verb pause_verb = {"pause", "Hand out no more work before resume; workers stay",
+const Verb pause_verb = {"pause", "Stop handing out work until resume; workers stay",
                          preparePause<true>};
 
-const Verb resume_verb = {"resume", "Go on with what was paused", preparePause<false>};
+const Verb resume_verb = {"resume", "Continue a paused build", preparePause<false>};
 
 const Verb priority_verb = {"priority", "Compute one space before others", preparePriority};
 
-const Verb retry_verb = {"retry", "Try again what workers ended on, or what failed with some cause",
-                         prepareRetry};
+const Verb retry_verb = {
+    "retry", "Try transitions again that ended workers or failed with a given cause", prepareRetry};
 
 const Verb stop_verb = {
     "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",

@@ -54,7 +54,7 @@ std::function<ExitCode()> prepareSeal(CLI::App& app) {
 
 }  // namespace
 
-const Verb seal_verb = {
-    "seal", "Make a dataset of what is computed by now, while the build goes on", prepareSeal};
+const Verb seal_verb = {"seal", "Write a dataset of the results so far, while the build continues",
+                        prepareSeal};
 
 }  // namespace palpate

@@ -62,7 +62,7 @@ ExitCode serveDevice(const DeviceCommandOptions& options) {
 }
 
 Verb deviceVerb() {
-  return {"device", "Lend a haptic device of this machine to a simulator on another",
+  return {"device", "Lend a haptic device of this machine to a simulator on another machine",
           [](CLI::App& app) {
             auto options = std::make_shared<DeviceCommandOptions>();
             options->endpoint = default_device_endpoint;

@@ -43,7 +43,7 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
 }
 
 Verb shareVerb() {
-  return {"share", "A dataset as one HTML page that can be touched, by mouse or finger",
+  return {"share", "Write a dataset as one HTML page that can be touched by mouse or finger",
           prepareShare};
 }
 

@@ -99,7 +99,7 @@ std::function<ExitCode()> prepareVerify(CLI::App& app) {
 /// `palpate verify [NAME...] [--all | --hard] [--json]`: exit 0 if all rows are within their
 /// tolerance, else 1.
 const Verb verify_verb = {
-    "verify", "Solve problems whose solution is known; print computed, reference and deviation",
+    "verify", "Solve problems with known solutions; print computed, reference and deviation",
     prepareVerify};
 
 }  // namespace
