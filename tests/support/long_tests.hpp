@@ -5,7 +5,8 @@
 
 namespace palpate::test {
 
-/// Whether tests that take minutes are wanted: PALPATE_LONG_TESTS=1, as deploy/test --nightly has it.
+/// Returns whether tests that take minutes are wanted (PALPATE_LONG_TESTS=1, deploy/test
+/// --nightly).
 inline bool longTestsAreWanted() {
   const char* asked = std::getenv("PALPATE_LONG_TESTS");
   return asked != nullptr && *asked != '\0';
