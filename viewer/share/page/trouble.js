@@ -8,7 +8,7 @@ palpate.tooOld =
     'or in something newer.';
 palpate.getAgain = 'get the file again, or make it again with palpate share';
 
-// Stops the page and shows only `sentence`, which states the reason and a remedy. Later calls are
+// Stops the page and shows only this sentence, which states the reason and a remedy. Later calls are
 // ignored.
 palpate.stop = function(sentence) {
   if (palpate.trouble) return;
