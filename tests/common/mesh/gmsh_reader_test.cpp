@@ -8,6 +8,7 @@
 #include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -404,6 +405,17 @@ TEST_F(GmshReader, ReadsTheShippedLiver) {
   const Mesh mesh = readGmsh(PALPATE_SOURCE_DIR "/deploy/scenes/liver/liver-500.msh");
   EXPECT_EQ(mesh.nodes.size(), 492u);
   EXPECT_EQ(measure(mesh).pieces, 1);
+}
+
+TEST_F(GmshReader, ReadsTheRealLivers) {
+  PALPATE_REFERENCE_FILE(small, "meshes/liver-493.msh");
+  PALPATE_REFERENCE_FILE(large, "meshes/liver-5984.msh");
+  const Mesh mesh = readGmsh(small);
+  EXPECT_EQ(mesh.nodes.size(), 493u);
+  EXPECT_EQ(mesh.tetrahedra.size(), 1535u);
+  EXPECT_NEAR(measure(mesh).volume, 1.27e-3, 5e-6);
+  EXPECT_EQ(measure(mesh).pieces, 1);
+  EXPECT_EQ(readGmsh(large).tetrahedra.size(), 26732u);
 }
 
 }  // namespace

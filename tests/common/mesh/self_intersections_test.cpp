@@ -8,6 +8,7 @@
 #include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
 #include "worker/verification/meshes.hpp"
 
 namespace palpate {
@@ -105,6 +106,16 @@ TEST(Overlaps, AreNotWhatMatchesOrIsWelded) {
   EXPECT_NO_THROW(refuseOverlaps(welded(layers), "welded"));
   EXPECT_NO_THROW(refuseOverlaps(together(box(), moved(box(), {1 + 1e-9, 1e-9, 0})), "rounded"));
   EXPECT_NO_THROW(refuseOverlaps(together(box(), moved(box(), {1, 1, 0})), "one edge"));
+}
+
+TEST(Overlaps, InMeshesOfReportsAreFoundAndTheirTwinsTaken) {
+  PALPATE_REFERENCE_FILE(reports, "cases/reports");
+  for (const char* name : {"k03_crossed.msh", "k03_crossed27.msh"})
+    expectBadInput([&] { readGmsh(reports / name); }, {name, "overlap"});
+  for (const char* name : {"k01_layers.msh", "k01_welded.msh", "k03_alike.msh", "k03_alike27.msh"})
+    EXPECT_NO_THROW(readGmsh(reports / name));
+  for (const char* name : {"cases/flap.msh", "cases/dome.msh", "meshes/liver-5984.msh"})
+    EXPECT_NO_THROW(readGmsh(test::referenceData(name)));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "common/problem/problem_warnings.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -580,6 +581,26 @@ TEST_F(Problem, IsLoadedFromFiles) {
   test::writeGmsh41(mesh, directory / "cube.msh");
   std::ofstream(directory / "cube.toml") << resolvedToml(scene);
   EXPECT_EQ(problemId(loadProblem(directory / "cube.toml")), problemId(resolved()));
+}
+
+TEST_F(Problem, OfAReportThatHangsByAHingeIsRefused) {
+  PALPATE_REFERENCE_FILE(reports, "cases/reports");
+  for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
+    expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn there"});
+}
+
+TEST_F(Problem, ResolvesTheRealLiver) {
+  PALPATE_REFERENCE_FILE(file, "meshes/liver-493.msh");
+  scene.mesh = file;
+  const test::TemporaryDirectory directory;
+  std::filesystem::copy_file(file, directory / "liver-493.msh");
+  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
+  scene.active = {{"tip", Eigen::Vector3d(0.0582, 0.1344, 0.0025), std::nullopt, 0.015}};
+  std::ofstream(directory / "liver.toml") << resolvedToml(scene);
+  const palpate::Problem problem = loadProblem(directory / "liver.toml");
+  EXPECT_GT(problem.fixed.size(), 3u);
+  EXPECT_LT((problem.mesh.nodes[problem.active[0].node] - *scene.active[0].near).norm(), 0.02);
+  EXPECT_EQ(problemId(decodeProblem(encodeProblem(problem))), problemId(problem));
 }
 
 }  // namespace

@@ -707,14 +707,24 @@ TEST_F(MeshConversion, ReadsSoundFilesThatOthersReported) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   const std::vector<Reported> sound = {
-      {1, nullptr, 0, {"k25_avs.inp"}},
+      {1, nullptr, 0, {"k24_mmg.mesh", "k25_avs.inp"}},
       {2, nullptr, 0, {"k05_mixed.msh"}},
       {6,
        nullptr,
        0,
        {"k06_string.vtu", "k06_string_ascii.vtk", "k06_string_bin.vtk", "k14_lz4.vtu",
-        "k23_lagrange1.vtu", "K25.NODE", "K25.ELE"}},
-      {6, "label 1", 7, {"k06_idtype.vtu", "k06_idtype_ascii.vtk", "k06_idtype_bin.vtk"}},
+        "k23_lagrange1.vtu", "K25.NODE", "K25.ELE", "k11_bom.ele", "k11_bom.inp", "k11_bom.msh",
+        "k11_bom.node", "k22_mass.inp"}},
+      {6,
+       "label 1",
+       7,
+       {"k06_double.vtu", "k06_double_ascii.vtk", "k06_double_bin.vtk", "k06_idtype.vtu",
+        "k06_idtype_ascii.vtk", "k06_idtype_bin.vtk", "k06_int.vtu", "k06_int_ascii.vtk",
+        "k06_int_bin.vtk", "k06_uchar.vtu", "k06_uchar_ascii.vtk", "k06_uchar_bin.vtk"}},
+      {6, "FIX", 4, {"k08_down.inp", "k13_nset.inp"}},
+      {6, "Fix", 4, {"k12_range.feb", "k22_qualified.inp"}},
+      {6, "Part", 8, {"k12_from.feb", "k12_include.feb"}},
+      {6, "Tumour", 6, {"k12_range_elements.feb"}},
       {6, "LIVER", 8, {"k13_goes_on.inp"}},
       {24, "CellEntityIds 1", 14, {"k07_gmsh_bin.vtk"}},
       {24, "fixed", 5, {"k10_parametric.msh", "k18_v40.msh"}}};
@@ -729,6 +739,8 @@ TEST_F(MeshConversion, ReadsSoundFilesThatOthersReported) {
       ASSERT_THAT(mesh.node_groups, Contains(::testing::Key(report.group)));
       EXPECT_EQ(mesh.node_groups.at(report.group).size(), report.of_group);
     }
+  for (const char* name : {"k11_bom.obj", "k11_bom.off", "k11_bom.stl", "k19_strips.ply"})
+    EXPECT_FALSE(convertMesh(reports / name, directory.path()).is_volume) << name;
   EXPECT_THAT(surfaceOf(reports / "k16_specks.stl").cavities, IsEmpty());
   EXPECT_EQ(surfaceOf(reports / "k16_specks.stl").triangles.size(), 512u);
   EXPECT_EQ(surfaceOf(reports / "k20_gaps.stl").points.size(), 66u);
