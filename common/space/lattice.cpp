@@ -173,7 +173,7 @@ constexpr std::array<Step, 26> steps = [] {
 
 }  // namespace
 
-std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
+Neighbours Lattice::neighbours(std::int32_t index) const {
   PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
   const LatticePoint& point = points_[index];
   const LatticePoint center = {point[0] / divisions_, point[1] / divisions_, point[2] / divisions_};
@@ -199,9 +199,9 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
     found[count++] = {(squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};
   }
   std::sort(found.begin(), found.begin() + count);
-  std::vector<std::int32_t> neighbours;
-  neighbours.reserve(count);
-  for (std::size_t n = 0; n < count; ++n) neighbours.push_back(found[n].second);
+  Neighbours neighbours(static_cast<Eigen::Index>(count));
+  std::ranges::transform(found.begin(), found.begin() + count, neighbours.begin(),
+                         &std::pair<std::int64_t, std::int32_t>::second);
   return neighbours;
 }
 

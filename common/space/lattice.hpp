@@ -17,6 +17,9 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// Returns i^2 + j^2 + k^2.
 std::int64_t squaredNorm(const LatticePoint& point);
 
+/// Numbers of the lattice points around one, at most 26, without an allocation.
+using Neighbours = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1, Eigen::ColMajor, 26, 1>;
+
 /// An edge of a leaf cell, given by its two lattice points.
 struct LatticeEdge {
   std::int32_t a = -1, b = -1;  ///< lattice numbers, a < b
@@ -93,7 +96,7 @@ class Lattice {
   /// spacing per coordinate. They are in the order in which they are tried as starts of a
   /// transition to `index`: sorted by distance to `index`, then by distance to the origin, then by
   /// (i, j, k).
-  std::vector<std::int32_t> neighbours(std::int32_t index) const;
+  Neighbours neighbours(std::int32_t index) const;
 
   /// Returns a copy with only the first `count` points. `count` must be at least uniformSize().
   Lattice first(std::int32_t count) const;

@@ -63,7 +63,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   const std::int64_t norm = squaredNorm(known.lattice.point(point));
   const std::vector<FailedAttempt>& failed = known.points.attempts(point);
-  std::vector<std::int32_t> candidates;
+  Neighbours candidates;
   if (failed.size() < budget) candidates = known.lattice.neighbours(point);
   for (const std::int32_t candidate : candidates) {
     const Point& c = points_[candidate];

@@ -153,7 +153,7 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
   space.patch = {"tip", 0, {0}};
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     space.points.push_back(recordAt(lattice.displacement(n), n, energy));
-    if (n > 0 && n < lattice.uniformSize()) space.points[n].parent = lattice.neighbours(n).front();
+    if (n > 0 && n < lattice.uniformSize()) space.points[n].parent = lattice.neighbours(n)[0];
   }
   return space;
 }

@@ -53,10 +53,10 @@ TEST(Lattice, FindsEveryPointByItsCoordinatesAndNoneOutside) {
 
 TEST(Lattice, ListsTheClosestNeighboursFirst) {
   const Lattice lattice(0.1, 0.02);
-  const std::vector<std::int32_t> neighbours = lattice.neighbours(*lattice.indexOf({2, 0, 0}));
-  EXPECT_EQ(neighbours.size(), 26u);
-  EXPECT_EQ(lattice.point(neighbours.front()), (LatticePoint{1, 0, 0}));
-  EXPECT_EQ(lattice.point(neighbours.back()), (LatticePoint{3, 1, 1}));
+  const Neighbours neighbours = lattice.neighbours(*lattice.indexOf({2, 0, 0}));
+  EXPECT_EQ(neighbours.size(), 26);
+  EXPECT_EQ(lattice.point(neighbours[0]), (LatticePoint{1, 0, 0}));
+  EXPECT_EQ(lattice.point(neighbours[25]), (LatticePoint{3, 1, 1}));
   EXPECT_EQ(std::set<std::int32_t>(neighbours.begin(), neighbours.end()).size(), 26u);
 }
 
@@ -64,7 +64,7 @@ TEST(Lattice, LeavesOutNeighboursBeyondTheBall) {
   const Lattice lattice(0.1, 0.02);
   for (const std::int32_t n : lattice.neighbours(*lattice.indexOf({5, 0, 0})))
     EXPECT_LE(squaredNorm(lattice.point(n)), 25);
-  EXPECT_EQ(lattice.neighbours(*lattice.indexOf({5, 0, 0})).size(), 9u);
+  EXPECT_EQ(lattice.neighbours(*lattice.indexOf({5, 0, 0})).size(), 9);
 }
 
 TEST(Lattice, NeighbourhoodIsMutual) {
@@ -101,7 +101,7 @@ TEST(Lattice, OfAPartOfTheBallHasItsPointsAndTheOrigin) {
 
 TEST(Lattice, OfAPartOfTheBallHasNeighboursInIt) {
   const Lattice half(0.03, 0.01, 1, lower_half);
-  EXPECT_EQ(half.neighbours(0).size(), 17u);
+  EXPECT_EQ(half.neighbours(0).size(), 17);
 }
 
 TEST(Lattice, OfAPartOfTheBallGoesAsDeepAsTheBallAndNoWiderThanItSays) {
