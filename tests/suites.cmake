@@ -1,4 +1,4 @@
-# ctest reads it to find the suites of a GoogleTest program. Given by palpate_suites in CMakeLists.txt: program, label, cost,
+# ctest reads it to find the suites of a GoogleTest program. Given by palpate_suites in CMakeLists.txt: program, labels, cost,
 # alone.
 get_filename_component(name ${program} NAME)
 if(NOT EXISTS ${program})
@@ -15,6 +15,6 @@ set(skipped "\\[  PASSED  \\] 0 tests\\.\n\\[  SKIPPED \\] [0-9]+ tests?, listed
 foreach(line ${suites})
   string(REGEX REPLACE "\n(.*)\\." "\\1" suite "${line}")
   add_test(${suite} ${program} --gtest_filter=${suite}.*)
-  set_tests_properties(${suite} PROPERTIES LABELS ${label} COST ${cost} RUN_SERIAL ${alone}
+  set_tests_properties(${suite} PROPERTIES LABELS "${labels}" COST ${cost} RUN_SERIAL ${alone}
     SKIP_REGULAR_EXPRESSION "${skipped}")
 endforeach()
