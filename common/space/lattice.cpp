@@ -200,8 +200,8 @@ Neighbours Lattice::neighbours(std::int32_t index) const {
   }
   std::sort(found.begin(), found.begin() + count);
   Neighbours neighbours(static_cast<Eigen::Index>(count));
-  std::ranges::transform(found.begin(), found.begin() + count, neighbours.begin(),
-                         &std::pair<std::int64_t, std::int32_t>::second);
+  for (std::size_t n = 0; n < count; ++n)
+    neighbours[static_cast<Eigen::Index>(n)] = found[n].second;
   return neighbours;
 }
 
