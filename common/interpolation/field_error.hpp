@@ -13,8 +13,8 @@ namespace palpate {
 /// larger near ghost corners and suspect edges (branch_check.hpp). A hanging corner adds the bound
 /// in its coarser leaf.
 ///
-/// The factors come from measurements; see field_error.cpp and docs/measurements.md. Immutable
-/// after construction, so any thread may read.
+/// The factors come from measurements; see field_error.cpp and docs/internals/measurements.md.
+/// Immutable after construction, so any thread may read.
 class FieldError {
  public:
   FieldError() = default;  ///< an object without leaves, for which bound() must not be called

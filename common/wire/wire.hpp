@@ -14,8 +14,8 @@
 #include "common/space/result_key.hpp"
 #include "proto/palpate.pb.h"
 
-/// Messages of proto/palpate.proto over ZeroMQ ROUTER and DEALER sockets. docs/wire.md describes
-/// the protocol.
+/// Messages of proto/palpate.proto over ZeroMQ ROUTER and DEALER sockets. docs/internals/wire.md
+/// describes the protocol.
 namespace palpate {
 
 /// Version of the protocol, raised with every incompatible change. Hello contains it, and the
@@ -100,7 +100,7 @@ bool isReadable(wire::Message& message);
 /// payload, its body_case() is BODY_NOT_SET; count such messages and drop them.
 std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
 
-/// Make sockets with the options that measurements showed to be necessary (docs/wire.md,
+/// Make sockets with the options that measurements showed to be necessary (docs/internals/wire.md,
 /// "Sockets").
 zmq::socket_t makeRouter(zmq::context_t& context);
 zmq::socket_t makeDealer(zmq::context_t& context);

@@ -29,7 +29,7 @@ constexpr double likely_share = 0.2;
 /// lie next to jumps between branches, where no number of points would be enough.
 constexpr double enough = 0.998;
 /// The same fraction for a finger. A lower one is enough, because a place of the area is answered
-/// from several neighbouring sites (docs/thresholds.md).
+/// from several neighbouring sites (docs/internals/thresholds.md).
 constexpr double enough_of_finger = 0.99;
 
 /// A corner outside the ball is solved if it is at most this many edge lengths of its leaf outside.

@@ -22,8 +22,9 @@ enum class Next : std::uint8_t {
 /// done by its parts (Workers, Handouts, Intake, SecondSolves, People); the coordinator decides in
 /// which order they act. One thread.
 ///
-/// A result is acknowledged, and its plan moves on, only after ResultGroup::commit (docs/state.md).
-/// The constructor replays the recorded results, so a restart continues where the last run stopped.
+/// A result is acknowledged, and its plan moves on, only after ResultGroup::commit
+/// (docs/internals/state.md). The constructor replays the recorded results, so a restart continues
+/// where the last run stopped.
 ///
 /// As soon as there are two machines, some results are solved again by another machine
 /// (SpotChecks). Plans do not wait for these checks, but the build is complete only after them.

@@ -7,7 +7,7 @@ namespace palpate {
 
 /// Records results in the plans, first the results of earlier runs. A new result waits in
 /// ServiceState::group until commit() makes the group durable, and is then acknowledged
-/// (docs/state.md). One thread; the references must outlive this object.
+/// (docs/internals/state.md). One thread; the references must outlive this object.
 class Intake {
  public:
   /// Takes over the plans with the results of earlier runs, and queues the transitions whose

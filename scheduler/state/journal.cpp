@@ -37,7 +37,7 @@ struct Head {
     return sizeof(Head) + std::uint64_t{header_bytes} + payload_bytes;
   }
 };
-static_assert(sizeof(Head) == 20, "as docs/state.md says it");
+static_assert(sizeof(Head) == 20, "as docs/internals/state.md says it");
 
 std::uint32_t crcOf(std::string_view bytes, uLong before = 0) {
   return static_cast<std::uint32_t>(

@@ -83,7 +83,7 @@ class SegmentFile;  // one segment, open for reading
 
 /// Reads the journal in a directory: DIRECTORY/segment-000001.dat and so on.
 ///
-/// Layout of a record (docs/state.md):
+/// Layout of a record (docs/internals/state.md):
 /// - "PJR3";
 /// - header bytes, u32;
 /// - payload bytes, u32;

@@ -39,8 +39,8 @@ class ResultGroup {
   /// Arrival time of the first result; none if the group is empty.
   std::optional<Time> since() const { return since_; }
 
-  /// Makes all results durable, so that they may be acknowledged (docs/state.md). Returns them and
-  /// empties the group. Throws like JobStore; after an error no result of the group may be
+  /// Makes all results durable, so that they may be acknowledged (docs/internals/state.md). Returns
+  /// them and empties the group. Throws like JobStore; after an error no result of the group may be
   /// acknowledged.
   Members commit();
 

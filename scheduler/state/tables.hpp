@@ -29,12 +29,12 @@ struct Progress {
   std::string status;  ///< human-readable: a wire::Status as JSON (progressOf)
 };
 
-/// Counters of a build by name (docs/state.md).
+/// Counters of a build by name (docs/internals/state.md).
 using Counters = std::map<std::string, std::int64_t>;
 
-/// Reads the tables of a build (SQLite, docs/state.md). An object made from a directory shows a
-/// snapshot taken at construction, even while a scheduler writes the tables. Results are not in the
-/// tables but in the journal; counts in the tables only inform users. One thread.
+/// Reads the tables of a build (SQLite, docs/internals/state.md). An object made from a directory
+/// shows a snapshot taken at construction, even while a scheduler writes the tables. Results are
+/// not in the tables but in the journal; counts in the tables only inform users. One thread.
 class StoredTables {
  public:
   static constexpr int schema_version = 6;

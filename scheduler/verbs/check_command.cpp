@@ -34,7 +34,8 @@ ExitCode checkState(const CheckStateOptions& options) {
 
 std::function<ExitCode()> prepareCheckState(CLI::App& app) {
   auto options = std::make_shared<CheckStateOptions>();
-  app.add_option("DIRECTORY", options->directory, "A state directory (docs/state.md)")->required();
+  app.add_option("DIRECTORY", options->directory, "A state directory (docs/internals/state.md)")
+      ->required();
   app.add_flag("--repair", options->repair,
                "Drop what is damaged and make damaged tables again; no scheduler may work there");
   app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");

@@ -31,8 +31,8 @@ struct Gauge {
   std::optional<double> value;  ///< nothing: unknown
 };
 
-/// The counters of docs/state.md with their help. They are exported as palpate_NAME_total; a
-/// missing counter is 0.
+/// The counters of docs/internals/state.md with their help. They are exported as
+/// palpate_NAME_total; a missing counter is 0.
 constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
      {"lost_workers", "Workers that went without a word."},

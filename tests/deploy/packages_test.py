@@ -128,8 +128,8 @@ class Site(unittest.TestCase):
         self.assertEqual({path.name for path in (ROOT / "build/site/gallery").iterdir()}, {"index.html", "liver.html", "liver.png"})
         self.assertIn('href="gallery/index.html"', (ROOT / "build/site/gallery.html").read_text(encoding="utf-8"))
         output(ROOT / "deploy/site")
-        pages = {path: Links(path.read_text(encoding="utf-8")) for path in (ROOT / "build/site").glob("*.html")}
-        self.assertGreater(len(pages), len(list((ROOT / "docs").glob("*.md"))))
+        pages = {path: Links(path.read_text(encoding="utf-8")) for path in (ROOT / "build/site").rglob("*.html")}
+        self.assertGreater(len(pages), len(list((ROOT / "docs").rglob("*.md"))))
         wrong = []
         for page, found in pages.items():
             if page.name == "404.html":  # its links are those of a server
@@ -140,7 +140,7 @@ class Site(unittest.TestCase):
                     continue
                 target = (page.parent / urllib.parse.unquote(parts.path)).resolve() if parts.path else page
                 if not target.exists() or (target in pages and parts.fragment and parts.fragment not in pages[target].places):
-                    wrong.append(f"{page.name}: {link}")
+                    wrong.append(f"{page}: {link}")
         self.assertEqual(wrong, [])
 
 

@@ -119,8 +119,8 @@ void writeSparse(const std::filesystem::path& file, const std::string& bytes) {
   std::filesystem::resize_file(file, bytes.size());
 }
 
-/// Where the first `count` records of a journal end (docs/state.md), all of them when it has no
-/// more.
+/// Where the first `count` records of a journal end (docs/internals/state.md), all of them when it
+/// has no more.
 std::size_t endOfRecords(const std::string& journal, std::size_t count) {
   std::size_t at = 0;
   constexpr std::size_t preamble = 20;

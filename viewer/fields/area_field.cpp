@@ -40,7 +40,8 @@ constexpr double kernel_width = 1.5;
 /// - share_of_power multiplies the power at the place.
 /// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///
-/// The last three are relative to the force. docs/thresholds.md explains how all were chosen.
+/// The last three are relative to the force. docs/internals/thresholds.md explains how all were
+/// chosen.
 constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
                  share_of_force = 0.003;
 /// Smallest force by which an error is divided to get a relative error, as a share of the site's

@@ -29,8 +29,8 @@ struct SessionOptions {
   double drain_s = 10;
 };
 
-/// A worker's side of the protocol (docs/wire.md). It says hello, asks for work, fetches start
-/// configurations, delivers results and keeps each result until it is acknowledged. After any
+/// A worker's side of the protocol (docs/internals/wire.md). It says hello, asks for work, fetches
+/// start configurations, delivers results and keeps each result until it is acknowledged. After any
 /// failure of the scheduler it repeats its requests and deliveries.
 ///
 /// Messages and the time go in, messages come out; a WorkerSession has no socket and no clock. One

@@ -1,7 +1,7 @@
 """Fig. 7 of the paper: how long a configuration space takes, and how large it is, by lattice and row of Table 1.
 
 Minutes by one and two workers here (quadratic elements by the local workers alone), and by up to 64 of the scheduler's
-simulator, which does the recorded build again: the same transitions, each as long as it took here (docs/benchmarks.md).
+simulator, which does the recorded build again: the same transitions, each as long as it took here (docs/internals/benchmarks.md).
 Elements are those that satisfy inf-sup, the product's defaults; the paper's were of equal order."""
 import pathlib
 
