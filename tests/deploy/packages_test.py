@@ -127,7 +127,7 @@ class Site(unittest.TestCase):
             output("env", f"PALPATE_GALLERY={gallery}", ROOT / "deploy/site")
         self.assertEqual({path.name for path in (ROOT / "build/site/gallery").iterdir()}, {"index.html", "liver.html", "liver.png"})
         self.assertIn('href="gallery/index.html"', (ROOT / "build/site/gallery.html").read_text(encoding="utf-8"))
-        output(ROOT / "deploy/site")
+        output("env", "PALPATE_GALLERY=none", "PALPATE_DATASET=none", ROOT / "deploy/site")
         pages = {path: Links(path.read_text(encoding="utf-8")) for path in (ROOT / "build/site").rglob("*.html")}
         self.assertGreater(len(pages), len(list((ROOT / "docs").rglob("*.md"))))
         wrong = []
@@ -142,6 +142,33 @@ class Site(unittest.TestCase):
                 if not target.exists() or (target in pages and parts.fragment and parts.fragment not in pages[target].places):
                     wrong.append(f"{page}: {link}")
         self.assertEqual(wrong, [])
+
+    def testTheFirstPageHasTheOrganOfTheGalleryOrOfADataset(self):
+        if shutil.which("mkdocs") is None:
+            self.skipTest("mkdocs is not installed: the site is NOT tested")
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "gallery").mkdir()
+        for name in ("index.html", "liver.html"):
+            (folder / "gallery" / name).write_text("<p>liver</p>", encoding="utf-8")
+        dataset = folder / "organ.h5"
+        dataset.touch()
+        share = folder / "palpate"  # tests/system/share_test.cpp tests the real one, which needs Emscripten
+
+        def embedded(gallery="", organ="", script="exit 1"):
+            share.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+            share.chmod(0o755)
+            said = output(ROOT / "deploy/site", env={**os.environ, "PALPATE_GALLERY": str(folder / gallery), "PALPATE_DATASET": str(organ),
+                                                     "PALPATE_BIN_DIR": str(folder)})
+            text = (ROOT / "build/site/index.html").read_text(encoding="utf-8")
+            self.assertRegex(text, '<p><img [^>]*src="figures/')  # for browsers without JavaScript or WebGL
+            pages = re.findall(r'<iframe[^>]* src="([^"]+)"', text)
+            self.assertEqual("without an organ" in said, not pages, said)
+            return [(page, (ROOT / "build/site" / page).read_text(encoding="utf-8").strip()) for page in pages]
+
+        self.assertEqual(embedded(gallery="gallery"), [("gallery/liver.html", "<p>liver</p>")])
+        self.assertEqual(embedded(organ=dataset, script='echo "$1 $2" > "$4"'), [("organ.html", f"share {dataset}")])
+        self.assertEqual(embedded(organ=dataset), [])
+        self.assertEqual(embedded(organ=folder / "missing.h5"), [])
 
 
 if __name__ == "__main__":
