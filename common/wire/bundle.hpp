@@ -22,7 +22,7 @@ struct Letter {
 };
 
 /// Collects the messages to one peer into bundles, because the cost of small messages depends on
-/// their number more than on their size (docs/performance.md). One thread.
+/// their number more than on their size (docs/evaluation.md). One thread.
 class Bundler {
  public:
   /// Adds a message. `payload` must have the length that the message gives.

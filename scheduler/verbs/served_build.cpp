@@ -125,7 +125,7 @@ std::vector<std::string> namesOfFamilies() {
 std::string chosenKernels(const std::string& kernels) {
   for (const CpuFamily family : all_cpu_families) {
     if (name(family) != kernels) continue;
-    // docs/performance.md gives the measured factors.
+    // docs/evaluation.md gives the measured factors.
     constexpr std::array who = {
         "every worker may come; those with AVX2 or more take about 1.3 times as long as they could",
         "workers without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as they "

@@ -209,6 +209,15 @@ int run(int argc, char** argv) {
   app.add_option("--directory", options.directory, "A folder on the disk that is measured [/tmp]")
       ->check(CLI::ExistingDirectory);
   app.add_flag("--insecure", options.insecure, "Without keys");
+  app.footer(
+      "..._cpu_us_per_result: user and system time. Scheduler and workers compete for the\n"
+      "  cores of a small machine.\n"
+      "written_bytes_per_result: into journal and tables. to_disk_bytes_per_result: whole\n"
+      "  pages that reach the disk.\n"
+      "disk_results_per_second: records of this size that the bare disk stores, synced in\n"
+      "  groups like the scheduler's.\n"
+      "share_of_the_disk: results_per_second divided by disk_results_per_second, which can\n"
+      "  be compared between machines.");
   CLI11_PARSE(app, argc, argv);
   if (!options.directory.empty()) setenv("TMPDIR", options.directory.c_str(), 1);
   const test::TemporaryDirectory directory;

@@ -106,7 +106,14 @@ Arguments parse(const std::vector<std::string>& words) {
   }
   if (plain.empty() || plain.size() > 3)
     throw badInput(
-        "usage: palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]");
+        "usage: palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]\n"
+        "--busy: a thread deforms the surface 60 times a second.\n"
+        "--real-time: SCHED_FIFO and locked memory; trouble lists the requests that the\n"
+        "  system refused.\n"
+        "A histogram is a list of pairs of upper edge, us, and count. compute_us: wall time\n"
+        "  of a tick.\n"
+        "missed_program: deadlines missed because the tick computed too long; missed_system:\n"
+        "  all others");
   arguments.dataset = plain[0];
   if (plain.size() > 1) arguments.seconds = numberIn(plain[1]);
   if (plain.size() > 2) arguments.rate = numberIn(plain[2]);

@@ -1,6 +1,6 @@
 // What one Newton iteration, a transition and a path cost, beside GetFEM, the finite-element
 // library of the 2010 paper, on the same machine in the same minutes. Prints one JSON object;
-// README.md says what it means. Nothing here is checked: times belong to the machine.
+// --help explains it. Nothing here is checked: times belong to the machine.
 #include <fmt/format.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -489,6 +489,20 @@ int main(int argc, char** argv) try {
                "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
   app.add_option("--scene", options.scene, "The Newton iteration of this scene file alone")
       ->check(CLI::ExistingFile);
+  app.footer(
+      "newton_iteration: one assembly of residual and tangent, one factorisation and one\n"
+      "  solve, on one thread, at the equilibrium 10 mm from rest (or at half of that, and\n"
+      "  so on, if the solver does not reach it). GetFEM analyses the matrix in every\n"
+      "  iteration.\n"
+      "newton_iteration_times_faster: best time of GetFEM divided by the best time of\n"
+      "  Palpate. Palpate has repetitions x rounds samples, GetFEM one a round, so a busy\n"
+      "  machine favours Palpate; increase --rounds there.\n"
+      "P1/P1, det-F-1 and P2/P1, det-F-1: GetFEM's equations. P1/P1-stabilized, ln-det-F:\n"
+      "  the default.\n"
+      "lattice_configurations_20mm: six configurations one spacing from rest, without the\n"
+      "  factorisation of the start.\n"
+      "factorize_gflops: limited by dgemm_gflops. peak_rss_mb: of the process, at this\n"
+      "  mesh.");
   CLI11_PARSE(app, argc, argv);
   return palpate::runBenchmark(options);
 } catch (const std::exception& error) {

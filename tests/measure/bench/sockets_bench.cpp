@@ -157,6 +157,12 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_flag("--insecure", insecure, "Without keys");
+  app.footer(
+      "there_after_s: from the creation of the first worker until the shares of the workers\n"
+      "  in parts are connected.\n"
+      "back_after_kill_s: the same from the kill of the scheduler, which is restarted at\n"
+      "  once.\n"
+      "The build is paused, so the workers have no work.");
   CLI11_PARSE(app, argc, argv);
   allowManyDescriptors();
   spdlog::set_level(spdlog::level::off);  // each worker has something to say

@@ -1,7 +1,7 @@
 // How much faster a build gets by more workers: one that is recorded, done again by 1 to 10,000
 // simulated ones under the real scheduler, beside what the dependencies of its transitions allow
 // (the ideal) and the two bounds of that: all work divided by the workers, and the longest chain.
-// Prints one JSON object. docs/performance.md has figures, and says what they show.
+// Prints one JSON object. docs/evaluation.md has the results.
 //
 //   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--cut-ms 250]
 //                          [--latency-ms 0.2] [--scheduler-us 100 | --measured] [--no-checks]
@@ -121,6 +121,19 @@ int run(int argc, char** argv) {
   app.add_option("--directory", options.directory, "Where the simulated scheduler keeps its state")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
+  app.footer(
+      "The recorded result of each transition is looked up instead of solved, so the plans\n"
+      "  request the same transitions again, in simulated time. The simulation omits the\n"
+      "  time in which a worker joins, and the factorisation of a start configuration,\n"
+      "  which is done once for all its points.\n"
+      "work_s: all solves. longest_chain_s: the build with unlimited workers.\n"
+      "ideal_speed_up: by a scheduler that hands out work the moment it is ready and solves\n"
+      "  nothing twice.\n"
+      "most_speed_up: the smaller of workers and work_s / longest_chain_s.\n"
+      "share_of_ideal: speed-up divided by the ideal one until the build is complete, with\n"
+      "  spot checks; ..._until_solved: until no plan requests another transition.\n"
+      "processor_us_per_result: the scheduler's thread, without ZeroMQ, encryption and\n"
+      "  disk; ..._by_work: by kind of work.");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::err);
   std::cout << measure(options).dump(1) << "\n";
