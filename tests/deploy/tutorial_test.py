@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs/tutorial.md, command by command: as it stands with PALPATE_LONG_TESTS (ten minutes), else with a coarser mesh.
-By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
+"""The tutorials, command by command: docs/tutorial.md as it stands with PALPATE_LONG_TESTS (ten minutes), else with a coarser
+mesh. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
 import os
 import pathlib
 import re
@@ -10,29 +10,32 @@ import sys
 import tempfile
 import unittest
 
-from small_datasets import BIN, ENVIRONMENT, ROOT, missing, palpate
+from small_datasets import BIN, ENVIRONMENT, LIBRARY, ROOT, missing, palpate
 
 SOME_POINTS_FAILED = 3  # of a build, which the page says
 
 
 class FirstPages(unittest.TestCase):
-    def follow(self, page, made):
-        """Runs the blocks of shell and Python of a page, writes its scene, in an empty folder."""
+    def follow(self, made, *pages):
+        """Runs the blocks of shell and Python of pages, and writes their scenes and programs, in an empty folder."""
         if palpate is None:
             self.skipTest(missing)
         if shutil.which("gmsh") is None:
             self.skipTest("gmsh is not installed: the tutorial is NOT tested")
-        self.assertEqual(page.count("--nodes 500"), 1)
+        text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in pages)
         if not os.environ.get("PALPATE_LONG_TESTS"):
-            page = page.replace("--nodes 500", "--nodes 200")
-        blocks = re.findall(r"```(sh|python|toml)\n(.*?)```", page, re.S)
-        self.assertGreater(len(blocks), 6)
+            text = text.replace("--nodes 500", "--nodes 200")
+        blocks = re.findall(r"```(sh|python|toml|c)\n(.*?)```", text, re.S)
+        self.assertGreater(len(blocks), 3)
         with tempfile.TemporaryDirectory() as folder:
-            environment = {**ENVIRONMENT, "PATH": f"{BIN}:/usr/bin:/bin", "MPLCONFIGDIR": folder}
+            environment = {**ENVIRONMENT, "PATH": f"{BIN}:/usr/bin:/bin", "MPLCONFIGDIR": folder, "PKG_CONFIG_PATH": folder,
+                           "LD_LIBRARY_PATH": str(LIBRARY.parent)}
+            pathlib.Path(folder, "palpate.pc").write_text(  # as if it were installed
+                f"Name: palpate\nDescription: built here\nVersion: 0\nCflags: -I{ROOT}/viewer/c_api\nLibs: {LIBRARY}\n", encoding="utf-8")
             for language, text in blocks:
-                if language == "toml":
-                    name = re.search(r'^name = "(.*)"', text, re.M)[1]
-                    pathlib.Path(folder, f"{name}.toml").write_text(text, encoding="utf-8")
+                if language in ("toml", "c"):
+                    name = re.search(r'^name = "(.*)"|^/\* (\w+)\.c:', text, re.M)
+                    pathlib.Path(folder, f"{name[1] or name[2]}.{language}").write_text(text, encoding="utf-8")
                     continue
                 # As if it were installed.
                 text = text.replace("/usr/share/palpate/scenes", str(ROOT / "deploy/scenes"))
@@ -46,9 +49,15 @@ class FirstPages(unittest.TestCase):
                 self.assertGreater(pathlib.Path(folder, file).stat().st_size, 500, file)
 
     def testTheTutorialLeadsFromASurfaceToAPlotAsItStands(self):
-        page = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
-        self.follow(page, ("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
-                           "curve.csv", "side.h5"))
+        self.assertEqual((ROOT / "docs/tutorial.md").read_text(encoding="utf-8").count("--nodes 500"), 1)
+        self.follow(("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
+                     "curve.csv", "side.h5"), "tutorial.md")
+
+    def testAStiffLumpIsFoundAndAnOwnLoopSlidesOverItAsTheyStand(self):
+        self.follow(("lump.h5", "lump.png", "loop.txt", "loop.png"), "tutorial-lump.md", "tutorial-loop.md")
+
+    def testTwoMaterialsMakeAFigureAsTheyStand(self):
+        self.follow(("neo.h5", "exp.h5", "two.png"), "tutorial-python.md")
 
     def testItsStepsInPythonFindTheLibraryAfterTheDemo(self):
         built = re.search(r"cmake --build .*--target (.*)\)", (ROOT / "deploy/demo").read_text(encoding="utf-8"))
