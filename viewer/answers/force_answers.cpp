@@ -40,7 +40,7 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
     return;
   }
   if (const std::string& only = forceFieldMethods().front(); method != only)
-    throw badInput("--method {}: between the sites of a finger there is only {}", method, only);
+    throw badInput("--method {}: only {} interpolates between the sites of a finger", method, only);
   const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
   const std::vector<Eigen::Vector3d> centers = centersOf(sites);
   const double radius = first_.patch.finger->radius;
@@ -51,10 +51,10 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
 
 ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   if (!area_) {
-    PALPATE_ASSERT(!touch.at, "who asks with a place makes answers for places");
+    PALPATE_ASSERT(!touch.at, "a touch with a place needs answers made for places");
     return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   }
-  PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
+  PALPATE_ASSERT(touch.at.has_value(), "answers made for places need a place");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses places far outside the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
   if (place.triangle >= 0) area_->prepareAt(place.at);

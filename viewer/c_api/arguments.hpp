@@ -36,7 +36,7 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
         fmt::format_to_n(text.data(), text.size() - 1, format, std::forward<Args>(args)...).size;
     text[std::min(written, text.size() - 1)] = '\0';
   } catch (...) {
-    constexpr std::string_view unknown = "failed, and the text that says why could not be made";
+    constexpr std::string_view unknown = "failed, and the error text could not be formatted";
     text[unknown.copy(text.data(), text.size() - 1)] = '\0';
   }
   return status;
@@ -58,14 +58,13 @@ palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
     std::forward<Work>(work)();
     return PALPATE_OK;
   } catch (const std::bad_alloc&) {
-    return fail(PALPATE_OUT_OF_MEMORY, "{}: there is not enough memory; prepare fewer methods",
-                function);
+    return fail(PALPATE_OUT_OF_MEMORY, "{}: out of memory; prepare fewer methods", function);
   } catch (const Error& error) {
     return fail(PALPATE_BAD_FILE, "{}: {}", function, error.what());
   } catch (const std::exception& error) {
     return fail(PALPATE_FAILED, "{}: {}", function, error.what());
   } catch (...) {
-    return fail(PALPATE_FAILED, "{}: an exception of an unknown kind", function);
+    return fail(PALPATE_FAILED, "{}: unknown exception", function);
   }
 }
 
@@ -98,8 +97,8 @@ bool sizeIsKnown(const char* function, const char* name, const Struct* given) no
   if (!isThere(function, name, given)) return false;
   return (given->size >= first_size && given->size <= sizeof(Struct)) ||
          refuse(
-             "{}: {}->size is {}, not {}; "
-             "set it to sizeof(*{}), and use a library as new as palpate.h",
+             "{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library at least as "
+             "new as palpate.h",
              function, name, given->size, sizeof(Struct), name);
 }
 
@@ -157,15 +156,15 @@ void giveAnswer(const palpate_answers& to, std::size_t n, const Struct& sample) 
 
 inline bool isNumber(const char* function, const char* what, std::int32_t number,
                      std::ptrdiff_t count) noexcept {
-  if (count == 0) return refuse("{}: there is no {} in this dataset", function, what);
+  if (count == 0) return refuse("{}: this dataset has no {}", function, what);
   return (number >= 0 && number < count) ||
-         refuse("{}: there is no {} {}; they are numbered 0 to {}", function, what, number,
+         refuse("{}: {} {} does not exist; valid numbers are 0 to {}", function, what, number,
                 count - 1);
 }
 
 inline bool isEnough(const char* function, std::size_t capacity, std::size_t needed) noexcept {
   return capacity >= needed ||
-         refuse("{}: the buffer holds {} numbers, {} are needed", function, capacity, needed);
+         refuse("{}: the buffer holds {} numbers, but {} are needed", function, capacity, needed);
 }
 
 /// Lower limit of a number that has no other limits.
@@ -229,8 +228,8 @@ palpate_status findNamed(const char* function, const char* what, std::string_vie
       names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
   });
   if (status != PALPATE_OK) return status;
-  return fail(PALPATE_INVALID_ARGUMENT, "{}: there is no {} \"{}\"; there are: {}", function, what,
-              name, names);
+  return fail(PALPATE_INVALID_ARGUMENT, "{}: unknown {} \"{}\"; known: {}", function, what, name,
+              names);
 }
 
 /// Returns the number of indices in `triples` triangles, or of coordinates in `triples` vertices.

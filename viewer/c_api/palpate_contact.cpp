@@ -15,7 +15,7 @@ struct palpate_contact {
                   std::int32_t method)
       : loaded(dataset.loaded), contact(loaded->model, options) {
     PALPATE_ASSERT(at(method) < loaded->model.methods().size(),
-                   "translate() looked at the number of the method");
+                   "translate() has checked the method's number");
     contact.use(loaded->model, at(method));
   }
   std::shared_ptr<const LoadedDataset> loaded;
@@ -45,8 +45,8 @@ Given defaultsFor(const palpate_dataset& dataset) noexcept {
 bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
                ContactOptions& chosen) noexcept {
   if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED)
-    return refuse("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function,
-                  options.mode);
+    return refuse("{}: options->mode is {}; it must be PALPATE_UNILATERAL or PALPATE_GLUED",
+                  function, options.mode);
   chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
   return takeOver(function, options, chosen, numbers) &&
          isNumber(function, "method", options.method, dataset.loaded->info.method_count);
@@ -60,8 +60,8 @@ bool belongsTo(const char* function, const palpate_touch& touch,
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES)
-    return refuse("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count,
-                  PALPATE_MOST_SHARES);
+    return refuse("{}: touch->share_count is {}; it must be from 1 to {}", function,
+                  touch.share_count, PALPATE_MOST_SHARES);
   for (std::int32_t s = 0; s < touch.share_count; ++s)
     if (!isNumber(function, "space", touch.share_spaces[s], info.space_count)) return false;
   return true;

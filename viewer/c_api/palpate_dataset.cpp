@@ -19,10 +19,10 @@ std::mutex& readingMutex() {
 bool methodsAreKnown(const char* function, const palpate_open_options& options) {
   for (std::size_t m = 0; m < options.method_count; ++m) {
     if (options.methods == nullptr || options.methods[m] == nullptr)
-      return refuse("{}: options->methods has no name {} of {}", function, m, options.method_count);
+      return refuse("{}: options->methods[{}] of {} is NULL", function, m, options.method_count);
     const auto& known = forceFieldMethods();
     if (std::ranges::find(known, options.methods[m]) == known.end())
-      return refuse("{}: there is no method \"{}\"; there are: {}", function, options.methods[m],
+      return refuse("{}: unknown method \"{}\"; known: {}", function, options.methods[m],
                     fmt::join(known, ", "));
   }
   return true;
@@ -169,7 +169,7 @@ palpate_status palpate_query_many(const palpate_dataset* dataset, std::int32_t s
        {static_cast<const void*>(wanted.drives), static_cast<const void*>(wanted.places),
         static_cast<const void*>(wanted.triangles)})
     if (array != nullptr) {
-      refuse("{}: answers->drives, places and triangles are of areas; they must be NULL", __func__);
+      refuse("{}: answers->drives, places and triangles are for areas; set them to NULL", __func__);
       return PALPATE_INVALID_ARGUMENT;
     }
   const ForceField& field = dataset->loaded->model.field(at(method), at(space));

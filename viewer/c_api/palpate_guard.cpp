@@ -32,8 +32,7 @@ constexpr std::uint32_t known_flags =
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   const DeviceProfile* const found = deviceNamed(name);
   if (found == nullptr)
-    refuse("{}: there is no device \"{}\"; there are: {}", function, name,
-           fmt::join(device_words, ", "));
+    refuse("{}: unknown device \"{}\"; known: {}", function, name, fmt::join(device_words, ", "));
   return found;
 }
 
@@ -71,7 +70,7 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
     return false;
   // A flag of a later version may mean "stop", so giving no force is safer than ignoring the flag.
   return (flags & ~known_flags) == 0 ||
-         refuse("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
+         refuse("{}: flags {:#x} contains unknown bits; see palpate.h", function, flags);
 }
 
 GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {

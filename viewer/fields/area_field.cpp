@@ -216,11 +216,11 @@ AreaField::AreaField(std::vector<const SpaceTable*> sites, CollocationPoints col
   for (const SpaceTable* space : spaces_) {
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces_.front()->lattice.spacing(),
-                   "the sites of an area are of one build");
+                   "the sites of an area come from one build");
     if (std::ranges::any_of(space->splits, isTooFine))
       throw badInput(
-          "a surface has cells that are halved more than {} times, which no build does: the file "
-          "is damaged, get it again",
+          "a lattice has cells halved more than {} times, which no build makes: the file is "
+          "damaged; copy it again",
           most_levels);
   }
 }
@@ -255,7 +255,7 @@ void AreaField::prepareAll(const std::function<void(double)>& progress) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
   });
-  PALPATE_ASSERT(made_count_ == siteCount(), "to judge a site takes the site");
+  PALPATE_ASSERT(made_count_ == siteCount(), "a site exists before it is judged");
   is_whole_ = true;
   fits_ = {};
   made_ = {};
@@ -416,7 +416,7 @@ void AreaField::beginJudgement(std::size_t site) {
 }
 
 void AreaField::judge(std::size_t site) {
-  PALPATE_ASSERT(made_[site].has_value(), "a site is made before it is judged");
+  PALPATE_ASSERT(made_[site].has_value(), "a site exists before it is judged");
   const SiteJets& own = *made_[site];
   judgements_[site].region = own.region;
   std::vector<Doubt>& doubts = judgements_[site].doubts;

@@ -20,8 +20,7 @@ std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceT
   if (method == "tricubic") return std::make_unique<TricubicField>(space);
   if (method == "rbf-linear") return std::make_unique<RbfField>(space, RbfKernel::linear);
   if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic);
-  throw badInput("there is no method \"{}\"; there are: {}", method,
-                 fmt::join(forceFieldMethods(), ", "));
+  throw badInput("unknown method \"{}\"; known: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 
 }  // namespace palpate

@@ -98,7 +98,7 @@ PointBlend::PointBlend(const CellBranches& data, std::size_t all_points)
     points_.push_back(slots[at(s)].number);
   }
   if (solved.empty())
-    throw failure("no corner of a cell was solved, so there is nothing to continue");
+    throw failure("no corner of any cell was solved, so there is nothing to interpolate");
   for (std::int32_t s = 0; s < std::ssize(slots); ++s)
     if (slots[at(s)].kind == SlotKind::ghost) shares_[at(s)] = continuedFrom(solved, data, s);
   // Hanging slots are filled coarse to fine, so the corners of the coarser leaf are known.
@@ -110,8 +110,8 @@ PointBlend::PointBlend(const CellBranches& data, std::size_t all_points)
 PointRows PointBlend::rowsOf(std::span<const float> values, std::size_t components) const {
   const std::size_t width = values.size() / all_points_;
   if (width == 0 || width % components != 0 || values.size() != width * all_points_)
-    throw failure("{} values do not make {} per node for {} lattice points", values.size(),
-                  components, all_points_);
+    throw failure("{} values are not a multiple of {} per node for {} lattice points",
+                  values.size(), components, all_points_);
   PointRows rows(std::ssize(points_), static_cast<Eigen::Index>(width));
   for (Eigen::Index n = 0; n < rows.rows(); ++n)
     rows.row(n) = Eigen::Map<const Eigen::RowVectorXf>(values.data() + at(points_[at(n)]) * width,
@@ -126,7 +126,7 @@ LeafPlace PointBlend::leafAt(const Eigen::Vector3d& displacement) const noexcept
 
 std::vector<PointShare> PointBlend::sharesAt(const Eigen::Vector3d& displacement) const {
   const LeafPlace place = leafAt(displacement);
-  PALPATE_ASSERT(place.leaf >= 0, "the leaves contain the whole ball");
+  PALPATE_ASSERT(place.leaf >= 0, "the leaves cover the whole ball");
   return sharesIn(tree_, place, shares_);
 }
 

@@ -51,7 +51,7 @@ std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
         space.patch.name, nameOf(kernel), solution.weights.rows(), solution.residual,
         solution.condition);
   PALPATE_ASSERT(solution.position.rows() == solution.weights.rows() && solution.weights.rows() > 0,
-                 "there is a weight for every solved point, of which there is one at least");
+                 "every solved point has a weight, and there is at least one");
   const std::size_t count = at(solution.weights.rows());
   // Unused lanes of the last block have zero weights.
   std::vector<RbfBlock> blocks((count - 1) / rbf_lanes + 1);

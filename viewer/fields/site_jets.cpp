@@ -118,7 +118,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     };
     setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }
-  PALPATE_ASSERT(coverage.size() == jets.size(), "coverage and jets are per slot");
+  PALPATE_ASSERT(coverage.size() == jets.size(), "each slot has a coverage and a jet");
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });

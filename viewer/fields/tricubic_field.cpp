@@ -172,7 +172,7 @@ const CellData& withStencilSupport(CellData& data) {
 
 TricubicField::TricubicField(CellData data)
     : CellField("tricubic", withStencilSupport(data)), nodes_(makeNodes(data)) {
-  PALPATE_ASSERT(nodes_.size() == tree().slots().size(), "derivatives are per slot");
+  PALPATE_ASSERT(nodes_.size() == tree().slots().size(), "each slot has derivatives");
 }
 
 void TricubicField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

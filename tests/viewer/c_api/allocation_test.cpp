@@ -98,7 +98,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   EXPECT_EQ(without_guard, PALPATE_OUT_OF_MEMORY);
   EXPECT_EQ(contact, nullptr);
   EXPECT_EQ(guard, nullptr);
-  EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
+  EXPECT_NE(std::string(palpate_last_error()).find("out of memory"), std::string::npos);
   // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has
   // words of its own for want of memory. Threads share the fields between them, so this one may
   // have been granted what it needed.

@@ -53,11 +53,11 @@ TEST_F(CArea, SaysWhatItIsAndRefusesWhatNamesNothing) {
     EXPECT_EQ(status, PALPATE_INVALID_ARGUMENT);
     EXPECT_THAT(palpate_last_error(), HasSubstr(why));
   };
-  refused(palpate_area_query(dataset(), 1, x, x, &sample), "no area 1; they are numbered 0 to 0");
+  refused(palpate_area_query(dataset(), 1, x, x, &sample),
+          "area 1 does not exist; valid numbers are 0 to 0");
   refused(palpate_area_query(dataset(), 0, nullptr, x, &sample), "at is NULL");
   refused(palpate_area_query(dataset(), 0, x, nullptr, &sample), "displacement is NULL");
-  refused(palpate_dataset_find_area(dataset(), "top-0", &number),
-          "no area \"top-0\"; there are: top");
+  refused(palpate_dataset_find_area(dataset(), "top-0", &number), "area \"top-0\"; known: top");
   refused(palpate_dataset_area_count(dataset(), nullptr), "count is NULL");
   info.size = 8;
   refused(palpate_dataset_area(dataset(), 0, &info), "info->size is 8");
@@ -65,7 +65,7 @@ TEST_F(CArea, SaysWhatItIsAndRefusesWhatNamesNothing) {
   const test::DatasetHandle nodes = test::open(of_nodes.path());
   ASSERT_EQ(palpate_dataset_area_count(nodes.get(), &number), PALPATE_OK);
   EXPECT_EQ(number, 0);
-  refused(palpate_area_query(nodes.get(), 0, x, x, &sample), "no area in this dataset");
+  refused(palpate_area_query(nodes.get(), 0, x, x, &sample), "no area");
 }
 
 TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
