@@ -36,8 +36,8 @@ Word split(std::string_view text) {
 const HapticModel& modelFor(const char* device, const DeviceContext& context) {
   if (context.model == nullptr)
     throw badInput(
-        "the device \"{}\" moves around a body, and there is none here: choose another{}", device,
-        std::string_view(device) == "virtual" ? ", or give it a path: virtual:FILE" : "");
+        "the device \"{}\" needs a body to touch, and none is loaded here: choose another{}",
+        device, std::string_view(device) == "virtual" ? ", or give it a path: virtual:FILE" : "");
   return *context.model;
 }
 
@@ -88,9 +88,8 @@ Error unknown(const std::string& text, std::string_view kind, bool with_body) {
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
   // A word such as "haply" is also the name of a profile: the user may have wanted its limits.
   if (std::ranges::find(device_words, kind) != device_words.end())
-    hint = fmt::format(" (for the limits of one: --profile {})", kind);
-  return badInput("--device {}: there is no such device{}; it can be {}", text, hint,
-                  deviceHelp(with_body));
+    hint = fmt::format(" (to use its limits: --profile {})", kind);
+  return badInput("--device {}: unknown device{}; known: {}", text, hint, deviceHelp(with_body));
 }
 
 const Opener& openerOf(const std::string& text, const Word& word, bool with_body) {
@@ -134,8 +133,8 @@ std::string doubtsOf(const DeviceProfile& profile) {
       profile.workspace_radius <= most_radius)
     return {};
   return fmt::format(
-      "it says that it gives {:g} N and reaches {:g} m, which no haptic device does: are its "
-      "limits in newtons and metres? Limit it with --profile",
+      "it reports a largest force of {:g} N and a reach of {:g} m, which no haptic device has: "
+      "check that its limits are in newtons and metres, or set limits with --profile",
       profile.max_force, profile.workspace_radius);
 }
 

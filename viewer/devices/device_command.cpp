@@ -28,17 +28,17 @@ struct Told {
 /// Logs how the state has changed since the last call.
 void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
   const DeviceServer::State state = server.state(), last = std::exchange(told.state, state);
-  if (!state.fault.empty()) throw failure("lending the device ended: {}", state.fault);
+  if (!state.fault.empty()) throw failure("the device server stopped: {}", state.fault);
   if (state.held != last.held)
-    spdlog::info("{}",
-                 state.held ? "a simulator took the device" : "the simulator gave the device back");
+    spdlog::info("{}", state.held ? "a simulator connected to the device"
+                                  : "the simulator released the device");
   if (state.lapses > last.lapses)
-    spdlog::warn("the forces of the simulator stayed away: zero force until they come again");
+    spdlog::warn("the simulator sends no forces: zero force until they arrive again");
   if (state.outdated > last.outdated)
-    spdlog::warn("{} forces came too late and were ignored: the connection stalls",
+    spdlog::warn("{} forces arrived too late and were ignored: the connection stalls",
                  state.outdated - last.outdated);
   if (state.garbage > last.garbage)
-    spdlog::warn("{} messages made no sense and were ignored", state.garbage - last.garbage);
+    spdlog::warn("{} invalid messages were ignored", state.garbage - last.garbage);
   const std::string trouble = device.trouble();
   if (trouble == std::exchange(told.trouble, trouble)) return;
   trouble.empty() ? spdlog::info("{} is ready", device.name()) : spdlog::warn("{}", trouble);
@@ -55,33 +55,30 @@ ExitCode serveDevice(const DeviceCommandOptions& options) {
   context.period = 1 / options.rate;
   const auto device = openDevice(options.device, context);
   const DeviceServer server(*device, options.endpoint, options.rate, keys);
-  spdlog::info("{} can be had at {}; Ctrl-C ends", device->name(), server.endpoint());
+  spdlog::info("{} is available at {}; press Ctrl-C to stop", device->name(), server.endpoint());
   for (Told told; !interrupted(); std::this_thread::sleep_for(look_interval))
     look(*device, server, told);
   return ExitCode::interrupted;
 }
 
 Verb deviceVerb() {
-  return {"device", "Lend a haptic device of this machine to a simulator on another machine",
-          [](CLI::App& app) {
-            auto options = std::make_shared<DeviceCommandOptions>();
-            options->endpoint = default_device_endpoint;
-            app.add_option("--listen", options->endpoint,
-                           "Where the simulator connects, tcp://HOST:PORT")
-                ->capture_default_str();
-            app.add_option("--device", options->device, deviceHelp(false))->capture_default_str();
-            app.add_option("--rate", options->rate, "Readings per second")
-                ->check(CLI::Range(1.0, 1e5))
-                ->capture_default_str();
-            options->keys.addTo(app,
-                                "Require no keys: anyone who reaches the port can push the hand");
-            app.footer(
-                "Over there: palpate view ... --device tcp://HOST:PORT, with a key that is let in "
-                "here as an operator.\n"
-                "The force is zero whenever the simulator is silent.\n"
-                "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
-            return std::function<ExitCode()>([options] { return serveDevice(*options); });
-          }};
+  return {
+      "device", "Lend a haptic device to a simulator on another machine", [](CLI::App& app) {
+        auto options = std::make_shared<DeviceCommandOptions>();
+        options->endpoint = default_device_endpoint;
+        app.add_option("--listen", options->endpoint, "Address for the simulator, tcp://HOST:PORT")
+            ->capture_default_str();
+        app.add_option("--device", options->device, deviceHelp(false))->capture_default_str();
+        app.add_option("--rate", options->rate, "Readings per second")
+            ->check(CLI::Range(1.0, 1e5))
+            ->capture_default_str();
+        options->keys.addTo(app, "Require no keys: anyone who reaches the port can push the hand");
+        app.footer(
+            "On the other machine: palpate view ... --device tcp://HOST:PORT, with a key allowed\n"
+            "here as operator. The force is zero whenever the simulator is silent.\n"
+            "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
+        return std::function<ExitCode()>([options] { return serveDevice(*options); });
+      }};
 }
 
 }  // namespace palpate

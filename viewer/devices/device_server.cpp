@@ -26,7 +26,7 @@ DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, do
       context_(1),
       socket_(makeDeviceRouter(context_)) {
   if (!(rate >= 1) || !(rate <= 1e5))
-    throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", rate);
+    throw badInput("invalid rate of {} readings per second; give a rate from 1 to 100000", rate);
   if (keys) zap_handler_.emplace(context_, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
   thread_ = std::jthread([this, rate](const std::stop_token& stop) { run(stop, rate); });
@@ -84,8 +84,8 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
     if (of_holder) release();
     return refuse(
         incoming.peer,
-        "your key is not allowed to use this device: palpate key allow KEY operator, where it is "
-        "lent");
+        "your key is not allowed to use this device; on the device's machine run: palpate key "
+        "allow KEY operator");
   }
   if (of_holder) last_heard_ = Clock::now();
   switch (message.body_case()) {
@@ -108,11 +108,11 @@ void DeviceServer::refuse(const std::string& peer, const std::string& why) {
 
 void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& greeting) {
   if (greeting.protocol() != device_protocol)
-    return refuse(peer, fmt::format("it speaks version {} of the protocol, you speak {}: use the "
-                                    "same version of palpate",
+    return refuse(peer, fmt::format("its protocol version is {}, yours is {}: use the same version "
+                                    "of palpate",
                                     device_protocol, greeting.protocol()));
   if (!holder_.empty() && holder_ != peer)
-    return refuse(peer, "another simulator holds the device");
+    return refuse(peer, "another simulator is using the device");
   // Release the device even if this client holds it: a client that greets again has lost its state.
   release();
   holder_ = peer;

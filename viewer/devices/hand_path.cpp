@@ -20,7 +20,7 @@ double slopeBetween(double before, double after, double step_before, double step
 }
 
 std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypoints) {
-  PALPATE_ASSERT(!waypoints.empty(), "a path without waypoints is refused before");
+  PALPATE_ASSERT(!waypoints.empty(), "a path has at least one waypoint");
   std::vector<Eigen::Vector3d> velocities(waypoints.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 1; i + 1 < waypoints.size(); ++i) {
     const double before = waypoints[i].time - waypoints[i - 1].time;
@@ -37,13 +37,13 @@ std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypo
 void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
            const std::string& source) {
   if (waypoints.empty())
-    throw badInput("{}: there is no waypoint; give lines of TIME X Y Z in seconds and metres",
+    throw badInput("{}: no waypoints; write one per line: TIME X Y Z, in seconds and metres",
                    source);
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     if (!std::isfinite(waypoints[i].time) || !waypoints[i].position.allFinite())
       throw badInput("{}: waypoint {} is not finite", source, i + 1);
     if (i > 0 && waypoints[i].time <= waypoints[i - 1].time)
-      throw badInput("{}: times must ascend: waypoint {} is at {} s, after one at {} s", source,
+      throw badInput("{}: times must increase: waypoint {} at {} s follows one at {} s", source,
                      i + 1, waypoints[i].time, waypoints[i - 1].time);
   }
   if (at_end == HandPath::AtEnd::stays) return;
@@ -51,9 +51,8 @@ void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
     throw badInput("{}: one waypoint cannot be repeated; remove \"repeat\"", source);
   if (waypoints.back().position != waypoints.front().position)
     throw badInput(
-        "{}: a path that repeats must end where it begins: add a waypoint at ({}, {}, {}) "
-        "to its end",
-        source, waypoints.front().position.x(), waypoints.front().position.y(),
+        "{}: a repeated path must end where it begins: append a waypoint at ({}, {}, {})", source,
+        waypoints.front().position.x(), waypoints.front().position.y(),
         waypoints.front().position.z());
 }
 
@@ -124,7 +123,7 @@ HandPath readHandPath(const std::filesystem::path& file) {
     const HandWaypoint waypoint = takeWaypoint(lines);
     // HandPath checks the order too, but its error could not name the line.
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
-      throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time,
+      throw lines.wrong("times must increase: {} s follows {} s", waypoint.time,
                         waypoints.back().time);
     waypoints.push_back(waypoint);
   }

@@ -117,7 +117,7 @@ HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
   beast::error_code error;
   asio::ip::make_address(options_.address, error);
   if (error)
-    throw badInput("\"{}\" is no address of a Haply Inverse Service: write a number like 127.0.0.1",
+    throw badInput("\"{}\" is not an address of a Haply Inverse Service: give one like 127.0.0.1",
                    options_.address);
   exchange_->setTrouble("connecting to " + place_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -154,10 +154,10 @@ void HaplyDevice::serve(const std::stop_token& stop) {
   const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
   const auto sayGone = [&](const beast::error_code& error) {
     if (stop.stop_requested()) return;
-    exchange_->setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place_,
+    exchange_->setTrouble(fmt::format("lost the Haply Inverse Service at {} ({}): {}", place_,
                                       error.message(), how_to_start));
   };
-  std::string id = options_.id, text, told = "not told yet";
+  std::string id = options_.id, text, told = "not logged yet";
   std::uint64_t malformed = 0;
   Clock::duration limit = connect_limit;  // limit of the inventory at first, then of each answer
   for (auto next = Clock::now(); !stop.stop_requested();) {
@@ -171,7 +171,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
       exchange_->setTrouble(
           fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place_,
                       id.empty() ? "" : " " + id,
-                      state.id.empty() ? "" : ", or choose one of those it has: " + state.id));
+                      state.id.empty() ? "" : ", or choose one that it has: " + state.id));
       return;  // a new connection starts with a new inventory
     }
     malformed += state.kind == HaplyState::Kind::malformed ? 1 : 0;
@@ -182,7 +182,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
     }
     std::string trouble = state.trouble;
     if (malformed > 0)
-      trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
+      trouble += fmt::format("{}{} invalid messages from {} were ignored",
                              trouble.empty() ? "" : "; ", malformed, place_);
     if (trouble != told) exchange_->setTrouble(told = trouble);
     // The service sends one answer per message, so this pause also sets the rate of the answers.

@@ -44,10 +44,11 @@ std::uint32_t buttonsIn(const json& message) {
 
 std::string troubleIn(const json& status, const std::string& id) {
   if (member(status, "power_supply") == false)
-    return "Inverse3 " + id + " has no power supply and cannot push: plug it in";
+    return "Inverse3 " + id + " has no power and renders no force: connect its power supply";
   if (member(status, "calibrated") == false)
     return "Inverse3 " + id +
-           " is not calibrated: put its arm into the inkwell, or follow the Haply Hub";
+           " is not calibrated: put its arm into the inkwell, or follow the instructions of the "
+           "Haply Hub";
   return {};
 }
 

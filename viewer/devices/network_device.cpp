@@ -50,7 +50,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   // The limits and the frame are fixed from now on, because the loop relies on them.
   settled_ = true;
   if (!hello_) return;
-  PALPATE_ASSERT(profileOf(*hello_), "a device without limits is not accepted");
+  PALPATE_ASSERT(profileOf(*hello_), "accept() refuses a device without limits");
   traits_ = {*profileOf(*hello_), hello_->lives_in_scene(), hello_->has_buttons()};
 }
 
@@ -70,7 +70,7 @@ void NetworkDevice::run(const std::stop_token& stop) {
     sayFarewell();
   } catch (const std::exception& error) {
     exchange_->setTrouble(
-        fmt::format("{}: {}; the device is not used any more", options_.endpoint, error.what()));
+        fmt::format("{}: {}; the device is no longer used", options_.endpoint, error.what()));
   }
 }
 
@@ -83,9 +83,8 @@ void NetworkDevice::turn() {
   const auto now = Clock::now();
   if (connected_ && now - last_heard_ > DeviceExchange::silence) {
     connected_ = false;
-    connection_trouble_ =
-        fmt::format("{} has been silent for more than {} ms; waiting for it to come back",
-                    options_.endpoint, DeviceExchange::silence.count());
+    connection_trouble_ = fmt::format("{} has been silent for more than {} ms; waiting for it",
+                                      options_.endpoint, DeviceExchange::silence.count());
   }
   if (!connected_ && now - last_greeting_ > greeting_interval) greet();
   if (connected_ && (last_reading_ != before || now - last_force_ > force_interval)) sendForce();
@@ -96,7 +95,7 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
   switch (message.body_case()) {
     case wire::DeviceMessage::kHello: return accept(message.hello());
     case wire::DeviceMessage::kRefused:
-      connection_trouble_ = fmt::format("{} refuses: {}", options_.endpoint,
+      connection_trouble_ = fmt::format("{} refused the connection: {}", options_.endpoint,
                                         printable(message.refused().reason(), longest_reason));
       return;
     case wire::DeviceMessage::kReading: {
@@ -134,8 +133,8 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
     const std::lock_guard lock(mutex_);
     if (settled_ && hello.lives_in_scene() != traits_.lives_in_scene) {
       connection_trouble_ = fmt::format(
-          "the device at {} answered after the start, "
-          "and its positions are in another frame than was expected: start again to use it",
+          "the device at {} answered too late, and its positions are in another frame than "
+          "assumed: restart to use it",
           options_.endpoint);
       greeted_ = false;
       return;
@@ -182,7 +181,7 @@ void NetworkDevice::sayFarewell() {
 void NetworkDevice::tellTrouble() {
   std::string sentence = connection_trouble_.empty() ? device_trouble_ : connection_trouble_;
   if (garbage_ > 0)
-    sentence += fmt::format("{}{} messages from {} made no sense and were ignored",
+    sentence += fmt::format("{}{} invalid messages from {} were ignored",
                             sentence.empty() ? "" : "; ", garbage_, options_.endpoint);
   if (sentence == told_) return;
   told_ = sentence;

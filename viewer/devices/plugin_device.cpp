@@ -35,7 +35,7 @@ class Plugin {
       throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
     void* const symbol = dlsym(library_.get(), entry_point);
     if (symbol == nullptr)
-      throw badInput("{} is no device plug-in, or one for another version: {}", file.string(),
+      throw badInput("{} is not a device plug-in, or is one for another version: {}", file.string(),
                      lastDlError());
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
@@ -54,20 +54,20 @@ class Plugin {
 
   void check(const std::string& file) const {
     if (table_ == nullptr)
-      throw badInput("device plug-in {}: {}() gives no table", file, entry_point);
+      throw badInput("device plug-in {}: {}() returned NULL", file, entry_point);
     if (table_->abi != PALPATE_DEVICE_ABI)
       throw badInput(
-          "device plug-in {} is built for version {} of palpate_device.h, this program for {}: "
-          "build it again with the header of this version",
+          "device plug-in {} is built for version {} of palpate_device.h, but this program for "
+          "{}: rebuild it with this program's header",
           file, table_->abi, PALPATE_DEVICE_ABI);
     if (table_->size < sizeof(palpate_device_plugin))
       throw badInput(
-          "device plug-in {}: its table has {} bytes where version {} has {}: build it again", file,
-          table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
+          "device plug-in {}: its table has {} bytes, but that of version {} has {}: rebuild it",
+          file, table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
     if (table_->name == nullptr || table_->enumerate == nullptr || table_->open == nullptr ||
         table_->limits == nullptr || table_->read == nullptr || table_->write == nullptr ||
         table_->halt == nullptr || table_->last_error == nullptr || table_->close == nullptr)
-      throw badInput("device plug-in {}: its table has a null entry; version {} needs them all",
+      throw badInput("device plug-in {}: its table has a null entry; version {} needs all entries",
                      file, PALPATE_DEVICE_ABI);
   }
 
@@ -76,7 +76,7 @@ class Plugin {
 };
 
 std::string sentenceOf(const char* text) {
-  return text == nullptr || *text == '\0' ? "it gives no reason" : text;
+  return text == nullptr || *text == '\0' ? "no reason was given" : text;
 }
 
 /// Returns the ids of the devices that a plug-in finds, as text.
@@ -102,7 +102,7 @@ class PluginDevice::Session {
     device_.reset(
         plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size()));
     if (!device_)
-      throw failure("device plug-in {} cannot open {}: {}; devices that it finds: {}", file,
+      throw failure("device plug-in {} cannot open {}: {}; devices found: {}", file,
                     options.id.empty() ? "its first device" : "device \"" + options.id + "\"",
                     sentenceOf(reason.data()), idsOf(plugin_));
     takeLimits();
@@ -140,7 +140,7 @@ class PluginDevice::Session {
     palpate_device_limits limits{};
     limits.size = sizeof limits;
     if (plugin_->limits(device_.get(), &limits) != PALPATE_DEVICE_OK)
-      throw failure("device plug-in {} does not tell the limits of the device: {}", file,
+      throw failure("device plug-in {} cannot report the limits of the device: {}", file,
                     sentenceOf(plugin_->last_error(device_.get())));
     for (const double limit : {limits.max_force, limits.max_stiffness, limits.workspace_radius})
       if (!std::isfinite(limit) || limit <= 0)
@@ -193,7 +193,8 @@ class PluginDevice::Session {
 PluginDevice::PluginDevice(const PluginDeviceOptions& options)
     : session_(std::make_shared<Session>(options, exchange_)) {
   if (!(options.period > 0) || !(options.period <= 1))
-    throw badInput("a plug-in cannot be read every {} s", options.period);
+    throw badInput("a plug-in cannot be read every {} s; give a period of at most 1 s",
+                   options.period);
   traits_ = session_->traits;
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.period));

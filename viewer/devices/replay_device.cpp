@@ -8,10 +8,9 @@ namespace palpate {
 
 ReplayDevice::ReplayDevice(Recording recording, double period, std::string source)
     : recording_(std::move(recording)), source_(std::move(source)) {
-  if (recording_.readings.empty())
-    throw badInput("{}: the recording has no tick to replay", source_);
+  if (recording_.readings.empty()) throw badInput("{}: the recording is empty", source_);
   if (std::abs(recording_.rate * period - 1) > 1e-6)
-    throw badInput("{}: recorded at {} Hz, and cannot be replayed at {} Hz: use --rate {}", source_,
+    throw badInput("{}: recorded at {} Hz; it cannot be replayed at {} Hz: use --rate {}", source_,
                    recording_.rate, 1 / period, recording_.rate);
 }
 

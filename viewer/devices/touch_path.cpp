@@ -40,7 +40,7 @@ class PathWriter {
     waypoints_.push_back({time_, position, 0});
   }
   void travelTo(const Eigen::Vector3d& position) {
-    PALPATE_ASSERT(!waypoints_.empty(), "a way begins somewhere");
+    PALPATE_ASSERT(!waypoints_.empty(), "a path has a first site");
     const double way = (position - waypoints_.back().position).norm();
     goTo(position, std::max(shortest_move, way / travel_speed));
   }
@@ -114,7 +114,7 @@ std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area)
 }
 
 std::vector<Stroke> strokesOf(const HapticModel& model) {
-  PALPATE_ASSERT(model.isPrepared(0), "forces bound how deep it presses");
+  PALPATE_ASSERT(model.isPrepared(0), "forces limit the depth");
   std::vector<Stroke> strokes;
   const TouchSurface& surface = model.surface();
   std::vector<bool> in_area(model.spaces().size());
@@ -130,7 +130,7 @@ std::vector<Stroke> strokesOf(const HapticModel& model) {
   for (const TouchArea& area : surface.areas())
     for (Stroke& stroke : strokesOver(model, area)) strokes.push_back(std::move(stroke));
   if (strokes.empty())
-    throw badInput("{}: no active node lies on the surface that a hand can touch", model.file());
+    throw badInput("{}: no active node lies on the touchable surface", model.file());
   return strokes;
 }
 
@@ -179,7 +179,7 @@ class Surroundings {
   /// Returns the point where the line along the normal of a site leaves the sphere around the body.
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
-    PALPATE_ASSERT(offset.norm() <= radius_, "the sphere holds all of the body");
+    PALPATE_ASSERT(offset.norm() <= radius_, "the sphere contains the whole body");
     const double along = offset.dot(site.normal);
     const double distance =
         -along + std::sqrt(along * along - offset.squaredNorm() + radius_ * radius_);
@@ -235,7 +235,7 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
 
 HandPath touchPath(const HapticModel& model) {
   const std::vector<Stroke> strokes = strokesOf(model);
-  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "a stroke touches something");
+  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "a stroke has at least one site");
   const Surroundings around(model.surface());
   PathWriter path;
   path.goTo(around.before(strokes.front().front()), 0);

@@ -16,10 +16,10 @@ VirtualHand::VirtualHand(HandPath path, double period, const DeviceProfile& prof
   // m < 4.
   const double h = period / substeps;
   if (!(h > 0 && h * h * stiffness / mass + 2 * h * damping / mass < 4))
-    throw badInput("virtual hand: a period of {} s is no time that it can move in; raise the rate",
+    throw badInput("virtual hand: a period of {} s is too long for its motion; raise the rate",
                    period);
   position_ = path_.at(path_.beginning()).position;
-  PALPATE_ASSERT(position_.allFinite(), "a path with waypoints that are not finite is refused");
+  PALPATE_ASSERT(position_.allFinite(), "HandPath refuses waypoints that are not finite");
 }
 
 DeviceReading VirtualHand::read() noexcept {

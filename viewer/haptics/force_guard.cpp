@@ -65,7 +65,8 @@ ForceGuard::ForceGuard(const GuardOptions& options)
       energy_(options.period, slewOf(options), options.energy_credit) {
   const auto require = [](const char* option, double value, bool holds, const char* what) {
     if (!(std::isfinite(value) && holds))
-      throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
+      throw badInput("force guard: {} = {} is not {}; check the device profile", option, value,
+                     what);
   };
   for (const auto& [option, value] :
        {std::pair("period", options.period), std::pair("max_force", options.max_force),

@@ -51,10 +51,10 @@ void sleepUntil(std::int64_t ns) noexcept {
 HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options)
     : tick_(tick), device_(device), options_(options) {
   if (const double period = tick.options().period; !(std::abs(options.rate * period - 1) < 1e-9))
-    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate",
+    throw badInput("a haptic loop at {} Hz cannot run ticks of {} s; give both the same rate",
                    options.rate, period);
   if (!(options.watchdog > 0))
-    throw badInput("a watchdog of {} s is none; give it a positive time", options.watchdog);
+    throw badInput("invalid watchdog time of {} s; give a positive time", options.watchdog);
   if (options.record) {
     recorded_ = std::make_unique<RecordedQueue>();
     while (recorded_->push({})) {
@@ -68,7 +68,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
 HapticLoop::~HapticLoop() { stop(); }
 
 void HapticLoop::start() {
-  PALPATE_ASSERT(!started_, "a loop that has ended is not started again: its statistics are whole");
+  PALPATE_ASSERT(!started_, "a loop runs once, because its statistics are complete at its end");
   started_ = true;
   if (options_.real_time) lockMemory();
   running_ = true;
@@ -79,8 +79,9 @@ void HapticLoop::start() {
   } catch (const std::system_error& error) {
     stop();
     running_ = false;
-    throw failure("no thread for the haptic loop: {}; end other programs, or raise ulimit -u",
-                  error.what());
+    throw failure(
+        "cannot start a thread for the haptic loop: {}; end other programs, or raise ulimit -u",
+        error.what());
   }
   std::unique_lock lock(waiting_);
   woken_.wait(lock, [this] { return prepared_; });
@@ -121,9 +122,9 @@ void HapticLoop::lockMemory() {
   memory_locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
   if (!memory_locked_)
     trouble_ += fmt::format(
-        "Memory is not locked ({}), so a tick may wait for a page: allow it with ulimit -l, "
-        "\"@realtime - memlock unlimited\" in /etc/security/limits.conf, "
-        "or LimitMEMLOCK=infinity of a systemd unit. ",
+        "Memory is not locked ({}), so a tick may wait for a page: allow locking with ulimit -l, "
+        "\"@realtime - memlock unlimited\" in /etc/security/limits.conf, or "
+        "LimitMEMLOCK=infinity in a systemd unit. ",
         errnoText());
 }
 

@@ -37,7 +37,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       fields_(options.methods.size()),
       pressures_(dataset.scene(), options.pressures ? spaces_.size() : 0) {
   PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
-  if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
+  if (methods_.empty()) throw badInput("{}: no interpolation method was given", file_);
   for (const SpaceTable& space : spaces_)
     tool_radii_.push_back(radiusOf(space.patch, dataset.mesh()));
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
@@ -61,7 +61,8 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
   shapes_.resize(spaces_.size());
   std::mutex reading;  // one thread at a time, because a dataset is a single file
   inParallel(spaces_.size(), [&](std::size_t s) {
-    if (stop.stop_requested()) throw Error(ExitCode::interrupted, file_ + ": not read to its end");
+    if (stop.stop_requested())
+      throw Error(ExitCode::interrupted, file_ + ": loading was interrupted");
     std::unique_lock lock(reading);
     NodalFields fields = dataset.surfaceFields(s);
     lock.unlock();
@@ -96,14 +97,14 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
     return false;
   }
   PALPATE_ASSERT(areas.size() == surface_.areas().size(),
-                 "an anchor in an area of the surface asks the energy of that number");
+                 "an anchor in an area refers to an existing energy");
   areas_ = std::move(areas);
   areas_made_ = true;
   return true;
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  PALPATE_ASSERT(method < methods_.size(), "a model fixes its methods when it is made");
   // Make the areas before the spaces, because they use all cores themselves.
   if (!makeAreas(stop)) return;
   inParallel(spaces_.size(), [&](std::size_t space) {
@@ -112,7 +113,7 @@ void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
 }
 
 void HapticModel::prepareAlone(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  PALPATE_ASSERT(method < methods_.size(), "a model fixes its methods when it is made");
   if (!makeAreas(stop)) return;
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);
@@ -126,7 +127,7 @@ void HapticModel::make(std::size_t method, std::size_t space) {
         areas_[at(area)], spaces_[space].patch.finger.value().center);
   else
     fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
-  PALPATE_ASSERT(fields.of_space[space] != nullptr, "what counts as made may be asked");
+  PALPATE_ASSERT(fields.of_space[space] != nullptr, "a field exists once it counts as made");
   fields.made.fetch_add(1, std::memory_order_release);
 }
 

@@ -10,8 +10,8 @@ namespace palpate {
 namespace {
 
 const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
-  PALPATE_ASSERT(!models.empty(), "a tick touches something");
-  PALPATE_ASSERT(models.front()->isPrepared(0), "the contact begins with the first method");
+  PALPATE_ASSERT(!models.empty(), "a tick has at least one model");
+  PALPATE_ASSERT(models.front()->isPrepared(0), "contact starts with the first method");
   return *models.front();
 }
 
@@ -63,8 +63,8 @@ HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& dev
       options_(limited(options, device)),
       contact_(firstOf(models_), options.contact),
       guard_(options_.guard) {
-  PALPATE_ASSERT(options_.period > 0, "time goes on from tick to tick");
-  PALPATE_ASSERT(options_.map.scale > 0, "the workspace of a device has a size in the scene");
+  PALPATE_ASSERT(options_.period > 0, "time increases with every tick");
+  PALPATE_ASSERT(options_.map.scale > 0, "the device workspace has a positive size in the scene");
   state_.tool = options_.map.origin;
 }
 

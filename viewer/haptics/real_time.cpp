@@ -27,9 +27,9 @@ std::string giveRealTime(pthread_t thread, const char* name, int wanted) {
   const int refused = pthread_setschedparam(thread, SCHED_FIFO, &priority);
   if (refused == 0) return {};
   return fmt::format(
-      "The {} thread has no real-time priority ({}), so other programs may delay it: "
-      "allow it with ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, "
-      "or LimitRTPRIO={} of a systemd unit. ",
+      "The {} thread has no real-time priority ({}), so other programs may delay it: allow the "
+      "priority with ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, or "
+      "LimitRTPRIO={} in a systemd unit. ",
       name, std::strerror(refused), highest_priority, highest_priority, highest_priority);
 }
 

@@ -128,14 +128,14 @@ void writeRun(Writer& out, const RecordedRun& run) {
 
 void checkFormat(const Reader& in, const std::filesystem::path& file) {
   if (!in.hasAttribute("format") || in.text("format") != format_word)
-    throw badInput("{}: is an HDF5 file, but not a recording; {}", file.string(),
+    throw badInput("{}: is an HDF5 file but not a recording; {}", file.string(),
                    recording_kind.origin);
   const std::vector<std::int32_t> version = in.integers("format_version");
-  if (version.size() != 1) throw in.damaged("format_version", "is not one number");
+  if (version.size() != 1) throw in.damaged("format_version", "is not a single number");
   if (version[0] != format_version)
     throw badInput(
-        "{}: is a recording of format {}, this program reads format {}; "
-        "use the program that made it",
+        "{}: is a recording of format {}, but this program reads format {}; use the program that "
+        "made it",
         file.string(), version[0], format_version);
 }
 
@@ -157,7 +157,7 @@ DeviceProfile readProfile(const Reader& in) {
 
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options) {
-  PALPATE_ASSERT(!models.empty(), "a run touches something");
+  PALPATE_ASSERT(!models.empty(), "a run has at least one model");
   std::vector<RecordedModel> recorded;
   for (const HapticModel* model : models)
     recorded.push_back({model->name(), model->file(), model->contentId()});
@@ -179,9 +179,10 @@ Recorder::~Recorder() = default;
 
 void Recorder::add(const HapticState& state) {
   if (size_ > 0 && !(state.time > last_time_))
-    throw failure("recording: the state of {} s comes after that of {} s", state.time, last_time_);
+    throw failure("recording: the state at {} s was added after the one at {} s", state.time,
+                  last_time_);
   PALPATE_ASSERT(at(state.model) < run_.models.size() && at(state.method) < run_.methods.size(),
-                 "a run switches between what it began with");
+                 "a run keeps the models and methods that it began with");
   last_time_ = state.time;
   ++size_;
   const double tick = std::round(state.time / run_.options.period);
@@ -202,7 +203,7 @@ void Recorder::save(const std::filesystem::path& file) const {
     std::apply(
         [&](const auto&... channel) {
           PALPATE_ASSERT(((channel.values.size() == size_) && ...),
-                         "every list took something from every state");
+                         "each list has one value per state");
           (out.writeList(channel.path, channel.values, channel.unit), ...);
         },
         lists_->channels);
@@ -236,7 +237,7 @@ Recording readRecording(const std::filesystem::path& file) {
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::away)
-      throw in.damaged("/device/status", fmt::format("entry {} is no known status", tick));
+      throw in.damaged("/device/status", fmt::format("entry {} is not a known status", tick));
     recording.readings.push_back({positions[tick], buttons[tick], status[tick],
                                   held ? heldForces(forces[tick], times[tick]) : HeldForces{}});
   }

@@ -22,7 +22,7 @@ struct Candidate {
 /// Returns the weights of the nearest candidates, three at most; they sum to 1. Sorts and truncates
 /// the candidates.
 std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
-  PALPATE_ASSERT(!candidates.empty(), "a vertex out of every reach has no shares");
+  PALPATE_ASSERT(!candidates.empty(), "a vertex with shares is within reach of an active node");
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
     return std::pair(a.distance, a.space) < std::pair(b.distance, b.space);
   });
@@ -66,7 +66,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     triangles_.push_back({vertexOf(t[0]), vertexOf(t[1]), vertexOf(t[2])});
   for (const Triangle& t : triangles_)
     PALPATE_ASSERT(*std::ranges::min_element(t) >= 0,
-                   "a dataset lists every node of its surface: its shapes are stored by them");
+                   "a dataset stores its shapes for every node of its surface");
   setFaces();
   setNeighbors();
 
@@ -87,7 +87,8 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     patches.push_back(patch);
   }
   if (!(std::isfinite(reach) && reach >= 0))
-    throw badInput("the reach of active nodes must be finite and not negative, not {} m", reach);
+    throw badInput("invalid reach of {} m around active nodes; it must be finite and at least 0",
+                   reach);
   setShares(patches, reach);
   std::vector<std::int32_t> fixed;
   for (const std::int32_t node : dataset.fixedNodes()) fixed.push_back(vertexOf(node));
@@ -245,7 +246,7 @@ void TouchSurface::setTouchable() {
         weights.try_emplace(share.space, Eigen::Vector3d::Zero())
             .first->second[static_cast<Eigen::Index>(c)] = share.weight;
     PALPATE_ASSERT(weights.size() <= most_blended_spaces,
-                   "a blend has room for the spaces of three corners");
+                   "a blend holds the spaces of three corners");
     for (const auto& [space, corners] : weights) corner_shares_[n].push_back({space, corners});
   }
   touch_tree_ = SurfaceTree(vertices_, touchable);

@@ -32,7 +32,7 @@ TEST(DeviceLimits, AreDoubtedWhenNoDeviceHasThem) {
   for (const DeviceProfile& known : device_profiles) EXPECT_EQ(doubtsOf(known), "");
   EXPECT_THAT(doubtsOf({"plugin", 3300, 400, 0.1}), HasSubstr("3300 N"));
   EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 60}), HasSubstr("60 m"));
-  EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 0.001}), HasSubstr("metres?"));
+  EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 0.001}), HasSubstr("0.001 m"));
 }
 
 /// A model of the sample dataset, a cube with two active nodes.
@@ -171,7 +171,7 @@ TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
   expectBadInput(
       [] { openDevice("virtal", {}); },
       {"virtal", "did you mean virtual?", "replay:FILE", "tcp://HOST:PORT", "plugin:LIB.so"});
-  expectBadInput([] { openDevice("", {}); }, {"there is no such device"});
+  expectBadInput([] { openDevice("", {}); }, {"--device", "replay:FILE"});
   expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
 }
 
@@ -180,8 +180,7 @@ TEST(DeviceWord, CanBeJudgedWithoutOpeningTheDevice) {
   for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
                            "plugin:none.so", "tcp://127.0.0.1:1"})
     EXPECT_NO_THROW(checkDeviceWord(good)) << good;
-  expectBadInput([] { checkDeviceWord("falcon"); },
-                 {"there is no such device", "--profile falcon"});
+  expectBadInput([] { checkDeviceWord("falcon"); }, {"--device falcon", "--profile falcon"});
   expectBadInput([] { checkDeviceWord("replay"); }, {"replay:FILE"});
   expectBadInput([] { checkDeviceWord("tcp://host"); }, {"tcp://host"});
 }
@@ -203,9 +202,9 @@ TEST(DeviceCommand, LendsADeviceUntilItIsInterrupted) {
       "PALPATE_KEYS='" + (directory / "keys").string() +
       "' " PALPATE_BIN_DIR
       "/palpate-viewer device --listen 'tcp://127.0.0.1:*' --device plugin:" CIRCLE_DEVICE " > " +
-      log + " 2>&1 & for i in $(seq 400); do grep -q 'can be had at' " + log +
+      log + " 2>&1 & for i in $(seq 400); do grep -q 'is available at' " + log +
       " && break; sleep 0.05; done; kill -TERM $!; wait $!; code=$?; cat " + log + "; exit $code");
-  EXPECT_THAT(result.output, HasSubstr("circle can be had at tcp://127.0.0.1:"));
+  EXPECT_THAT(result.output, HasSubstr("circle is available at tcp://127.0.0.1:"));
   EXPECT_EQ(result.exit_code, static_cast<int>(ExitCode::interrupted));
 }
 

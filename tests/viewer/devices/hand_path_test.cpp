@@ -70,7 +70,7 @@ TEST(HandPath, RepeatsFromItsBeginning) {
 
 TEST(HandPath, RefusesWhatIsNoPath) {
   expectBadInput([] { HandPath({}); }, {"no waypoint"});
-  expectBadInput([] { HandPath({{0, {0, 0, 0}}, {0, {1, 0, 0}}}); }, {"ascend", "waypoint 2"});
+  expectBadInput([] { HandPath({{0, {0, 0, 0}}, {0, {1, 0, 0}}}); }, {"increase", "waypoint 2"});
   expectBadInput([] { HandPath({{0, {0, NAN, 0}}}); }, {"not finite"});
   expectBadInput(
       [] {
@@ -103,7 +103,7 @@ TEST_F(HandPathFile, ErrorsNameFileAndLine) {
   expectBadInput([&] { readHandPath(write("0 0 0 0\n1 0 0 nan\n")); },
                  {"hand.txt:2", "not finite"});
   expectBadInput([&] { readHandPath(write("0 0 0 0\n1 0 0 0 -1\n")); }, {"hand.txt:2", "buttons"});
-  expectBadInput([&] { readHandPath(write("1 0 0 0\n1 0 0 0\n")); }, {"hand.txt:2", "ascend"});
+  expectBadInput([&] { readHandPath(write("1 0 0 0\n1 0 0 0\n")); }, {"hand.txt:2", "increase"});
   expectBadInput([&] { readHandPath(write("0 0 0 0\nrepeat\n1 0 0 0\n")); },
                  {"hand.txt:3", "repeat"});
   expectBadInput([&] { readHandPath(directory / "none.txt"); }, {"none.txt"});

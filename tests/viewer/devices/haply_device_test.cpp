@@ -241,7 +241,7 @@ TEST(HaplyDevice, IgnoresMalformedMessagesAndCountsThem) {
   Service service;
   service.answerWith("{\"inverse3\": [{");
   HaplyDevice device(at(service.port()));
-  EXPECT_TRUE(troubleSays(device, "made no sense")) << device.trouble();
+  EXPECT_TRUE(troubleSays(device, "invalid messages")) << device.trouble();
   EXPECT_EQ(device.read().status, DeviceStatus::lost);
   service.answerWith(inventory().dump());
   EXPECT_TRUE(becomes(device, DeviceStatus::fresh));

@@ -159,7 +159,7 @@ TEST_F(NetworkDeviceTest, ASecondClientIsRefusedWithTheReason) {
   NetworkDevice second({.endpoint = endpoint, .wait = 1ms});
   EXPECT_TRUE(eventually([&] {
     tick();
-    return second.trouble().find("another simulator holds") != std::string::npos;
+    return second.trouble().find("another simulator") != std::string::npos;
   })) << second.trouble();
   EXPECT_EQ(second.read().status, DeviceStatus::lost);
   EXPECT_TRUE(becomes(DeviceStatus::fresh));

@@ -55,7 +55,7 @@ TEST(ReplayDevice, HasTheFrameAndTheLimitsOfTheRecordedDevice) {
 TEST(ReplayDevice, RefusesAnotherRateAndAnEmptyRun) {
   expectBadInput([] { ReplayDevice(threeTicks(), 2e-4, "run.h5"); },
                  {"run.h5", "1000 Hz", "--rate 1000"});
-  expectBadInput([] { ReplayDevice(Recording{}, 1e-3, "run.h5"); }, {"run.h5", "no tick"});
+  expectBadInput([] { ReplayDevice(Recording{}, 1e-3, "run.h5"); }, {"run.h5", "empty"});
 }
 
 }  // namespace

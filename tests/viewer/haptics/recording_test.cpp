@@ -216,7 +216,7 @@ TEST(Recording, TellsWhenTicksAreMissing) {
   EXPECT_TRUE(recorder.complete());
   recorder.add(someState(4, random));
   EXPECT_FALSE(recorder.complete());
-  test::expectError(ExitCode::failed, [&] { recorder.add(someState(3, random)); }, {"comes after"});
+  test::expectError(ExitCode::failed, [&] { recorder.add(someState(3, random)); }, {"added after"});
 }
 
 TEST(Recording, IsNotReadFromForeignFiles) {
