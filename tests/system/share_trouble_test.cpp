@@ -131,7 +131,7 @@ TEST_F(ShareTroubleTest, OfAFileThatIsNotWhole) {
   changeOrgan("b'something else'");
   expect("no organ");
   changeOrgan("o[:len(o) // 2]");
-  expect("cut off");
+  expect("truncated");
   // Behind version, name, its length, the largest force, and how many vertices there are.
   changeOrgan("(lambda at: o[:at] + b'\\xff' * 8 + o[at + 8:])(16 + 4 + o[16] + 8 + 4)");
   expect("vertex 0");

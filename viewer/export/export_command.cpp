@@ -26,22 +26,23 @@ namespace {
 void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const bool has_point = !options.point.empty(), has_displacement = !options.displacement.empty();
   if (has_point == has_displacement)
-    throw badInput("say which configuration: --displacement X Y Z (metres), or --point I J K");
+    throw badInput("give either --displacement X Y Z (metres) or --point I J K");
   if (has_point && !options.method.empty())
-    throw badInput("--method {}: a --point is as it was solved, and nothing is interpolated",
+    throw badInput("--method {}: a --point is exported as it was solved; omit --method",
                    options.method);
   const bool is_path = options.displacement == std::vector<std::string>{"-"};
   const std::string name = target.file().string();
   if (target.holdsWay()) {
     if (has_point)
-      throw badInput("{}: a way has no --point; write one configuration as .vtu", name);
+      throw badInput("{}: --point selects one configuration, not a path; write it as .vtu", name);
     if (!is_path && options.steps == 0)
-      throw badInput("{}: --steps N is needed, for a straight way from rest, or --displacement -",
-                     name);
+      throw badInput(
+          "{}: give --steps N for a straight path from rest, or read a path with --displacement -",
+          name);
     return;
   }
   if (is_path || options.steps != 0)
-    throw badInput("{}: holds one configuration; for a way give -o an ending .pvd or .csv", name);
+    throw badInput("{}: a .vtu file holds one configuration; write a path as .pvd or .csv", name);
 }
 
 /// Warns about touches without a reliable answer, and returns the exit code. outside: their number;
@@ -49,21 +50,22 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
-      "{} of {} without a reliable answer (beyond the workspace, nothing solved around, "
-      "--at away from the surface, no site of the finger near, or resting on what is fixed): "
-      "they are marked inside = 0",
+      "no reliable answer for {} of {}: each is beyond the workspace or the solved points, away "
+      "from the surface, far from all sites, or on fixed nodes; it is written with inside = 0",
       outside, counted(all, "touch", "touches"));
   return ExitCode::partly_failed;
 }
 
 std::string describe(const ConfigurationGrid& grid) {
   const Grid& rest = grid.rest();
-  return fmt::format("{}, {}{}", counted(rest.pointCount(), "point"),
-                     grid.isVolume() ? counted(rest.cellCount(), "tetrahedron", "tetrahedra")
-                                     : counted(rest.cellCount(), "triangle"),
-                     grid.isVolume() ? ""
-                                     : " of the surface alone; [storage] displacement = \"all\" "
-                                       "in the scene gives the volume, pressures and det F");
+  return fmt::format(
+      "{}, {}{}", counted(rest.pointCount(), "point"),
+      grid.isVolume() ? counted(rest.cellCount(), "tetrahedron", "tetrahedra")
+                      : counted(rest.cellCount(), "triangle"),
+      grid.isVolume()
+          ? ""
+          : " of the surface only; to export the volume, pressures and det F, set [storage] "
+            "displacement = \"all\" in the scene");
 }
 
 ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
@@ -106,7 +108,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
   std::size_t outside = 0;
   for (std::size_t n = 0; n < way.size(); ++n) {
     if (interrupted()) {
-      spdlog::warn("interrupted after {} of {} files; {} is not written", n, way.size(),
+      spdlog::warn("interrupted after {} of {} files; {} was not written", n, way.size(),
                    target.file().string());
       return ExitCode::interrupted;
     }
@@ -135,37 +137,37 @@ ExitCode exportCurve(const std::vector<WayStep>& way, const ExportTarget& target
 
 std::function<ExitCode()> prepareExport(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
       ->required()
       ->type_name("FILE");
   app.add_option(
          "-o,--output", options->output,
-         fmt::format("Output file; its ending chooses the format: {}", ExportTarget::endings()))
+         fmt::format("Output file; its ending selects the format: {}", ExportTarget::endings()))
       ->required()
       ->type_name("FILE");
   app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches; not needed when there is only one")
+                 "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");
   addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement)->required(false);
-  app.add_option("--point", options->point,
-                 "Instead of a displacement: the lattice point with these coordinates in spacings, "
-                 "exactly as it was solved; with --at of the site nearest to the place")
+  app.add_option(
+         "--point", options->point,
+         "Solved lattice point instead of a displacement, in spacings; with --at, a point of the "
+         "nearest site")
       ->expected(3)
       ->type_name("I J K");
-  app.add_option("--steps", options->steps,
-                 "Number of steps on the straight path from rest (.pvd and .csv)")
+  app.add_option("--steps", options->steps, "Steps on the straight path from rest (.pvd and .csv)")
       ->type_name("N");
   app.add_option("--method", options->method,
                  fmt::format("Interpolation of forces: {} [{}]",
                              fmt::join(forceFieldMethods(), " or "), forceFieldMethods().front()))
       ->type_name("NAME");
-  app.add_flag("--replace", options->replace, "Replace what is there");
+  app.add_flag("--replace", options->replace, "Overwrite existing files");
   app.footer(
-      "Points are those at rest: in ParaView, Warp By Vector with `displacement` deforms the body\n"
-      "(docs/export.md).\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside, as of query\n"
-      "(it is written all the same, and marked), 130 interrupted.");
+      "Points are written at rest: in ParaView, Warp By Vector with `displacement` deforms the\n"
+      "body (docs/export.md).\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some answer is not reliable, see query\n"
+      "(it is written with inside = 0), 130 interrupted.");
   return [options] {
     catchInterrupts();
     return exportConfigurations(*options, std::cin, std::cout);
@@ -194,7 +196,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
 }
 
 Verb exportVerb() {
-  return {"export", "Configurations for ParaView and others, force curves as CSV", prepareExport};
+  return {"export", "Export configurations for ParaView, or force curves as CSV", prepareExport};
 }
 
 }  // namespace palpate

@@ -19,15 +19,14 @@ struct Ending {
 };
 
 constexpr std::array<Ending, 3> known_endings = {
-    {{".vtu", ExportFormat::vtu, "one configuration, VTK's XML"},
-     {".pvd", ExportFormat::pvd, "a way, as a series of .vtu"},
-     {".csv", ExportFormat::csv, "forces along a way"}}};
+    {{".vtu", ExportFormat::vtu, "one configuration, VTK XML"},
+     {".pvd", ExportFormat::pvd, "a path, as a series of .vtu"},
+     {".csv", ExportFormat::csv, "forces along a path"}}};
 
 ExportFormat formatOf(const std::filesystem::path& file) {
   for (const Ending& ending : known_endings)
     if (file.extension() == ending.text) return ending.format;
-  throw badInput("-o {}: nothing is written with this ending; there are {}", file.string(),
-                 ExportTarget::endings());
+  throw badInput("-o {}: unknown ending; known: {}", file.string(), ExportTarget::endings());
 }
 
 bool isThere(const std::filesystem::path& file) {
@@ -70,12 +69,13 @@ void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool 
   const bool has_folder = format_ == ExportFormat::pvd && isThere(folder);
   if (std::filesystem::is_directory(file_, ignored) ||
       (has_folder && !std::filesystem::is_directory(folder, ignored)))
-    throw badInput("-o {}: a folder is in its place, or a file in that of its series: give another",
-                   file_.string());
+    throw badInput(
+        "-o {}: it is a folder, or the folder of its series is a file; give another name",
+        file_.string());
   if (may_replace) return;
   const bool has_series = has_folder && !std::filesystem::is_empty(folder, ignored);
   if (isThere(file_) || has_series)
-    throw badInput("{} is there already: give another -o, or --replace",
+    throw badInput("{} already exists: give another -o, or --replace",
                    (has_series ? folder : file_).string());
 }
 
@@ -94,7 +94,7 @@ void ExportTarget::beginSeries() const {
   std::filesystem::create_directory(seriesFolder(), error);
   if (!error) std::filesystem::remove(file_, error);
   if (error)
-    throw failure("{}: the series cannot be begun: {}", seriesFolder().string(), error.message());
+    throw failure("{}: cannot start the series: {}", seriesFolder().string(), error.message());
 }
 
 void ExportTarget::endSeries(std::size_t count) const {
@@ -106,7 +106,7 @@ void ExportTarget::endSeries(std::size_t count) const {
         longer.push_back(entry.path());
     for (const std::filesystem::path& file : longer) std::filesystem::remove(file);
   } catch (const std::filesystem::filesystem_error& error) {
-    throw failure("{}: files of an earlier series cannot be removed: {}", seriesFolder().string(),
+    throw failure("{}: cannot remove the files of an earlier series: {}", seriesFolder().string(),
                   error.code().message());
   }
 }

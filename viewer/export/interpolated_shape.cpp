@@ -53,7 +53,7 @@ NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
 std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
     const std::optional<Eigen::Vector3d>& place) {
   if (!surface_) return {{choice_.spaces.front(), 1.0}};
-  PALPATE_ASSERT(place.has_value(), "an area is asked with a place");
+  PALPATE_ASSERT(place.has_value(), "an area needs a place");
   const SpaceBlend blend = surface_->blendAt(nearestOnSurface(dataset_.mesh(), *place));
   std::vector<std::pair<std::size_t, double>> spaces;
   double sum = 0;

@@ -27,7 +27,7 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
   std::vector<TouchInput> touches;
   if (isFromInput(words)) {
     if (steps != 0)
-      throw badInput("--steps {}: with --displacement - every line of the input is a step", steps);
+      throw badInput("--steps {}: with --displacement - each line is a step; omit it", steps);
     forEachTouch(at, words, input, workspace_radius, [&](const TouchInput& touch) {
       endWhenInterrupted();
       if (std::ssize(touches) > most_steps)
@@ -35,11 +35,11 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
       touches.push_back(touch);
     });
     endWhenInterrupted();
-    if (touches.empty()) throw badInput("standard input has no displacement: one per line, X Y Z");
+    if (touches.empty()) throw badInput("standard input has no displacement: give X Y Z per line");
     return touches;
   }
   if (steps < 1 || steps > most_steps)
-    throw badInput("--steps {}: a way from rest has 1 to {} steps", steps, most_steps);
+    throw badInput("--steps {}: a path from rest has 1 to {} steps", steps, most_steps);
   const TouchInput end = onlyTouch(at, words, workspace_radius);
   for (int n = 0; n <= steps; ++n)
     touches.push_back({end.at, static_cast<double>(n) / steps * end.displacement});

@@ -37,7 +37,8 @@ constexpr double least_narrow = 1.0 / 8;
 
 Error damaged(std::string_view how) {
   return failure(
-      "the organ is damaged ({}): get its page again, or make it again with palpate share", how);
+      "the organ is damaged ({}): download its page again, or make it again with palpate share",
+      how);
 }
 
 // The functions carry... describe the format once, for both directions: they visit all numbers of
@@ -67,7 +68,7 @@ class OrganReader {
   static constexpr bool reads = true;
   explicit OrganReader(std::string_view bytes) : bytes_(bytes) {}
   void raw(void* to, std::size_t size) {
-    if (size > bytes_.size()) throw damaged("it is cut off");
+    if (size > bytes_.size()) throw damaged("truncated data");
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
@@ -76,7 +77,7 @@ class OrganReader {
   std::size_t size(std::size_t, std::size_t least = 1) {
     std::uint32_t length = 0;
     raw(&length, sizeof length);
-    if (length > bytes_.size() / least) throw damaged("it is cut off");
+    if (length > bytes_.size() / least) throw damaged("truncated data");
     return length;
   }
   bool done() const { return bytes_.empty(); }
@@ -160,7 +161,7 @@ void carryFinger(Bytes& bytes, Patch& patch) {
   if (Bytes::reads && !((finger.center.array().abs() <= farthest_node).all() &&
                         (length == 0 || std::abs(length - 1) < 1e-12) &&
                         std::abs(finger.reach.pull) <= 1 && finger.reach.width > 0))
-    throw damaged("a finger is none");
+    throw damaged("invalid finger");
 }
 
 /// Checks a lattice before its points are made. Bytes that claim many points must also contain many
@@ -172,17 +173,17 @@ void checkLattice(double radius, double spacing, std::int32_t divisions, std::si
   // The condition is negated, so that NaN is refused.
   if (!(spacing > 0 && radius >= spacing && radius <= farthest_node && is_power_of_two &&
         divisions <= most_divisions))
-    throw damaged("a lattice is none");
+    throw damaged("invalid lattice");
   const double narrow = std::clamp(part.width / radius, least_narrow, 1.0);
   if (in_ball * least_share_of_ball * narrow * narrow > static_cast<double>(points))
-    throw damaged(fmt::format("a lattice of about {:.0f} points has {}", in_ball, points));
+    throw damaged(fmt::format("a lattice for about {:.0f} points has only {}", in_ball, points));
 }
 
 void checkAdded(const LatticePoint& point, const Lattice& lattice) {
   const auto farthest = static_cast<std::int32_t>(2 + lattice.radius() / lattice.spacing());
   for (const std::int32_t x : point)
     if (x < -farthest * lattice.divisions() || x > farthest * lattice.divisions())
-      throw damaged("a point lies far outside of its ball");
+      throw damaged("a point far outside its ball");
 }
 
 /// Visits the lattice of a space. Returns the number of its points.
@@ -200,8 +201,8 @@ std::size_t carryLattice(Bytes& bytes, Space& space) {
     checkLattice(radius, spacing, divisions, size, part);
     lattice = Lattice(radius, spacing, divisions, part);
     if (lattice.size() != uniform || at(uniform) > size)
-      throw damaged(fmt::format("a lattice has {} uniform points where {} are made", uniform,
-                                lattice.size()));
+      throw damaged(
+          fmt::format("a lattice has {} uniform points instead of {}", uniform, lattice.size()));
   }
   for (std::int32_t n = uniform; at(n) < size; ++n) {
     LatticePoint point{};
@@ -221,7 +222,7 @@ void carryPoint(Bytes& bytes, Record& point, bool is_finger) {
   carry(bytes, tag);
   if constexpr (Bytes::reads) {
     const auto known = tagOf(tag);
-    if (!known) throw damaged("a point has no known tag");
+    if (!known) throw damaged("a point with an unknown tag");
     point.tag = *known;
   }
   if (isSolved(point.tag)) carryEquilibrium(bytes, point.equilibrium, is_finger);
@@ -266,7 +267,7 @@ void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
     for (const SpaceTable& space : spaces) shapes.shares.emplace_back(space.points.size() * count);
   }
   PALPATE_ASSERT(shapes.modes.size() == count * width && shapes.shares.size() == spaces.size(),
-                 "a mode moves every vertex, and every space has shares of it");
+                 "each mode moves every vertex, and each space has shares of it");
   for (std::size_t mode = 0; mode < count; ++mode) {
     carrySteps<std::int16_t>(bytes, mode_steps, [&](auto visit) {
       for (std::size_t i = 0; i < width; ++i) visit(shapes.modes[mode * width + i]);
@@ -300,7 +301,7 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
     organ.touch_of_triangle.resize(triangles);
   }
   PALPATE_ASSERT(organ.touch_of_triangle.size() == triangles,
-                 "every triangle is of a touch or none");
+                 "every triangle belongs to a touch or to none");
   for (std::size_t t = 0; t < triangles; ++t)
     carry(bytes, organ.triangles[t], organ.touch_of_triangle[t]);
   carryList(bytes, organ.touches, least_touch, [&](auto& touch) { carryTouch(bytes, touch); });
@@ -312,15 +313,15 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
 OrganReader behindVersion(std::string_view bytes) {
   constexpr std::size_t longest = 10;  // avoids quoting bytes that are not an organ
   if (!bytes.starts_with(organ_mark))
-    throw failure("there is no organ here: get its page again, or make it again with {}",
+    throw failure("no organ found: download its page again, or make it again with {}",
                   "palpate share");
   bytes.remove_prefix(organ_mark.size());
   const std::size_t end = bytes.find('\n');
-  if (end > longest) throw damaged("it has no version");
+  if (end > longest) throw damaged("no version");
   const std::string_view version = bytes.substr(0, end);
   if (version != organ_version)
     throw failure(
-        "this organ is of version {}, and what reads it of version {}: make its page again with "
+        "this organ has version {}, but this program reads version {}: make its page again with "
         "palpate share",
         version, organ_version);
   return OrganReader(bytes.substr(end + 1));
@@ -341,7 +342,7 @@ CarriedOrgan decode(std::string_view bytes) {
   CarriedOrgan organ;
   carryOrgan(in, organ);
   for (SpaceTable& space : organ.spaces) space.max_force = organ.max_force;
-  if (!in.done()) throw damaged("something follows it");
+  if (!in.done()) throw damaged("extra bytes at its end");
   if (const std::string fault = faultOf(organ); !fault.empty()) throw damaged(fault);
   return organ;
 }

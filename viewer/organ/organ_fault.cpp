@@ -16,47 +16,47 @@ bool isLength(double metres) { return metres > 0 && metres <= farthest_node; }
 
 std::string faultOfSurface(const CarriedOrgan& organ) {
   if (organ.vertices.empty() || organ.vertices.size() > most_carried_vertices)
-    return fmt::format("it has {} vertices", organ.vertices.size());
+    return fmt::format("invalid number of vertices: {}", organ.vertices.size());
   for (std::size_t v = 0; v < organ.vertices.size(); ++v)
-    if (!isPlace(organ.vertices[v])) return fmt::format("vertex {} is nowhere", v);
+    if (!isPlace(organ.vertices[v])) return fmt::format("vertex {} has no valid position", v);
   if (organ.triangles.empty() || organ.touch_of_triangle.size() != organ.triangles.size())
-    return fmt::format("it has {} triangles", organ.triangles.size());
+    return fmt::format("invalid number of triangles: {}", organ.triangles.size());
   for (std::size_t t = 0; t < organ.triangles.size(); ++t) {
     const auto& [a, b, c] = organ.triangles[t];
     for (const std::int32_t corner : {a, b, c})
       if (!isNumberOf(corner, organ.vertices.size()))
-        return fmt::format("triangle {} has a corner {}", t, corner);
-    if (a == b || b == c || c == a) return fmt::format("triangle {} has a corner twice", t);
+        return fmt::format("triangle {} has an invalid corner {}", t, corner);
+    if (a == b || b == c || c == a) return fmt::format("triangle {} has the same corner twice", t);
     const std::int32_t touch = organ.touch_of_triangle[t];
     if (touch != -1 && !isNumberOf(touch, organ.touches.size()))
-      return fmt::format("triangle {} is of touch {}", t, touch);
+      return fmt::format("triangle {} belongs to invalid touch {}", t, touch);
   }
   return {};
 }
 
 std::string faultOfArea(const CarriedTouch& touch, const std::vector<SpaceTable>& spaces) {
-  if (!isLength(touch.finger_radius)) return "its finger has no radius";
-  if (touch.collocation_points.empty()) return "it has no collocation points";
+  if (!isLength(touch.finger_radius)) return "invalid radius of the finger";
+  if (touch.collocation_points.empty()) return "no collocation points";
   for (const Eigen::Vector3d& collocation_point : touch.collocation_points)
-    if (!isPlace(collocation_point)) return "a collocation point of it is nowhere";
+    if (!isPlace(collocation_point)) return "a collocation point has no valid position";
   const Lattice& first = spaces[at(touch.spaces.front())].lattice;
   for (const std::int32_t space : touch.spaces) {
     const auto& finger = spaces[at(space)].patch.finger;
     if (!finger || finger->radius != touch.finger_radius)
-      return fmt::format("space {} is not of its finger", space);
+      return fmt::format("space {} belongs to another finger", space);
     const Lattice& lattice = spaces[at(space)].lattice;
     if (lattice.radius() != first.radius() || lattice.spacing() != first.spacing() ||
         lattice.divisions() != first.divisions())
-      return fmt::format("space {} has another lattice than the others", space);
+      return fmt::format("the lattice of space {} differs from the others", space);
   }
   return {};
 }
 
 std::string faultOfTouch(const CarriedTouch& touch, const std::vector<SpaceTable>& spaces) {
-  if (touch.spaces.empty()) return "it has no space";
+  if (touch.spaces.empty()) return "no spaces";
   for (const std::int32_t space : touch.spaces)
-    if (!isNumberOf(space, spaces.size())) return fmt::format("it has a space {}", space);
-  if (!isPlace(touch.rest)) return "it rests nowhere";
+    if (!isNumberOf(space, spaces.size())) return fmt::format("invalid space {}", space);
+  if (!isPlace(touch.rest)) return "no valid rest position";
   return touch.finger_radius == 0 ? "" : faultOfArea(touch, spaces);
 }
 
@@ -64,7 +64,7 @@ std::string faultOfPoints(const SpaceTable& space) {
   const std::vector<PointRecord>& points = space.points;
   for (std::size_t n = 0; n < points.size(); ++n)
     if (isSolved(points[n].tag) && !isUsable(points[n].equilibrium))
-      return fmt::format("point {} has a number that is not finite, or beyond {:g}", n,
+      return fmt::format("point {} has a number that is not finite or exceeds {:g}", n,
                          largest_stored);
   return faultOf(space);
 }
@@ -78,11 +78,12 @@ std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTa
     return std::ranges::all_of(values, [most](float x) { return std::abs(x) <= most; });
   };
   if (shapes.mode_count == 0 || shapes.mode_count % 3 != 0)
-    return fmt::format("it has {} modes, which is no multiple of three", shapes.mode_count);
-  if (!areWithin(shapes.modes, 1.001)) return "a mode is not of length one";
+    return fmt::format("its number of modes is {}, not a positive multiple of three",
+                       shapes.mode_count);
+  if (!areWithin(shapes.modes, 1.001)) return "a mode has an entry above one";
   for (std::size_t n = 0; n < spaces.size(); ++n)
     if (!areWithin(shapes.shares[n], 1e6 * spaces[n].lattice.radius()))
-      return fmt::format("space {} has a shape that is not finite, or far too large", n);
+      return fmt::format("space {} has a shape that is not finite or far too large", n);
   return {};
 }
 
@@ -90,7 +91,7 @@ std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTa
 
 std::string faultOf(const CarriedOrgan& organ) {
   if (!(organ.max_force > 0 && organ.max_force <= largest_stored))
-    return fmt::format("its largest force is {} N", organ.max_force);
+    return fmt::format("invalid force limit of {} N", organ.max_force);
   if (std::string fault = faultOfSurface(organ); !fault.empty()) return fault;
   for (std::size_t n = 0; n < organ.touches.size(); ++n)
     if (const std::string fault = faultOfTouch(organ.touches[n], organ.spaces); !fault.empty())

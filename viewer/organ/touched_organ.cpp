@@ -21,7 +21,7 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
   PALPATE_ASSERT(
       organ_.shapes.modes.size() == 3 * organ_.vertices.size() * organ_.shapes.mode_count &&
           organ_.shapes.shares.size() == organ_.spaces.size(),
-      "a mode moves every vertex, and every space has shares of it");
+      "each mode moves every vertex, and each space has shares of it");
   for (const CarriedTouch& touch : organ_.touches) {
     PALPATE_ASSERT(!touch.spaces.empty(), "decode() refuses a touch without a space");
     Touched& touched = touched_.emplace_back();

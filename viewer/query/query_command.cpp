@@ -42,10 +42,10 @@ std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displ
   if (displacement.stableNorm() > lattice.radius())
     return fmt::format(
         "|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m.\n"
-        "              The force goes on from where the answers end, and only stiffens",
+        "              The force continues from the edge of the solved region and only stiffens",
         displacement.stableNorm(), lattice.radius());
-  return "that deep nothing was solved along this direction.\n"
-         "              The force goes on from where the answers end, and only stiffens";
+  return "nothing was solved this deep in this direction.\n"
+         "              The force continues from the edge of the solved region and only stiffens";
 }
 
 /// Describes the unsolved corners of the cell of the uniform lattice that contains a displacement
@@ -68,8 +68,7 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
     gaps += fmt::format(", ({}, {}, {}) {}", corner[0], corner[1], corner[2], name(point.tag));
     if (point.tag == Tag::failed) gaps += fmt::format(" ({})", name(point.cause));
   }
-  if (beyond > 0)
-    gaps += fmt::format(", {} of 8 corners beyond the rim of the workspace ball", beyond);
+  if (beyond > 0) gaps += fmt::format(", {} of 8 corners outside the workspace ball", beyond);
   return gaps;
 }
 
@@ -102,7 +101,7 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
            fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
   text += fmt::format("inside        yes, method {}", method);
   if (sample.coverage < 1)
-    text += fmt::format("; {:.0f} % of it stands on solved lattice points of one branch{}",
+    text += fmt::format("; {:.0f} % based on solved lattice points of one branch{}",
                         100 * sample.coverage, describeGaps(space, displacement));
   return text + "\n\n";
 }
@@ -113,22 +112,21 @@ std::string describeFault(const FingerPlace& place, bool in_ball) {
     case FingerPlace::Fault::away:
       return fmt::format(
           "--at is {:.4g} m away from the surface.\n"
-          "              The values are those at the nearest place of it",
+          "              The values are those of the nearest surface point",
           place.distance);
-    case FingerPlace::Fault::no_site: return "no site of the finger is near";
-    case FingerPlace::Fault::fixed: return "the finger rests on what is fixed";
+    case FingerPlace::Fault::no_site: return "no site of the finger is nearby";
+    case FingerPlace::Fault::fixed: return "the finger rests on fixed nodes";
     case FingerPlace::Fault::none: break;
   }
-  return in_ball ? "nothing was solved around" : "the displacement is beyond the workspace";
+  return in_ball ? "nothing was solved nearby" : "the displacement is beyond the workspace";
 }
 
 std::string describeInArea(const FingerPlace& place, double radius,
                            const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text = describeSample(place, displacement, sample);
   if (sample.inside)
-    return text +
-           fmt::format("inside        yes; {:.0f} % of it stands on solved lattice points\n\n",
-                       100 * sample.coverage);
+    return text + fmt::format("inside        yes; {:.0f} % based on solved lattice points\n\n",
+                              100 * sample.coverage);
   return text + fmt::format("inside        NO: {}.\n\n",
                             describeFault(place, displacement.stableNorm() <= radius));
 }
@@ -143,11 +141,11 @@ std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
 
 std::function<ExitCode()> prepareQuery(CLI::App& app) {
   auto options = std::make_shared<QueryOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
       ->required()
       ->type_name("FILE");
   app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches; not needed when there is only one")
+                 "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");
   addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
@@ -157,12 +155,10 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
       "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
-      "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, "
-      "3 some displacement lies beyond what was computed\n"
-      "(the workspace ball, or less where points failed), or some place is away from the surface, "
-      "has no site\nof the finger near, or rests on what is fixed (it is answered all the same, "
-      "and marked), 130 interrupted.");
+      "coverage (--json): share of the answer based on solved lattice points of one branch.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some answer is not reliable: it is beyond\n"
+      "the workspace or the solved points, or its place is away from the surface, has no site\n"
+      "nearby, or rests on fixed nodes (printed as not inside), 130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };
 }
 
@@ -177,7 +173,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
                [&](const TouchInput& touch) {
                  const ForceAnswer answer = answers.answer(touch);
                  PALPATE_ASSERT(answer.finger.has_value() == touch.at.has_value(),
-                                "an answer has a place where the question has one");
+                                "an answer has a place if its touch has one");
                  if (!answer.sample.inside) code = ExitCode::partly_failed;
                  // Flushed at once: a caller that sends line by line waits for each answer.
                  output << answerText(answers, touch.displacement, answer, options.json)

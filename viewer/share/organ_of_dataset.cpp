@@ -137,9 +137,8 @@ CarriedOrgan organOf(const Dataset& dataset) {
   const TouchSurface surface(dataset);
   if (surface.vertices().size() > most_carried_vertices)
     throw failure(
-        "its surface has {} vertices, of which a page draws {} at most: a coarser mesh of the body "
-        "can be shared",
-        surface.vertices().size(), most_carried_vertices);
+        "{}: the surface has {} vertices, but a page draws at most {}; share a coarser mesh",
+        dataset.file().string(), surface.vertices().size(), most_carried_vertices);
   CarriedOrgan organ;
   organ.name = dataset.scene().name;
   organ.max_force = dataset.scene().workspace.max_force;
@@ -156,7 +155,7 @@ CarriedOrgan organOf(const Dataset& dataset) {
   for (std::size_t space = 0; space < organ.spaces.size(); ++space)
     if (touch_of_space[space] < 0) add(touchOf(space, dataset));
   PALPATE_ASSERT(std::ranges::find(touch_of_space, -1) == touch_of_space.end(),
-                 "every space is of an area or touched by itself");
+                 "each space belongs to an area or is touched by itself");
   for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
     organ.touch_of_triangle.push_back(surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))]
                                                            : -1);

@@ -59,8 +59,8 @@ bool hasPageField() { return !pageParts().field.empty(); }
 void requirePageField() {
   if (!hasPageField())
     throw failure(
-        "this palpate was built without Emscripten, which makes the fields for pages: install it "
-        "(Debian: apt install emscripten) and build palpate again (docs/sharing.md)");
+        "this palpate was built without Emscripten, which palpate share needs: install it "
+        "(Debian: apt install emscripten) and rebuild palpate (docs/sharing.md)");
 }
 
 std::string organPage(const CarriedOrgan& organ) {

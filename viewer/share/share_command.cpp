@@ -15,10 +15,10 @@ namespace {
 
 std::function<ExitCode()> prepareShare(CLI::App& app) {
   auto options = std::make_shared<ShareOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
       ->required()
       ->type_name("FILE");
-  app.add_option("-o,--output", options->output, "The page to write")
+  app.add_option("-o,--output", options->output, "Page to write")
       ->required()
       ->type_name("FILE.html");
   app.footer(
@@ -43,8 +43,7 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
 }
 
 Verb shareVerb() {
-  return {"share", "Write a dataset as one HTML page that can be touched by mouse or finger",
-          prepareShare};
+  return {"share", "Write a dataset as an HTML page to touch by mouse or finger", prepareShare};
 }
 
 }  // namespace palpate

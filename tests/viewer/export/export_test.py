@@ -321,7 +321,7 @@ class ExportedBody(ExportedBox):
         going.send_signal(signal.SIGINT)
         _, told = going.communicate()
         self.assertEqual(going.returncode, 130, told)
-        self.assertIn("press.pvd is not written", told)
+        self.assertIn("press.pvd was not written", told)
         self.assertFalse((self.folder / "press.pvd").exists())
         files = sorted((self.folder / "press").iterdir())
         self.assertEqual([file.name for file in files], [f"press_{n:04}.vtu" for n in range(len(files))])

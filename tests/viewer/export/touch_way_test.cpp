@@ -67,7 +67,7 @@ TEST(TouchWay, HasSteps) {
           touchesOf({"0.01", "0", "0"}, steps);
         },
         {"--steps " + std::to_string(steps), "1 to 100000"});
-  expectBadInput([&] { touchesOf({"-"}, 4, "0 0 0\n"); }, {"--steps 4", "every line"});
+  expectBadInput([&] { touchesOf({"-"}, 4, "0 0 0\n"); }, {"--steps 4", "--displacement -"});
   expectBadInput([&] { touchesOf({"-"}, 0, "# nothing\n"); },
                  {"standard input", "no displacement"});
   expectBadInput([&] { touchesOf({"-"}, 0, "0 0 0\n0 0\n"); }, {"standard input, line 2"});

@@ -65,16 +65,17 @@ TEST(CarriedOrgan, CutOffAnywhereIsRefused) {
   const std::string bytes = encode(test::smallOrgan(true));
   for (std::size_t length = 16; length < bytes.size(); ++length)
     test::expectError(ExitCode::failed, [&] { decode(std::string_view(bytes).substr(0, length)); },
-                      {"cut off", "palpate share"});
-  test::expectError(ExitCode::failed, [&] { decode(bytes + " "); }, {"follows", "palpate share"});
+                      {"truncated", "palpate share"});
+  test::expectError(ExitCode::failed, [&] { decode(bytes + " "); },
+                    {"extra bytes", "palpate share"});
 }
 
 TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
   expectFault([](auto& organ) { organ.triangles[2][1] = std::ssize(organ.vertices); },
-              {"triangle 2 has a corner"});
-  expectFault([](auto& organ) { organ.triangles[2][1] = -1; }, {"triangle 2 has a corner -1"});
+              {"triangle 2", "corner"});
+  expectFault([](auto& organ) { organ.triangles[2][1] = -1; }, {"triangle 2", "corner -1"});
   expectFault([](auto& organ) { organ.triangles[2][1] = organ.triangles[2][0]; }, {"twice"});
-  expectFault([](auto& organ) { organ.touch_of_triangle[3] = 1; }, {"triangle 3 is of touch 1"});
+  expectFault([](auto& organ) { organ.touch_of_triangle[3] = 1; }, {"triangle 3", "touch 1"});
   expectFault([](auto& organ) { organ.touches[0].spaces[0] = std::ssize(organ.spaces); },
               {"touch 0", "space"});
   expectFault([](auto& organ) { organ.touches[0].spaces.clear(); }, {"touch 0", "no space"});
@@ -89,14 +90,14 @@ TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
 
 TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
   expectFault([](auto& organ) { organ.vertices[2].y() = no_number; }, {"vertex 2"});
-  expectFault([](auto& organ) { organ.max_force = 0; }, {"largest force"});
+  expectFault([](auto& organ) { organ.max_force = 0; }, {"force", "0 N"});
   expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"touch 0"});
   expectFault([](auto& organ) { organ.touches[0].collocation_points[0].z() = 1e300; },
               {"collocation point"});
   expectFault([](auto& organ) { organ.spaces[1].patch.finger->center.x() = no_number; },
               {"finger"});
   expectFault([](auto& organ) { organ.spaces[1].patch.finger->radius *= 2; },
-              {"space 1 is not of its finger"});
+              {"space 1", "finger"});
   expectFault([](auto& organ) { organ.spaces[1].points[4].equilibrium.force.x() = no_number; },
               {"space 1", "point 4"});
   expectFault([](auto& organ) { organ.spaces[1].points[4].equilibrium.drive.x() = 1e35; },
@@ -116,8 +117,7 @@ TEST(CarriedOrgan, LatticesOfOneSurfaceAreAlikeAndNotLargerThanTheirPoints) {
   const std::size_t place = bytes.find(both);
   ASSERT_NE(place, std::string::npos);
   std::memcpy(bytes.data() + place + sizeof radius, &finer, sizeof finer);
-  test::expectError(ExitCode::failed, [&] { decode(bytes); },
-                    {"a lattice of about 4188790 points has"});
+  test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"lattice", "about 4188790 points"});
 }
 
 TEST(CarriedOrgan, WithAnyByteChangedIsRefusedOrCanBeTouched) {
