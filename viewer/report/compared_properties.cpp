@@ -74,7 +74,7 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
   });
   properties.push_back({"solved configurations", std::to_string(facts[0].configurations),
                         std::to_string(facts[1].configurations)});
-  add("largest force of them", [](const Dataset& dataset) { return largestForce(dataset); });
+  add("largest solved force", [](const Dataset& dataset) { return largestForce(dataset); });
   properties.push_back({"file", formatBytes(facts[0].bytes), formatBytes(facts[1].bytes)});
   add("kernel family", [](const Dataset& dataset) { return dataset.kernelFamily(); });
   return properties;

@@ -8,6 +8,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/report/field_comparison.hpp"
 
@@ -64,8 +65,8 @@ BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
     MadeField made = tryToMake(comparison.method, *spaces[s]);
     if (!made.field)
       throw badInput(
-          "{} of {} cannot be compared by {}: {}. Build it anew, or choose another method by "
-          "--methods",
+          "{} of {} cannot be compared with method {}: {}. Build it again, or choose another "
+          "method with --methods",
           spaces[s]->patch.name, comparison.open[s].file().string(), comparison.method,
           made.problem);
     fields[s] = std::move(made.field);
@@ -187,23 +188,22 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
     double apart = 0;
     for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
     limits.push_back(fmt::format(
-        "Their meshes differ: these are different bodies, or one in other elements. Active nodes "
-        "of one name are compared, which lie up to {:.3g} mm apart at rest, and a difference is "
-        "that of shape, elements and material together. For a comparison of materials alone build "
-        "both scenes on one mesh.",
+        "The meshes differ. Active nodes of the same name are compared; they lie up to {:.3g} mm "
+        "apart at rest. Differences include those of shape, elements and material. To compare "
+        "materials only, build both scenes on one mesh.",
         1e3 * apart));
   }
   const std::size_t alone = first.spaces().size() + second.spaces().size() - 2 * comparison.common;
   if (alone > 0)
     limits.push_back(fmt::format(
-        "{} active {} only one of the two datasets has, or not at the same place, {} left out. To "
-        "compare there give both scenes the same [[active]] and build again.",
-        alone, alone == 1 ? "node, which" : "nodes, which", alone == 1 ? "is" : "are"));
+        "{} left out, present in only one dataset or at different places. To compare all, give "
+        "both scenes the same [[active]] and build again.",
+        counted(alone, "active node")));
   const double a = first.scene().workspace.radius, b = second.scene().workspace.radius;
   if (a != b)
     limits.push_back(
-        fmt::format("Their workspace balls differ ({:.4g} and {:.4g} mm): differences are those of "
-                    "the smaller one. Set workspace.radius alike to compare all of both.",
+        fmt::format("The workspace balls differ ({:.4g} and {:.4g} mm): only the smaller one is "
+                    "compared. To compare all, set the same workspace.radius in both scenes.",
                     1e3 * a, 1e3 * b));
   return limits;
 }
@@ -212,7 +212,8 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
 
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places) {
-  PALPATE_ASSERT(datasets.size() == 2 && most_places > 0, "two are compared, somewhere");
+  PALPATE_ASSERT(datasets.size() == 2 && most_places > 0,
+                 "two datasets are compared at some places");
   Comparison comparison;
   comparison.open = std::move(datasets);
   comparison.method = method;
@@ -221,9 +222,9 @@ Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& met
   const std::vector<SpacePair> pairs = commonSpaces(first, second);
   if (pairs.empty())
     throw badInput(
-        "{} and {} cannot be compared: they have no active node of the same name and kind (one "
-        "has {}; the other {}). Name the places alike in [[active]] of both scenes and build "
-        "again, or make a report of each",
+        "{} and {} cannot be compared: they have no active node of the same name and kind (the "
+        "first has {}; the second {}). Use the same names in [[active]] of both scenes and build "
+        "again, or report on each",
         first.file().string(), second.file().string(), namesIn(first), namesIn(second));
   comparison.common = pairs.size();
   for (const Dataset& dataset : comparison.open) comparison.datasets.push_back(factsOf(dataset));

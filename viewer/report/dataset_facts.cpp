@@ -82,7 +82,8 @@ DatasetFacts factsOf(const Dataset& dataset) {
   }
   countProbes(dataset.spaces(), facts);
   countProbes(dataset.probePlaces(), facts);
-  PALPATE_ASSERT(facts.configurations <= facts.lattice_points, "what is solved is a part of all");
+  PALPATE_ASSERT(facts.configurations <= facts.lattice_points,
+                 "each solved configuration is a lattice point");
   facts.sizes = arraySizes(dataset.file().string());
   return facts;
 }
@@ -124,8 +125,8 @@ void refuseOtherScenes(const std::vector<Dataset>& datasets) {
     if (const std::vector<std::string> what = sceneDifferences(datasets.front(), dataset);
         !what.empty())
       throw badInput(
-          "{} and {} are not of one scene: they differ in {}. Of more than two only "
-          "workspace.spacing and [accuracy] may differ; others are compared two at a time",
+          "{} and {} have different scenes: they differ in {}. More than two datasets may differ "
+          "only in workspace.spacing and [accuracy]; compare others in pairs",
           datasets.front().file().string(), dataset.file().string(), fmt::join(what, ", "));
 }
 

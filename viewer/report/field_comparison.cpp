@@ -162,7 +162,7 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
   if (!cells) return results;
   for (const MethodComparison& result : results)
     PALPATE_ASSERT(result.comparisons.empty() || result.comparisons.size() == held_out.size(),
-                   "a method that could be made was asked at every solution");
+                   "each prepared method was evaluated at every solution");
   for (std::size_t n = 0; n < held_out.size(); ++n) {
     const bool covered = isCovered(cells->evaluate(held_out[n].displacement));
     for (MethodComparison& result : results)

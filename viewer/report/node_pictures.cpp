@@ -66,7 +66,7 @@ std::vector<ForceWay> tellingWays(const SpaceTable& space, const Fields& fields,
 
 SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,
                      const std::vector<HeldOutSolution>& held_out) {
-  PALPATE_ASSERT(across != up && across + up <= 3, "a plane has two axes of three");
+  PALPATE_ASSERT(across != up && across + up <= 3, "a plane uses two of three axes");
   SliceMap map;
   map.across = across;
   map.up = up;

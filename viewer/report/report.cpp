@@ -22,8 +22,7 @@ std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   std::vector<std::string> chosen;
   for (const std::string& method : asked) {
     if (std::ranges::find(known, method) == known.end())
-      throw badInput("--methods: there is no method \"{}\"; there are: {}", method,
-                     fmt::join(known, ", "));
+      throw badInput("--methods: unknown method \"{}\"; known: {}", method, fmt::join(known, ", "));
     if (std::ranges::find(chosen, method) == chosen.end()) chosen.push_back(method);
   }
   return chosen;
@@ -159,7 +158,7 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
   std::vector<std::vector<WayComparison>> methods(study.methods.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
-    PALPATE_ASSERT(nodes[n].size() == methods.size(), "a node is asked by every method");
+    PALPATE_ASSERT(nodes[n].size() == methods.size(), "each method has results for a node");
     for (std::size_t m = 0; m < methods.size(); ++m)
       for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
         methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
@@ -258,7 +257,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
   PALPATE_ASSERT(!study.compared.empty() && !study.methods.empty(),
                  "a dataset has an active node, and one method is the default");
   PALPATE_ASSERT(study.held_out.of_space.size() == study.spaces(),
-                 "of every active node it is known what is held out");
+                 "each active node has its held-out solutions");
   report.compared = study.compared.size();
 
   for (ComparedLattice& lattice : lattices)
@@ -266,7 +265,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
   std::ranges::stable_sort(report.lattices, {}, &LatticeMeasures::configurations);
   report.measured = measuredOf(report.lattices, study.held_out);
   PALPATE_ASSERT(!report.measured || study.held_out.measures(shownLattice(report)),
-                 "nothing is measured with its own points");
+                 "no lattice is measured with its own points");
   NodeErrors errors;
   for (std::size_t n = 0; n < report.lattices.size(); ++n) {
     LatticeMeasures& lattice = report.lattices[n];

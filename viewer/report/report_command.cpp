@@ -20,18 +20,18 @@ constexpr std::size_t pictured_nodes = 6;
 
 std::function<ExitCode()> prepareReport(CLI::App& app) {
   auto options = std::make_shared<ReportCommandOptions>();
-  app.add_option("DATASET", options->report.datasets,
-                 "Sealed dataset, OUT.h5; more of the same scene "
-                 "with other spacings or accuracies add points to the curves; "
-                 "a second one of another organ or material is compared with the first")
+  app.add_option(
+         "DATASET", options->report.datasets,
+         "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
+         "points to the curves; two of different organs or materials are compared")
       ->required()
       ->type_name("FILE");
   app.add_option("--methods", options->report.methods,
-                 fmt::format("Only these, separated by commas; there are {}",
+                 fmt::format("Methods to measure, separated by commas [all]: {}",
                              fmt::join(forceFieldMethods(), ", ")))
       ->delimiter(',')
       ->type_name("LIST");
-  app.add_option("-o,--html", options->html, "Write a self-contained page with plots to FILE too")
+  app.add_option("-o,--html", options->html, "Also write a self-contained page with plots to FILE")
       ->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object instead of the table (docs/commands.md)");
   return [options] { return report(*options, std::cout); };
@@ -42,7 +42,7 @@ std::string methodOf(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
   if (asked.empty()) return known.front();
   if (asked.size() > 1 || std::ranges::find(known, asked.front()) == known.end())
-    throw badInput("--methods: two datasets are compared by one method; name one of {}",
+    throw badInput("--methods: a comparison of two datasets uses one method; choose one of {}",
                    fmt::join(known, ", "));
   return asked.front();
 }
@@ -77,8 +77,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
 }
 
 Verb reportVerb() {
-  return {"report", "How accurate and how fast the methods of interpolation are on a dataset",
-          prepareReport};
+  return {"report", "Accuracy and speed of the interpolation methods on a dataset", prepareReport};
 }
 
 }  // namespace palpate

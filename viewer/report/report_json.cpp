@@ -80,7 +80,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
 }
 
 Json wayJson(const Report& report, const WayShell& shell) {
-  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "shells are of all methods");
+  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "each shell has all methods");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     methods[report.methods[m]] = toJson(shell.methods[m]);
@@ -89,7 +89,7 @@ Json wayJson(const Report& report, const WayShell& shell) {
 
 Json nodeJson(const Report& report, const NodeMeasures& node) {
   PALPATE_ASSERT(node.methods.size() == report.methods.size(),
-                 "a node has a place for every method, measured or not");
+                 "each node has an entry for every method");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     // If the methods are not compared on a node, only the default method is measured.
@@ -156,7 +156,7 @@ Json placeJson(const ComparedPlace& place) {
 }  // namespace
 
 Json toJson(const Report& report) {
-  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "there are facts of every dataset");
+  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "every dataset has facts");
   Json json;
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)

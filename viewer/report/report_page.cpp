@@ -25,7 +25,7 @@ std::string filledPage(const std::string& title, const nlohmann::ordered_json& r
 std::string reportPage(const Report& report) {
   nlohmann::ordered_json json = toJson(report);
   json["drawings"] = drawingsOf(report);
-  return filledPage(report.open.front().scene().name + ": how accurate, and how fast", json);
+  return filledPage(report.open.front().scene().name + ": accuracy and speed", json);
 }
 
 std::string comparisonPage(const Comparison& comparison) {

@@ -57,9 +57,10 @@ std::string frontier(const Report& report) {
           : fmt::format("{} of {}", report.compared, counted(report.nodes.size(), "active node"));
   return text + "\n" +
          wrapped(fmt::format(
-             "Configs: configurations per active node. Errors: |interpolated - exact force| in N, "
-             "whole ball, {} together. Covered: the 8 corners around are solved, on one branch. "
-             "Loop work: around closed loops, relative to the effort. In target: error <= {}.",
+             "Configs: configurations per active node. Errors: |interpolated - exact force| in "
+             "N, in the whole ball, over {}. Covered: all 8 surrounding corners are solved and "
+             "on one branch. Loop work: work along closed loops, relative to the total effort. "
+             "In target: share of errors <= {}.",
              nodes, describeTarget(report)));
 }
 
@@ -82,7 +83,7 @@ std::string nodes(const Report& report) {
           : "";
   return text + "\n" +
          wrapped(fmt::format(
-             "Errors of {} on {}, N, the worst first{}; force: the largest of the space, N.",
+             "Errors of {} on {}, N, worst first{}. Force: the largest force of the space, N.",
              report.methods.front(), shownLattice(report).label, cut));
 }
 
@@ -142,7 +143,7 @@ std::string comparisonText(const Comparison& comparison) {
   std::string text;
   for (std::size_t s = 0; s < 2; ++s)
     text += fmt::format("{}: {}\n", s == 0 ? 'A' : 'B', comparison.datasets[s].file.string());
-  text += wrapped(fmt::format("They differ in {}; compared by {}.",
+  text += wrapped(fmt::format("The scenes differ in {}. Interpolation method: {}.",
                               fmt::join(comparison.differences, ", "), comparison.method)) +
           "\n";
   for (const auto& [name, first, second] : comparison.properties)
@@ -163,9 +164,9 @@ std::string comparisonText(const Comparison& comparison) {
   text += "\n" +
           wrapped(
               "Forces and differences of the force vectors in N, over a grid of displacements that "
-              "both answer, with forces within the limits of their scenes. Stiffness at rest, mean "
-              "over directions. Bounds: the sum of both error bounds; a difference below it says "
-              "nothing.");
+              "both datasets answer with forces within the limits of their scenes. Stiffness: at "
+              "rest, mean over directions. Bounds: the sum of both error bounds; a smaller "
+              "difference is not significant.");
   for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
   return text;
 }

@@ -18,16 +18,15 @@ constexpr std::size_t text_width = 100;
 std::string describeHeldOut(const Report& report) {
   if (report.held_out.kind == HeldOutKind::probes)
     return fmt::format(
-        "Measured with {}: exact solutions, within max_force, "
-        "at positions that no interpolation has seen.",
+        "Measured with {}: exact solutions within max_force that no interpolation uses.",
         counted(report.held_out.count, "probe"));
   if (report.held_out.kind == HeldOutKind::lattice_points)
     return fmt::format(
-        "There are no solved probes. Measured with {} "
-        "that the coarser lattices below leave out; of the densest itself nothing can be said.",
+        "There are no solved probes. The coarser lattices below are measured with {} that they "
+        "leave out; the densest lattice cannot be measured.",
         counted(report.held_out.count, "lattice point"));
-  return "There are no solved probes, and no coarser lattice inside this one "
-         "leaves solved points out: nothing to measure errors with.";
+  return "There are no solved probes, and no coarser lattice inside this one leaves out solved "
+         "points: errors cannot be measured.";
 }
 
 std::vector<std::string> describeGaps(const Report& report) {
@@ -37,9 +36,9 @@ std::vector<std::string> describeGaps(const Report& report) {
       const MethodMeasures& method = lattice.methods[m];
       // If the method has no measurements at all, its row of the table gives the reason.
       if (!method.problem.empty() && method.all.count > 0)
-        gaps.push_back(
-            fmt::format("{} with {} configurations is not measured on every active node. {}",
-                        report.methods[m], formatCount(lattice.configurations), method.problem));
+        gaps.push_back(fmt::format(
+            "Method {} with {} configurations was not measured on every active node. {}",
+            report.methods[m], formatCount(lattice.configurations), method.problem));
     }
   return gaps;
 }
@@ -48,32 +47,33 @@ std::string hintForProbes(const Report& report) {
   // Areas have hundreds of sites. Computing 200 probes at each of them would take longer than
   // everything else, and they would not measure the errors between sites.
   if (report.held_out.kind == HeldOutKind::probes || !report.areas.empty()) return "";
-  return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene "
-         "and build again: 200 exact solutions per active node at random positions, "
-         "used for nothing but measuring.";
+  return "To measure errors of this lattice, add \"[accuracy] probes = 200\" to the scene and "
+         "build again: 200 exact solutions per active node at random positions, used only for "
+         "measuring.";
 }
 
 std::string describeProbes(const AreaMeasures& area, const Report& report) {
   const AreaProbes& probes = area.probes;
   const ProbeCounts& counts = probes.counts;
   if (counts.all == 0)
-    return "There are no exact solutions between sites in this dataset: put \"[accuracy] probes = "
-           "200\" into the scene, and build again.";
+    return "This dataset has no exact solutions between sites: add \"[accuracy] probes = 200\" "
+           "to the scene and build again.";
   std::string text = fmt::format(
-      "Exact solutions at {}, of displacements that contact reaches: {} within max_force, {} "
+      "Exact solutions at {}, for displacements that contact reaches: {} within max_force, {} "
       "beyond it, {} not reached from rest.",
       counted(counts.all, "random place"), counts.within_force, counts.beyond_force,
       counts.unsolved());
   if (probes.area.count > 0)
     text += fmt::format(
-        " Of those within it {} keep {}, of what the nearest site says alone {}. The bound holds "
-        "at {}; it is {} times the error in the median, {} times at 95 %.",
+        " Of those within max_force, {} meet the target {}; with the nearest site alone, {} do. "
+        "The error bound holds at {}; it is {} times the error in the median and {} times at 95 "
+        "%.",
         formatShare(probes.area.within_target), describeTarget(report),
         formatShare(probes.nearest_site.within_target), formatShare(probes.area.bound_holds),
         formatNumber(probes.area.bound_over_error.median, 3),
         formatNumber(probes.area.bound_over_error.percentile_95, 3));
   if (probes.unanswered > 0)
-    text += fmt::format(" The area does not answer at {}.", counted(probes.unanswered, "place"));
+    text += fmt::format(" The area has no answer at {}.", counted(probes.unanswered, "place"));
   if (area.jumps > 0)
     text += fmt::format(" Between different branches: {} of its sites.",
                         counted(area.jumps, "lattice edge"));
@@ -83,7 +83,7 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
 std::string describeTarget(const Report& report) {
   return fmt::format("max({:.3g} % of |force|, {:.3g} N){}", 100 * report.target.force_error,
                      report.target.force_floor,
-                     report.target_of_scene ? ", as the scene asks" : "");
+                     report.target_of_scene ? " (set by the scene)" : "");
 }
 
 std::string describeMesh(const Mesh& mesh) {
