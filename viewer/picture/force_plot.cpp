@@ -29,7 +29,7 @@ constexpr int most_steps = 2;           // of the grid, on either side of zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
-constexpr const char* band_name = "its error bound";
+constexpr const char* band_name = "error bound";
 constexpr const char* plot_title = "force on the tool, N";
 constexpr const char* short_plot_title = "force, N";
 constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);

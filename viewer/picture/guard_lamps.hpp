@@ -7,26 +7,26 @@
 
 namespace palpate {
 
-/// Returns two or three words for the user about bit n of Guarded. They say why the force in the
+/// Returns one to three words for the user about bit n of Guarded. They say why the force in the
 /// hand differs from the tissue's force.
 inline const char* lampWords(int bit) {
   static constexpr std::array<const char*, guard_count> words = {
-      "fading in",         "calming vibration", "device at its limit",
-      "slowing a jump",    "no new position",   "device gone",
-      "impossible number", "computer too slow", "deeper than computed"};
+      "fading in",       "damping",           "force limited",
+      "rate limited",    "no new position",   "device lost",
+      "invalid reading", "computer too slow", "deeper than computed"};
   return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
 }
 /// Returns a sentence for the user about bit n of Guarded.
 inline const char* lampSentence(int bit) {
   static constexpr std::array<const char*, guard_count> sentences = {
-      "The force has changed by a step, which is being faded in.",
-      "The loop has created energy, which is being damped away.",
-      "The tissue pushes harder than the device can.",
-      "The force changes faster than the device may.",
+      "The force has made a step, which is being faded in.",
+      "The loop has created energy, which is being damped.",
+      "The tissue pushes harder than the device can render.",
+      "The force changes faster than the limit of the device.",
       "The device has sent no new position for a while: the force goes to zero.",
       "The device is unplugged or does not answer.",
-      "The position or the force was no finite number, and counts as zero.",
-      "The loop was held up; the force begins at zero again.",
+      "The position or the force was not finite and counts as zero.",
+      "The loop was delayed; the force restarts from zero.",
       "Nothing was computed this deep: a wall, not the tissue, pushes back."};
   return bit >= 0 && bit < guard_count ? sentences[static_cast<std::size_t>(bit)] : "";
 }

@@ -14,29 +14,29 @@ bool feelsNothingInside(const HapticState& state) {
 /// then.
 const char* keysHint(bool glued, bool holds) {
   if (!holds)
-    return glued ? "Enter takes hold here, arrows move the ring."
+    return glued ? "Enter grips here, arrows move the ring."
                  : "Enter presses here, arrows move the ring.";
   return glued ? "Arrows pull, Page Down presses, Enter lets go."
-               : "Arrows slide, Page Down presses deeper, Enter comes out.";
+               : "Arrows slide, Page Down presses deeper, Enter ends the touch.";
 }
 
 }  // namespace
 
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand) {
-  if (feelsNothingInside(state)) return "The tool is inside and feels nothing: R takes it out.";
+  if (feelsNothingInside(state)) return "The tool is inside the organ: press R to take it out.";
   const bool glued = contact == ContactMode::glued;
   if (hand.placedByKeys() && hand.place()) return keysHint(glued, hand.holds());
   if (hand.holds() && glued) return "Move to pull, turn the wheel to press, let go to release.";
-  if (hand.holds()) return "Move to slide, turn the wheel to press deeper, let go to come out.";
+  if (hand.holds())
+    return "Move to slide, turn the wheel to press deeper, let go to end the touch.";
   if (hand.place()) return "Hold the left button to press.";
   if (hand.seen()) return "Nothing was computed here: press where the skin is tinted.";
-  return "Press the organ with the mouse. Drag beside it to turn, wheel to come closer. H: all "
+  return "Press the organ with the mouse. Drag beside it to turn, use the wheel to zoom. H: all "
          "keys.";
 }
 
 std::string deviceHint(const HapticState& state) {
-  if (feelsNothingInside(state))
-    return "The tool is inside and feels nothing until it has been outside.";
+  if (feelsNothingInside(state)) return "The tool is inside the organ. Move it out to feel again.";
   return "";
 }
 

@@ -34,10 +34,11 @@ VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folde
   std::error_code refused;
   std::filesystem::create_directories(folder_, refused);
   if (refused)
-    throw failure("{}: cannot make the folder for frames: {}", folder_.string(), refused.message());
+    throw failure("{}: cannot create the folder for frames: {}", folder_.string(),
+                  refused.message());
   for (const auto& entry : std::filesystem::directory_iterator(folder_, refused))
     if (entry.path().filename().string().starts_with("frame-"))
-      throw badInput("{} holds frames already ({}); name another folder, or empty this one",
+      throw badInput("{} already contains frames ({}); choose another folder, or empty this one",
                      folder_.string(), entry.path().filename().string());
   if (refused)
     throw failure("{}: cannot read the folder for frames: {}", folder_.string(), refused.message());

@@ -32,7 +32,7 @@ std::array<double, 3> colourOf(Tag tag) {
 
 std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<LatticeCut>& cut) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
-                 "a table knows all of its lattice");
+                 "a table has a record per lattice point");
   std::vector<LatticeDot> dots;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     const Eigen::Vector3d displacement = space.lattice.displacement(n);

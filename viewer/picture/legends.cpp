@@ -134,7 +134,7 @@ void errorBar(Legend& legend, float height, const char* title) {
 void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour) {
   const bool pressures = colour == SurfaceColour::pressure && contents.pressure.sentence.empty();
   if (pressures && !contents.pressure.everywhere) {
-    legend.swatch(tissueColour(1), "has no pressure");
+    legend.swatch(tissueColour(1), "no pressure");
     legend.gap();
   }
   if (colour == SurfaceColour::pressure && !pressures) {
@@ -142,9 +142,9 @@ void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour c
     legend.gap();
   }
   if (!contents.untouchable || (pressures && contents.pressure.everywhere)) return;
-  legend.swatch(tissueColour(0), "nothing to feel", true);
+  legend.swatch(tissueColour(0), "not touchable", true);
   if (colour == SurfaceColour::tissue || (colour == SurfaceColour::pressure && !pressures))
-    legend.swatch(tissueColour(1), "can be touched");
+    legend.swatch(tissueColour(1), "touchable");
   legend.gap();
 }
 

@@ -9,13 +9,13 @@ std::string whyNoPressures(const SurfacePressures& pressures) {
   switch (pressures.source()) {
     case PressureSource::stored: break;
     case PressureSource::material:
-      return "There are no pressures: linear and St. Venant-Kirchhoff materials have none.";
+      return "No pressures: linear and St. Venant-Kirchhoff materials have none.";
     case PressureSource::formulation:
-      return "There are no pressures: the scene says pressure = \"none\" in [discretization]. "
-             "Leave it out, and say displacement = \"all\" in [storage].";
+      return "No pressures: the scene has pressure = \"none\" in [discretization]. Remove it, "
+             "and set displacement = \"all\" in [storage].";
     case PressureSource::storage:
-      return "The pressures were not stored: say displacement = \"all\" in [storage] of the "
-             "scene, and build again, which computes nothing anew.";
+      return "No pressures stored: set displacement = \"all\" in [storage] of the scene and "
+             "build again (no new computation).";
   }
   return fmt::format("preparing pressures: {:.0f} %", 100 * pressures.preparedShare());
 }

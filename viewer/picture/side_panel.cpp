@@ -87,7 +87,7 @@ void sameLineIfFits(const char* words) {
 
 void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
   const HapticState& state = contents.state;
-  heading("Shown");
+  heading("View");
   if (const auto model = choose("dataset", contents.models, state.model))
     requests.use = {*model, state.method};
   if (const auto method = choose("method", contents.methods, state.method))
@@ -102,7 +102,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (ImGui::Button("Release", {width, 0})) requests.release = true;
   ImGui::SameLine();
-  if (ImGui::Button(contents.status.paused ? "Go on" : "Pause", {width, 0})) requests.pause = true;
+  if (ImGui::Button(contents.status.paused ? "Resume" : "Pause", {width, 0})) requests.pause = true;
   ImGui::SameLine();
   if (ImGui::Button("Reload", {width, 0})) requests.reload = true;
   ImGui::PopStyleVar();
@@ -111,7 +111,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
   ImGui::Checkbox("lattice", &view.lattice);
   sameLineIfFits("help");
   ImGui::Checkbox("help", &view.help);
-  if (contents.models.size() > 1) ImGui::Checkbox("another dataset beside it", &view.beside);
+  if (contents.models.size() > 1) ImGui::Checkbox("compare datasets", &view.beside);
 }
 
 void latticeChoices(const PanelContents& contents, ViewChoices& view) {
@@ -187,7 +187,7 @@ void tissueNumbers(const PanelContents& contents) {
 }
 
 void lampField(const GuardLamps& lamps) {
-  heading("Force held back");
+  heading("Force limits");
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   float widest = 0;

@@ -52,7 +52,7 @@ using InfoLog = std::array<char, 400>;
 
 Error notTaken(const InfoLog& why) {
   return failure(
-      "OpenGL does not take the shader of the picture ({}); use --headless, or set "
+      "OpenGL rejects the shader of the picture ({}); use --headless, or set "
       "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
       why.data());
 }

@@ -73,10 +73,10 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
     : given_(vertices.size()) {
-  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle can be touched, or not");
+  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle has a touchable flag");
   for (const Triangle& triangle : triangles)
     for (const std::int32_t corner : triangle) {
-      PALPATE_ASSERT(corner >= 0 && at(corner) < given_, "triangles are of these vertices");
+      PALPATE_ASSERT(corner >= 0 && at(corner) < given_, "triangles refer to existing vertices");
       coarse_.push_back(static_cast<std::uint32_t>(corner));
     }
   corners_ = coarse_;
@@ -169,7 +169,7 @@ void SurfaceShape::colourDisplacements(double full) {
 }
 
 void SurfaceShape::colourPlaces(std::span<const float> places) {
-  PALPATE_ASSERT(places.size() == given_, "every vertex has its place among the colours");
+  PALPATE_ASSERT(places.size() == given_, "every vertex has its colour coordinate");
   std::ranges::copy(places, places_.begin());
   round(places_);
   static const Covers covers = coversBy([](double place) { return coverOf(viridis(place), 1); });

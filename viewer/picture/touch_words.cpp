@@ -26,7 +26,7 @@ bool isBeyond(const Touch& touch) { return touch.touching && !touch.inside; }
 std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
   if (!touch.touching && force.norm() == 0) return {};
   std::string text = fmt::format("{:.2f} N", force.norm());
-  if (isBeyond(touch)) return text + "\ndeeper than was computed: a wall pushes back";
+  if (isBeyond(touch)) return text + "\ndeeper than computed: a wall pushes back";
   if (touch.touching && std::isfinite(touch.error_bound))
     text += fmt::format(" ± {:.2g} N", touch.error_bound);
   if (isUncertain(touch))
@@ -47,10 +47,8 @@ std::string tissueForceText(const Touch& touch) { return textOf(touch.force, tou
 
 std::string untouchedText(bool one_mesh, bool one_scale) {
   if (one_mesh) return "Nothing was computed here, or the method is still being prepared.";
-  return fmt::format(
-      "Another body{}: it cannot be touched in the same place. Give datasets of one mesh to "
-      "compare them.",
-      one_scale ? "" : ", not to the same scale");
+  return fmt::format("These datasets have different meshes, so this touch cannot be compared.{}",
+                     one_scale ? "" : " (Drawn at a different scale.)");
 }
 
 std::string tissueText(const std::vector<Region>& regions) {

@@ -113,8 +113,8 @@ void drawHelp(ImVec2 at, ImVec2 window) {
 /// Returns the reason why the B key shows no other dataset.
 const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
   return choices.beside && contents.models.size() == 1
-             ? "B shows another dataset beside this one; there is none (palpate view A.h5 "
-               "B.h5). B again hides this."
+             ? "B compares two datasets, but only one is open (palpate view A.h5 B.h5). Press B "
+               "to hide this."
              : "";
 }
 

@@ -41,7 +41,7 @@ std::array<int, 2> roomOnScreen(bool visible) {
 Window::Window(const std::string& title, int width, int height, bool visible, bool vsync) {
   if (glfwInit() != GLFW_TRUE)
     throw failure(
-        "no picture without a display ({}); use --headless, or run under xvfb-run, or set DISPLAY",
+        "no display for the picture ({}); use --headless, run under xvfb-run, or set DISPLAY",
         lastTrouble());
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
@@ -52,8 +52,8 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
     const std::string trouble = lastTrouble();
     glfwTerminate();
     throw failure(
-        "no window with OpenGL 2.1 on this display ({}); use --headless, "
-        "or install libgl1-mesa-dri and set LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
+        "cannot open a window with OpenGL 2.1 ({}); use --headless, or install libgl1-mesa-dri "
+        "and set LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
         trouble);
   }
   const double larger = screenScale(window_) / pixelsPerUnit(window_);

@@ -57,7 +57,7 @@ TEST(VideoFrames, AreNumberedFromOneAndNeverMixedWithAnotherRun) {
   EXPECT_EQ(frames.count(), 2);
   EXPECT_TRUE(std::filesystem::exists(directory / "film" / "frame-000001.png"));
   EXPECT_TRUE(std::filesystem::exists(directory / "film" / "frame-000002.png"));
-  test::expectBadInput([&] { VideoFrames again(directory / "film"); }, {"film", "frames already"});
+  test::expectBadInput([&] { VideoFrames again(directory / "film"); }, {"film", "frame-00000"});
 }
 
 TEST(ForceHistory, KeepsFiveSecondsAndBeginsAnewWhenTimeDoes) {
