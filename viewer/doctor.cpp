@@ -29,9 +29,9 @@ using Verdict = Finding::Verdict;
 
 std::string realTimeAdvice() {
   return fmt::format(
-      "put \"@realtime - rtprio {}\" and \"@realtime - memlock unlimited\" "
-      "into /etc/security/limits.d, join the group realtime, log in again; "
-      "without it the loop runs all the same, and is woken late more often",
+      "add \"@realtime - rtprio {}\" and \"@realtime - memlock unlimited\" to "
+      "/etc/security/limits.d, join the group realtime and log in again; without this the loop "
+      "still runs, but wakes late more often",
       highest_priority);
 }
 
@@ -87,13 +87,13 @@ Finding timer() {
   const std::vector<double> late = wakingLatencies();
   if (late.empty()) return {Verdict::bad, "timer", "clock_nanosleep does not work"};
   const std::string found = fmt::format(
-      "woken {:.0f} us late in the median, {:.0f} us in 99 of 100, {:.0f} us at worst of {} sleeps",
+      "wakes {:.0f} us late in the median, {:.0f} us at 99 %, at most {:.0f} us in {} sleeps",
       1e6 * late[late.size() / 2], 1e6 * late[late.size() * 99 / 100], 1e6 * late.back(),
       late.size());
   constexpr double period = 1e-3;
   if (late.back() < period / 2) return {Verdict::good, "timer", found};
   return {Verdict::note, "timer", found,
-          "other programs take the processor: end them, or use --real-time"};
+          "other programs use the processor: end them, or use --real-time"};
 }
 
 Finding kernel() {
@@ -109,7 +109,7 @@ Finding processorClock() {
   if (governor.empty()) return {Verdict::good, "processor clock", "not managed by this system"};
   if (governor == "performance") return {Verdict::good, "processor clock", governor};
   return {Verdict::note, "processor clock", governor,
-          "cpupower frequency-set -g performance keeps the clock up between ticks"};
+          "cpupower frequency-set -g performance keeps the clock high between ticks"};
 }
 
 Finding display() {
@@ -117,7 +117,7 @@ Finding display() {
     if (const char* value = std::getenv(variable); value != nullptr && *value != '\0')
       return {Verdict::good, "display", fmt::format("{}={}", variable, value)};
   return {Verdict::note, "display", "none",
-          "palpate view --headless runs without, xvfb-run gives it one"};
+          "palpate view --headless needs none; xvfb-run provides one"};
 }
 
 Finding haplyService() {
@@ -130,7 +130,7 @@ Finding haplyService() {
   return {Verdict::good, "Haply service",
           answers
               ? fmt::format("answers on port {} (--device haply)", port)
-              : fmt::format("nothing listens on port {}: start Haply's Inverse service to use one",
+              : fmt::format("nothing listens on port {}: start Haply's service to use an Inverse3",
                             port)};
 }
 
@@ -141,7 +141,7 @@ Finding solverKernels() {
   try {
     worker = programBeside("palpate-worker").string();
   } catch (const Error& error) {
-    return {Verdict::note, topic, error.what(), "only a machine that solves needs it"};
+    return {Verdict::note, topic, error.what(), "only machines that run workers need it"};
   }
   Ran ran;
   try {
@@ -167,7 +167,7 @@ const char* word(Verdict verdict) {
 std::function<ExitCode()> prepareDoctor(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "One JSON object per finding and line");
-  app.footer("Changes nothing and opens no device. Exit 0, or 1 when something will not work.");
+  app.footer("Changes nothing and opens no device. Exit codes: 0 done, 1 something will not work.");
   return [json] {
     const std::vector<Finding> findings = examineMachine();
     std::cout << (*json ? describeJson(findings) : describe(findings));
@@ -205,8 +205,7 @@ std::string describeJson(const std::vector<Finding>& findings) {
 }
 
 Verb doctorVerb() {
-  return {"doctor", "Whether this machine can run the haptic client, and what to change",
-          prepareDoctor};
+  return {"doctor", "Check whether this machine can run the haptic client", prepareDoctor};
 }
 
 }  // namespace palpate

@@ -49,7 +49,7 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
 LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
                            const HapticModelOptions& options)
     : files_(std::move(files)) {
-  PALPATE_ASSERT(!files_.empty(), "the command line asks for one dataset at least");
+  PALPATE_ASSERT(!files_.empty(), "the command line requires a dataset");
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {
@@ -74,13 +74,13 @@ void LoadedModels::prepareTheRest() {
     for (const auto& model : models_) try {
         model->preparePressures(stop);
       } catch (const std::exception& error) {
-        spdlog::warn("{}: no pressures: {}", model->file(), error.what());
+        spdlog::warn("{}: cannot prepare pressures: {}", model->file(), error.what());
       }
     for (const auto& model : models_)
       for (std::size_t method = 1; method < model->methods().size(); ++method) try {
           model->prepareAlone(method, stop);
         } catch (const std::exception& error) {
-          spdlog::warn("{}: no method {}: {}", model->file(), model->methods()[method],
+          spdlog::warn("{}: cannot prepare method {}: {}", model->file(), model->methods()[method],
                        error.what());
         }
   });

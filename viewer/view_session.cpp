@@ -29,7 +29,7 @@ constexpr auto look_every = std::chrono::milliseconds(500);  // interval for che
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
-  PALPATE_ASSERT(known != nullptr, "the command line takes known words");
+  PALPATE_ASSERT(known != nullptr, "the command line accepts only known profiles");
   return *known;
 }
 
@@ -63,10 +63,10 @@ class ViewSession {
   /// of the loop to `output`.
   ExitCode run(std::ostream& output) {
     if (quit_) {
-      spdlog::info("ended before the forces were prepared: nothing was felt or recorded");
+      spdlog::info("stopped during preparation; nothing was recorded");
       return ExitCode::done;
     }
-    PALPATE_ASSERT(device_ && tick_, "a session that goes on has opened its device");
+    PALPATE_ASSERT(device_ && tick_, "a running session has a device");
     catchInterrupts();
     // Ignore the signal of a broken output pipe, which must not end the program while a force is
     // applied.
@@ -154,7 +154,7 @@ class ViewSession {
     int touchable = 0;
     const std::size_t triangles = model.surface().triangles().size();
     for (std::size_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t);
-    spdlog::info("{}: {}, {} of {} surface triangles can be touched, method {}, contact {}",
+    spdlog::info("{}: {}, {} of {} surface triangles are touchable, method {}, contact {}",
                  model.file(), counted(model.spaces().size(), "active node"), touchable, triangles,
                  options_.method, word(used.contact.mode));
     spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
@@ -241,8 +241,8 @@ class ViewSession {
     doubtPosition();
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (!replaced || !status_.notice.empty()) return;
-    status_.notice = fmt::format(
-        "{} was replaced; what is felt is the old one until it is read again", replaced->string());
+    status_.notice = fmt::format("{} was replaced; the old dataset is used until you reload",
+                                 replaced->string());
     spdlog::warn("{}", status_.notice);
   }
 
@@ -256,14 +256,14 @@ class ViewSession {
     if (reading.status != DeviceStatus::fresh || !(reading.position.norm() > most_radii * radius))
       return;
     spdlog::warn(
-        "{}: the hand is {:.3g} m from the middle of a workspace of {:.3g} m: are its "
-        "positions in metres?",
+        "{}: the hand is {:.3g} m from the centre of a workspace of {:.3g} m: check that "
+        "positions are in metres",
         device_->name(), reading.position.norm(), radius);
     doubted_ = true;
   }
 
   PictureRequests drawFrame(const HapticState& state) {
-    PALPATE_ASSERT(picture_, "a run without a picture draws none");
+    PALPATE_ASSERT(picture_, "only a run with a picture draws");
     status_.device = device_->name();
     status_.mouse = device_->isMouse();
     status_.contact = tick_->options().contact.mode;
@@ -296,7 +296,7 @@ class ViewSession {
   /// Starts to read the files again. The old datasets stay in use until the new ones are ready.
   void reload() {
     if (recorder_)
-      status_.notice = "not while a recording runs: it belongs to the datasets that it began with";
+      status_.notice = "cannot reload while recording";
     else if (!reload_)
       reload_ = std::make_unique<ModelsReload>(options_.datasets, modelOptions());
   }
@@ -306,20 +306,20 @@ class ViewSession {
   void followReload() {
     if (!reload_) return;
     status_.notice =
-        fmt::format("reading again: {:.0f} % of the forces are prepared", 100 * reload_->share());
+        fmt::format("reloading: {:.0f} % of the forces are prepared", 100 * reload_->share());
     if (!reload_->ended()) return;
     const auto ended = std::move(reload_);
     std::unique_ptr<LoadedModels> fresh;
     try {
       fresh = ended->take();
     } catch (const std::exception& error) {
-      status_.notice = fmt::format("not read again: {}", error.what());
+      status_.notice = fmt::format("reload failed: {}", error.what());
       spdlog::warn("{}", status_.notice);
       return;
     }
     change(std::move(fresh));
     status_.notice.clear();
-    spdlog::info("read again");
+    spdlog::info("reloaded");
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {
@@ -340,7 +340,7 @@ class ViewSession {
   /// files.
   void saveRecording() const {
     if (!recorder_) return;
-    PALPATE_ASSERT(!loop_, "a loop gives all its states before they are written");
+    PALPATE_ASSERT(!loop_, "the loop has delivered all states");
     try {
       recorder_->save(options_.record);
     } catch (const Error& error) {

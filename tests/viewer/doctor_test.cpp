@@ -26,7 +26,7 @@ Finding findingOf(const std::string& topic) {
 }
 
 TEST(Doctor, MeasuresHowLateTheTimerWakes) {
-  EXPECT_THAT(findingOf("timer").found, HasSubstr("us at worst of 1000 sleeps"));
+  EXPECT_THAT(findingOf("timer").found, HasSubstr("us in 1000 sleeps"));
 }
 
 /// It once tried 1 and advised 80, while the watchdog of the loop asks for 81.
