@@ -75,8 +75,7 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
   if (probes.unanswered > 0)
     text += fmt::format(" The area has no answer at {}.", counted(probes.unanswered, "place"));
   if (area.jumps > 0)
-    text += fmt::format(" Between different branches: {} of its sites.",
-                        counted(area.jumps, "lattice edge"));
+    text += fmt::format(" Lattice edges between different branches: {}.", area.jumps);
   return text;
 }
 
