@@ -17,7 +17,7 @@ const char* keysHint(bool glued, bool holds) {
     return glued ? "Enter grips here, arrows move the ring."
                  : "Enter presses here, arrows move the ring.";
   return glued ? "Arrows pull, Page Down presses, Enter lets go."
-               : "Arrows slide, Page Down presses deeper, Enter ends the touch.";
+               : "Arrows slide, Page Down presses deeper, Enter ends.";
 }
 
 }  // namespace
@@ -27,12 +27,10 @@ std::string handHint(const HapticState& state, ContactMode contact, const MouseH
   const bool glued = contact == ContactMode::glued;
   if (hand.placedByKeys() && hand.place()) return keysHint(glued, hand.holds());
   if (hand.holds() && glued) return "Move to pull, turn the wheel to press, let go to release.";
-  if (hand.holds())
-    return "Move to slide, turn the wheel to press deeper, let go to end the touch.";
+  if (hand.holds()) return "Move to slide, turn the wheel to press deeper, let go to end.";
   if (hand.place()) return "Hold the left button to press.";
   if (hand.seen()) return "Nothing was computed here: press where the skin is tinted.";
-  return "Press the organ with the mouse. Drag beside it to turn, use the wheel to zoom. H: all "
-         "keys.";
+  return "Press the organ with the mouse. Drag beside it to turn, wheel to zoom. H: all keys.";
 }
 
 std::string deviceHint(const HapticState& state) {
