@@ -19,7 +19,7 @@ function markupOf(value) {
 }
 const html = (parts, ...values) => new Markup(String.raw({ raw: parts }, ...values.map(markupOf)));
 
-// ---- Numbers as people read them.
+// ---- Numbers as text.
 
 const isNumber = Number.isFinite;
 /// Returns a number with at most `digits` significant digits.
@@ -510,7 +510,7 @@ function forcePlot(way, names, title, along) {
   const direction = way.direction.map((c) => Math.round(100 * c) / 100 + 0).join(", ");
   return plot({
     title, x: linear(`displacement ${along}, mm`), y: linear(`force ${along}, N`),
-    width: 380, height: 290, caption: along === "along the way" ? `direction (${direction})` : "",
+    width: 380, height: 290, caption: along === "along the path" ? `direction (${direction})` : "",
     series: [...(unseen.length ? [exactMarks.unseen(unseen)] : []),
       ...(solved.length || !unseen.length ? [exactMarks.solved(solved)] : []),
       // Draw the default method first, with the widest line, so that the other lines are on top of
@@ -535,12 +535,12 @@ const onThisMachine = "per query, on the machine that made this page";
 function areaCards(area) {
   const { area: atProbes } = area.probes;
   const errors = [[share(atProbes.within_target), withinTarget()],
-    [share(atProbes.relative.median), "of the force is the error, in the median"]];
+    [share(atProbes.relative.median), "median error, as a share of the force"]];
   return cards(`A finger anywhere on ${area.name}:`, [...(atProbes.count ? errors : []),
-    [share(area.relative_bound.median), "of the force is the error bound, in the median"],
-    [share(area.relative_bound.percentile_95), "of the force: 95 % of places have a smaller bound"],
+    [share(area.relative_bound.median), "median error bound, as a share of the force"],
+    [share(area.relative_bound.percentile_95), "95th percentile of the error bound"],
     [area.sites, "sites on the surface"],
-    [number(area.seconds_to_prepare) + " s", "to prepare its energy"],
+    [number(area.seconds_to_prepare) + " s", "to prepare the energy"],
     [number(1e-3 * area.nanoseconds_per_query) + " us", onThisMachine]]);
 }
 
@@ -548,10 +548,10 @@ const withinTarget = () => "of exact solutions within " + drawings.words.target;
 
 function methodCards() {
   const measures = asItIs.methods[method], { whole_ball: all } = measures;
-  const errors = [[number(all.error.mean) + " N", "mean error, whole ball"],
-    [share(all.relative_to_mean_force), "the same, of the mean force"],
+  const errors = [[number(all.error.mean) + " N", "mean error over the whole ball"],
+    [share(all.relative_to_mean_force), "mean error, as a share of the mean force"],
     [share(all.within_target), withinTarget()],
-    [share(all.covered), "of them lie in cells whose 8 corners are solved"]];
+    [share(all.covered), "of exact solutions in cells with 8 solved corners"]];
   // Without probes the errors may cover only a part of the dataset. They say little about the
   // whole.
   return cards(`The method ${method} on ${asItIs.label}:`, [...(all.count ? errors : []),
@@ -573,12 +573,12 @@ function probesFigure(area, probes) {
     layout: "two",
     panels: [errors("Absolute error", "error, N", () => 1),
       errors("Relative error", "error, %", ({ force }) => 100 / Math.max(force, relativeFloor))],
-    caption: `Eqs. 13 and 14 of Peterlik et al. 2010 over the way, logarithmic; a mark is one
-probe, an exact solution that no interpolation has seen. (a) |interpolated − exact force| in
-newtons, mean and maximum: ${newtons(one)} by one energy, ${newtons(nearest)} by the nearest site.
-(b) The same divided by |exact force|, or by ${relativeFloor} N where that is more, in percent:
-${shares(one)} by one energy, ${shares(nearest)} by the nearest site. The paper takes the three
-components one by one and divides by the component, which may be zero.`,
+    caption: `Errors against displacement, logarithmic. Each mark is one probe: an exact solution
+that no interpolation uses. (a) |interpolated − exact force| in newtons, mean and maximum:
+${newtons(one)} with one energy, ${newtons(nearest)} with the nearest site. (b) The same divided by
+|exact force|, or by ${relativeFloor} N if the force is smaller, in percent: ${shares(one)} with one
+energy, ${shares(nearest)} with the nearest site. Eqs. 13 and 14 of Peterlik et al. 2010 take the
+three components one by one and divide by the component, which may be zero.`,
   });
 }
 
@@ -590,15 +590,15 @@ function depthFigure(area, probes) {
   return figure({
     layout: "single",
     panels: [plot({
-      title: "Over displacement", width: 640,
+      title: "Error bound against displacement", width: 640,
       x: linear("displacement, mm"), y: logarithmic("share of the force"),
       series: [series("bound, median", look(0), bounds("median")),
         series("bound, 95 %", look(1), bounds("percentile_95")), ...errors],
     })],
     caption: `Error bound as a share of the force (1 is all of it), logarithmic, against the length
-of the displacement in mm: median and 95th percentile over the middles of all triangles and five
-directions within 45 degrees of the inward normal. Triangles: errors at the probes of the dataset,
-where it has some.`,
+of the displacement in mm: median and 95th percentile over the centroids of all triangles and five
+directions within 45 degrees of the inward normal. Triangles are errors at the probes, if the
+dataset has probes.`,
   });
 }
 
@@ -606,27 +606,28 @@ function areaMaps({ probes, median, largest }) {
   const least = 1e-3;  // smaller errors have the same colour
   const errors = probes.map(({ error }) => Math.max(error, least));
   const scale = colourScale([...median, ...largest, ...errors], "share",
-    "probe, in the colour of the error there");
+    "probe, coloured by its error");
   const marks = probes.map((probe) => ({ at: probe.at, value: probe.error,
     note: `${share(probe.error)} at ${brief(millimetres(probe.displacement), 3)} mm` }));
   const deepest = brief(millimetres(report.datasets[0].radius), 3);
-  const held = probes.length ? "Discs are errors at probes, exact solutions."
-    : "This dataset has no probes to hold the bound against.";
+  const held = probes.length ? "Discs show errors at probes, which are exact solutions."
+    : "This dataset has no probes to compare the bound with.";
   return [["median", median], ["largest", largest]].map(([which, values]) => figure({
     panels: bodyPanels({ values, marks, scale, meaning: "share of the force (1 is all)" }),
-    caption: `The organ with its error, ${which}: the ${which} error bound in the middle of each
-triangle as a share of the force, over five depths up to ${deepest} mm and five directions within
-45 degrees of the inward normal, by forces up to ${brief(drawings.max_force, 3)} N; logarithmic
-colours, without perspective.
+    caption: `The organ with its error, ${which}: the ${which} error bound at the centroid of each
+triangle, as a share of the force. It is taken over five depths up to ${deepest} mm and five
+directions within 45 degrees of the inward normal, for forces up to
+${brief(drawings.max_force, 3)} N. Colours are logarithmic, views orthographic.
 ${held}`,
   }));
 }
 
 function areaContent(area, drawn) {
   const { probes } = drawn;
-  return [html`<h3>${area.name}</h3>`, table(["sites", "collocation points", "preparing, s", "query, ns",
-    "exact", "error, median", "95 %", "bound, median", "95 %"], row([area.sites, area.collocation_points,
-    number(area.seconds_to_prepare), number(area.nanoseconds_per_query, 3), probes.length,
+  return [html`<h3>${area.name}</h3>`, table(["sites", "collocation points", "preparation, s",
+    "query, ns", "probes", "error, median", "95 %", "bound, median", "95 %"],
+  row([area.sites, area.collocation_points, number(area.seconds_to_prepare),
+    number(area.nanoseconds_per_query, 3), probes.length,
     ...sharesOf(area.probes.relative_error, "median", "percentile_95"),
     ...sharesOf(area.relative_bound, "median", "percentile_95")])),
   html`<p>${drawn.words}</p>`, areaMaps(drawn), depthFigure(area, probes),
@@ -635,10 +636,10 @@ function areaContent(area, drawn) {
 
 const areasSection = () => ({
   id: "areas", heading: "Over the surface",
-  how: `The error bound of the one energy that a finger feels anywhere on its area, as a share of
-the force (where that is small, of the force at which the allowed error is the floor):
-displacements within 45 degrees of the inward normal, by forces up to the largest of the scene.
-Dots are errors, at exact solutions that nothing but this measuring uses (probes).`,
+  how: `Error bound of the energy over the finger's whole area, as a share of the force. A small
+force counts as the force at which the allowed error equals the floor. Displacements are within 45
+degrees of the inward normal, forces at most the largest of the scene. Discs show errors at probes:
+exact solutions that are used for this measurement only.`,
   content: report.areas.map((area, n) => areaContent(area, drawings.areas[n])),
 });
 
@@ -665,11 +666,11 @@ const frontierFigure = () => figure({
     ["Whole ball, median", ({ whole_ball: all }) => all.error.median],
     ["Covered points, mean", ({ covered_points: covered }) => covered.error.mean],
   ].flatMap((error) => [frontierPanel(error, false), frontierPanel(error, true)]),
-  caption: `Error of each method against what it costs. Up: |interpolated − exact force| in
+  caption: `Error of each method against its cost. Vertical: |interpolated − exact force| in
 newtons, mean or median over the exact solutions of
-${counted(report.compared_nodes, "active node")}. Right: solved configurations per active node (a,
-c, e), or the time of one query in nanoseconds on the machine that made this page (b, d, f). Each
-mark is one lattice density. Covered: all eight corners around are solved.
+${counted(report.compared_nodes, "active node")}. Horizontal: solved configurations per active node
+(a, c, e), or the time of one query in nanoseconds on the machine that made this page (b, d, f).
+Each mark is one lattice density. Covered: the eight surrounding corners are solved.
 ${drawings.words.held_out}`,
 });
 
@@ -694,19 +695,19 @@ function frontierSection() {
     count(lattice.factorizations_per_node)]));
   return {
     id: "frontier", heading: "Speed against error",
-    how: `Lower is more accurate, further left is cheaper; a curve below another gives the same
-accuracy from fewer configurations. Each mark is one lattice density.`,
+    how: `Lower is more accurate; further left is cheaper. A lower curve needs fewer configurations
+for the same accuracy. Each mark is one lattice density.`,
     content: [
       // Without exact solutions the plots would be empty, but the table still shows the timings.
       report.references.kind === "none" ? "" : frontierFigure(), html`<h3>In numbers</h3>`,
       table(["method", "configu\u00adrations", "mean", "median", "95 %", "max", "mean, covered",
         "max, covered", "relative", "in target", "covered", "loop work", "ns per query",
         "ms to prepare"], rows),
-      table(["lattice", "spacing, mm", "configurations", "factorizations they took"], lattices),
+      table(["lattice", "spacing, mm", "configurations", "factorizations"], lattices),
       drawings.words.gaps.map(note), html`<p class="how">Errors are |interpolated − exact force|
-in newtons. Relative: divided by the force, or by ${relativeFloor} N where that is more. In target:
-at most ${drawings.words.target}. Covered: the eight corners around are solved; the same points for
-every method.</p>`],
+in newtons. Relative: divided by the force, or by ${relativeFloor} N if the force is smaller. In
+target: at most ${drawings.words.target}. Covered: the eight surrounding corners are solved; these
+points are the same for every method.</p>`],
   };
 }
 
@@ -718,7 +719,7 @@ function wayPanel([title, unit, of]) {
       + ` ${methods[name].count} exact solutions: ${number(error)} ${unit}`];
   };
   return plot({
-    title, x: linear("way from rest, mm"), y: logarithmic("error, " + unit),
+    title, x: linear("distance from rest, mm"), y: logarithmic("error, " + unit),
     // The curve skips shells without exact solutions.
     series: methodSeries((name) => report.ways.filter(({ methods }) => methods[name].count > 0)
       .map((shell) => pointOf(name, shell))),
@@ -727,25 +728,25 @@ function wayPanel([title, unit, of]) {
 
 const waysFigure = (caption, errors) => figure({
   layout: "two", panels: errors.map(wayPanel),
-  caption: html`${caption} Against the length of the displacement in mm, in ${report.ways.length}
-shells of equal thickness around rest; logarithmic. Marks are at the middles of the shells; over
-them is from how many exact solutions. Measured on ${shownLattice.label} with
+  caption: html`${caption} Errors are logarithmic, against the length of the displacement in mm, in
+${report.ways.length} shells of equal thickness around rest. Marks are at the middles of the shells;
+the tooltip of a mark shows its number of exact solutions. Measured on ${shownLattice.label} with
 ${shownLattice.methods[method].whole_ball.count} exact solutions of
 ${counted(report.compared_nodes, "active node")} (${report.references.kind}).`,
 });
 
 const vectorErrors = () => waysFigure(`Error of the force vector: (a, b) |interpolated − exact
-force| in newtons, (c, d) the same divided by |exact force|, or by ${relativeFloor} N where that is
-more, in percent. This departs from Eqs. 13 and 14, which take the three components one by one and
-divide by the component: that is zero wherever the way is symmetric.`, [
+force| in newtons, (c, d) the same divided by |exact force|, or by ${relativeFloor} N if the force
+is smaller, in percent. Eqs. 13 and 14 instead take the three components one by one and divide by
+the component, which is zero on symmetric paths.`, [
   ["Mean absolute error", "N", ({ error }) => error.mean],
   ["Maximum absolute error", "N", ({ error }) => error.maximum],
   ["Mean relative error", "%", ({ relative }) => relative.mean],
   ["Maximum relative error", "%", ({ relative }) => relative.maximum]]);
 
-const componentErrors = () => waysFigure(html`The same by the paper's equations: over points and
-the components i = x, y, z, (a, b) |interpolated<sub>i</sub> − exact<sub>i</sub>| in newtons, (c,
-d) divided by |exact<sub>i</sub>| in percent. One thing is not the paper's: a component below
+const componentErrors = () => waysFigure(html`Errors by the paper's equations, over points and
+the components i = x, y, z: (a, b) |interpolated<sub>i</sub> − exact<sub>i</sub>| in newtons, (c,
+d) divided by |exact<sub>i</sub>| in percent. Unlike in the paper, a component below
 ${relativeFloor} N counts as ${relativeFloor} N.`, [
   ["Eq. 13, mean", "N", (measures) => measures.mean_component],
   ["Eq. 13, maximum", "N", (measures) => measures.max_component],
@@ -767,11 +768,11 @@ function waysTable() {
 }
 
 const waysSection = () => ({
-  id: "ways", heading: "Error along the way",
-  how: `Eqs. 13 and 14 of Peterlik et al. 2010: mean and maximum, absolute and relative error of
-the interpolated force against exact solutions, over the way from rest.`,
+  id: "ways", heading: "Error by distance from rest",
+  how: `Eqs. 13 and 14 of Peterlik et al. 2010: mean and maximum of the absolute and the relative
+error of the interpolated force at exact solutions, by distance from rest.`,
   content: report.ways.length ? [vectorErrors(), componentErrors(),
-    html`<h3>In numbers, all ways together</h3>`, waysTable()]
+    html`<h3>In numbers, all distances together</h3>`, waysTable()]
     : html`<p>${drawings.words.held_out}</p>`,
 });
 
@@ -785,9 +786,9 @@ function loopsSection() {
   return {
     id: "loops", heading: "Closed loops",
     how: `Work that a hand gains or loses around circles of a quarter of the workspace radius,
-divided by the force times the way; the largest found. Tissue gives back what it took: a method
-that does not can shake a device. 10⁻¹⁰ stands for nothing but the error of the sum. Where a method
-gives way to tri-linear interpolation, at jumps between branches, its loops leak too.`,
+divided by force times path length; the largest value found. Elastic tissue returns all
+work; a method that does not can make a device vibrate. 10⁻¹⁰ is only the rounding error of the sum.
+At jumps between branches, methods that fall back to tri-linear interpolation gain or lose work.`,
     content: figure({
       layout: "single",
       panels: [plot({
@@ -795,9 +796,9 @@ gives way to tri-linear interpolation, at jumps between branches, its loops leak
         x: logarithmic("configurations per active node"), y: logarithmic("work / effort"),
         series: methodSeries((name) => report.lattices.map((one) => pointOf(name, one))),
       })],
-      caption: `Work around closed loops, |sum of F·dp| / sum of |F||dp|, without a unit, against
-solved configurations per active node; one mark for each lattice density. The largest of 64 circles
-with random centres and planes, by 4096 positions of the interpolated force on each.`,
+      caption: `Work around closed loops, |sum of F·dp| / sum of |F||dp| (dimensionless), against
+solved configurations per active node; one mark per lattice density. Largest value of 64 circles
+with random centres and planes, each with 4096 samples of the interpolated force.`,
     }),
   };
 }
@@ -807,10 +808,10 @@ function boundsSection() {
     [all.bounds, share(all.bound_holds), number(all.bound_over_error)]);
   return {
     id: "bounds", heading: "Error bounds",
-    how: `Methods say themselves how wrong they may be. A good bound holds almost always and is not
+    how: `Some methods give a bound of their own error. A good bound holds almost always and is not
 many times the error.`,
     content: rows.length ? table(["method", "bounds given", "error within bound",
-      "bound / error, median"], rows) : html`<p>No method gave bounds here.</p>`,
+      "bound / error, median"], rows) : html`<p>No method gave error bounds.</p>`,
   };
 }
 
@@ -835,9 +836,9 @@ function nodePanel(node) {
 
 const nodesFigure = (nodes) => figure({
   panels: nodes.filter(isCompared).slice(0, 12).map(nodePanel),
-  caption: `Mean error of each method at single active nodes, in newtons, over the exact solutions
-of the node, against its solved configurations; one mark for each lattice density. The node with
-the largest error of the default method comes first.`,
+  caption: `Mean error of each method over the exact solutions of an active node, in newtons,
+against the node's solved configurations; one mark per lattice density. The node with the largest
+error of the default method comes first.`,
 });
 
 function nodeRow(n) {
@@ -859,8 +860,8 @@ function nodesSection() {
   return {
     id: "nodes", heading: "Active nodes",
     how: `Errors of ${method} in newtons on ${shownLattice.label}, the worst first${cut}. Jumps:
-edges of the lattice between different branches of solutions, across which nothing is interpolated
-smoothly.${others}`,
+lattice edges between different branches of solutions; no interpolation is smooth across
+them.${others}`,
     content: [table(["active node", "expandable", "terminating", "failed", "jumps",
       "largest force, N", "exact solutions", "mean", "median", "95 %", "max", "in target",
       "within bound"], listed.map(nodeRow)),
@@ -882,19 +883,19 @@ function organFigure(which, word, scale) {
     note: `${report.nodes[n].name}: ${number(node[which])} N` })).filter((mark) => mark.at);
   return figure({
     panels: bodyPanels({ values, marks, scale, meaning: "error bound (N)" }),
-    caption: `The organ with its error, ${word}: each active node has the colour of the ${word}
-error bound of ${method} over its workspace ball, in newtons, on ${shownLattice.label}; between
-three active nodes a triangle has their mean. Without perspective; logarithmic colours.`,
+    caption: `The organ with its error, ${word}: each active node is coloured by the ${word} error
+bound of ${method} over its workspace ball, in newtons, on ${shownLattice.label}. A triangle between
+three active nodes has their mean. Colours are logarithmic, views orthographic.`,
   });
 }
 
 function organSection() {
   const bounds = drawings.nodes.flatMap((node) => [node.mean_bound, node.largest_bound]);
   // Both maps use one scale, so that they can be compared.
-  const scale = colourScale(bounds, "newtons", "active node, in the colour of its bound");
+  const scale = colourScale(bounds, "newtons", "active node, coloured by its bound");
   return {
     id: "organ", heading: "Where on the organ the error is",
-    how: `The surface of ${drawings.mesh} as it lies at rest, from three sides.`,
+    how: `The surface of ${drawings.mesh} at rest, from three sides.`,
     content: bounds.some(isNumber)
       ? [organFigure("mean_bound", "mean", scale), organFigure("largest_bound", "largest", scale)]
       : html`<p>${method} gives no error bound here. The default method, potential, does.</p>`,
@@ -1003,16 +1004,16 @@ const markRows = ({ across, up, marks, errors }) => [
 
 /// Returns a sentence that says which active nodes have pictures; empty if all have one.
 const pictured = () => drawings.pictures.length === report.nodes.length ? ""
-  : ` Those with the largest errors: ${counted(drawings.pictures.length, "active node")}.`;
+  : ` Shown: ${counted(drawings.pictures.length, "active node")} with the largest errors.`;
 
 function mapsOf({ node, slices }, scale) {
   const { name } = report.nodes[node], { side } = slices[0];
   return [html`<h3>${name}</h3>`, figure({
     panels: slices.map((map) => slicePanel(map, scale)),
-    caption: `Error bound of ${method} at ${name}, in newtons (logarithmic colours), at the
-displacements of three planes through rest; axes in mm, out to the rim of the workspace ball. It is
-sampled at ${side} x ${side} places of ${shownLattice.label}. Discs: |interpolated − exact force|
-at exact solutions within a twentieth of the radius of the plane.`,
+    caption: `Error bound of ${method} at ${name}, in newtons (logarithmic colours), in three planes
+of displacements through rest; axes in mm, up to the rim of the workspace ball; ${side} x ${side}
+samples on ${shownLattice.label}. Discs: |interpolated − exact force| at exact solutions whose
+distance from the plane is at most a twentieth of the radius.`,
   })];
 }
 
@@ -1022,9 +1023,9 @@ function mapsSection() {
   const scale = colourScale(values, "newtons");
   return {
     id: "maps", heading: "Where in the ball the error is",
-    how: `Colour: the error bound that ${method} gives at each displacement in three planes through
-the rest position (axes in mm, lattice of ${shownLattice.label}). A dot lighter than its
-surroundings is a bound that did not hold. White: no bound.${pictured()}`,
+    how: `Colour: the error bound of ${method} at each displacement in three planes through the rest
+position (axes in mm, lattice of ${shownLattice.label}). A disc lighter than its surroundings marks
+an error above the bound. White: no bound.${pictured()}`,
     content: drawings.pictures.filter(({ slices }) => slices.length)
       .map((picture) => mapsOf(picture, scale)),
   };
@@ -1036,17 +1037,16 @@ function areaCurves(area, ways) {
     ways.filter((way) => way.held_out[0].length > 0 === exact));
   const shown = (list, mark, title, caption) => list.length ? figure({
     key: wayKey(names, [mark]), caption,
-    panels: list.map((way) => forcePlot(way, names, title + way.name, "along the way")),
+    panels: list.map((way) => forcePlot(way, names, title + way.name, "along the path")),
   }) : "";
   return [html`<h3>${area.name}</h3>`, shown(toSites, "solved", "", `Force at three sites of the
-finger on the way into the body, along the axis of the lattice nearest to the inward normal, in
-newtons, against the displacement in mm. Marks are exact: equilibria that were solved at the site;
-beyond the force limit of the scene curves need not lead through them. The curve ends where the
-area does not answer.`),
-  shown(toProbes, "unseen", "To the probe of the ", `Force on the way from rest to probes, exact
-solutions that no interpolation has seen: the one with the largest relative error, the one at 95 %
-of them, and the median. In newtons, against the distance from rest in mm. How far a curve passes
-from the mark is its error along the way.`)];
+finger on paths into the body, along the lattice axis nearest to the inward normal, in newtons,
+against the displacement in mm. Marks are exact: equilibria that were solved at the site. Beyond the
+force limit of the scene, curves may miss the marks. A curve ends where the area gives no answer.`),
+  shown(toProbes, "unseen", "To the probe with the ", `Force on paths from rest to probes, which are
+exact solutions that no interpolation uses: those with the largest, the 95th-percentile and the
+median relative error. In newtons, against the distance from rest in mm. The gap between curve and
+mark is the error along the path.`)];
 }
 
 function nodeCurves({ node, axes, ways }) {
@@ -1056,25 +1056,25 @@ function nodeCurves({ node, axes, ways }) {
     key: wayKey(methods, ["solved"]),
     panels: axes.map((way) => forcePlot(way, methods, "Along " + way.name, "along " + way.name)),
     caption: `Force at ${name} along the axes through rest: the force of the tissue on the tool
-along the direction of motion, in newtons, against the displacement in mm, by each method from
-${file} as it is. Marks are exact: equilibria that were solved and that the methods interpolate.`,
+along the direction of motion, in newtons, against the displacement in mm. Each curve is one method
+on ${file} as it is. Marks are exact: solved equilibria that the methods interpolate.`,
   });
   if (!ways.length) return [html`<h3>${name}</h3>`, alongAxes];
   return [html`<h3>${name}</h3>`, alongAxes, figure({
     key: wayKey(methods, ["unseen", "solved"]),
-    panels: ways.map((way) => forcePlot(way, methods, "To the " + way.name, "along the way")),
-    caption: `Force at ${name} on ways from rest to exact solutions that no method has seen
-(${report.references.kind}), by each method from ${shownLattice.label}: the one where the default
-method errs most, the one at 95 % of them, and the median. Force along the way in newtons against
-the distance from rest in mm. How far a curve passes from the mark of an exact solution is its
-error along the way.`,
+    panels: ways.map((way) =>
+      forcePlot(way, methods, "To the solution with the " + way.name, "along the path")),
+    caption: `Force at ${name} on paths from rest to exact solutions that no method uses
+(${report.references.kind}), by each method on ${shownLattice.label}: those with the largest, the
+95th-percentile and the median error of the default method. In newtons, against the distance from
+rest in mm. The gap between curve and mark is the error along the path.`,
   })];
 }
 
 const curvesSection = () => ({
-  id: "curves", heading: "Force against way",
+  id: "curves", heading: "Force against displacement",
   how: `The force of the tissue on the tool along the direction of motion. Marks are exact
-solutions; where curves part between marks, methods
+solutions. Where curves differ between marks, methods
 disagree.${drawings.areas_alone ? "" : pictured()}`,
   content: [report.areas.map((area, n) => areaCurves(area, drawings.areas[n].ways)),
     drawings.pictures.map(nodeCurves)],
@@ -1088,8 +1088,8 @@ function failuresSection() {
     row([cause, failed.points, failed.attempts, failed.probes], barCell(sum(failed), most)));
   return {
     id: "failures", heading: "Failures",
-    how: `Points are lattice points without a solution, attempts transitions that failed (another
-may have reached the point all the same). palpate explain tells the story of a single point.`,
+    how: `Points: lattice points without a solution. Attempts: transitions that failed; another one
+may have reached the point. palpate explain shows the history of a single point.`,
     content: causes.length ? table(["cause", "points", "attempts", "probes", ""], rows)
       : html`<p>Nothing failed.</p>`,
   };
@@ -1104,13 +1104,13 @@ function sizesTable({ arrays, bytes: whole, configurations }) {
   const rows = all.filter((one) => !isSmall(one)).map(([name, { stored, unpacked }]) =>
     row([name, bytes(stored), bytes(unpacked), each(stored)], barCell(stored, most)));
   if (small.length)
-    rows.push(row([`${small.length} smaller ones`, bytes(rest), "", ""], barCell(rest, most)));
+    rows.push(row([`${small.length} smaller arrays`, bytes(rest), "", ""], barCell(rest, most)));
   return table(["array", "in the file", "unpacked", "per configuration", ""], rows);
 }
 
 const sizesSection = () => ({
   id: "sizes", heading: "Sizes",
-  how: "What takes the room, all active nodes together, as compressed in the file.",
+  how: "Sizes of the arrays in the file, for all active nodes together.",
   content: report.datasets.map((dataset) => [html`<h3>${baseName(dataset.file)}:
 ${bytes(dataset.bytes)} for ${counted(dataset.configurations, "configuration")}</h3>`,
   sizesTable(dataset)]),
@@ -1118,11 +1118,11 @@ ${bytes(dataset.bytes)} for ${counted(dataset.configurations, "configuration")}<
 
 const provenance = ({ facts, scene }) => html`<dl>
 ${facts.map(([term, text]) => html`<dt>${term}</dt><dd>${text}</dd>`)}</dl>
-<details><summary>Scene, with every default written out</summary><pre>${scene}</pre></details>`;
+<details><summary>Scene with all defaults</summary><pre>${scene}</pre></details>`;
 
 const provenanceSection = () => ({
   id: "provenance", heading: "Scene and provenance",
-  how: `What was computed, and by what. Measured and written by Palpate ${drawings.version}.`,
+  how: `What was computed, and by which programs. Palpate ${drawings.version} made this page.`,
   content: drawings.provenance.map(provenance),
 });
 
@@ -1158,10 +1158,10 @@ function comparedAxis(ways, axis) {
 
 const comparedAxes = ({ name }, { axes }) => figure({
   panels: axes.map(comparedAxis),
-  caption: `Force at ${name} along the same displacements in both: the force of the tissue on the
-tool along the direction of motion, in newtons, against the displacement in mm, through rest.
-Curves are ${report.method}; marks are exact, equilibria that were solved. A curve ends where its
-dataset does not answer.`,
+  caption: `Force at ${name} along the same displacements in both datasets: the force of the tissue
+on the tool along the direction of motion, in newtons, against the displacement in mm, through rest.
+Curves are ${report.method}; marks are exact: solved equilibria. A curve ends where its dataset
+gives no answer.`,
 });
 
 function comparedDistances({ name }, { distances }) {
@@ -1172,34 +1172,34 @@ function comparedDistances({ name }, { distances }) {
   return figure({
     layout: "two",
     panels: [plot({
-      title: "Forces", x: linear("way from rest, mm"), y: linear("mean |force|, N"),
+      title: "Forces", x: linear("distance from rest, mm"), y: linear("mean |force|, N"),
       series: [lineOnly(sideName(0), looks.sides[0], forces(0)),
         lineOnly(sideName(1), looks.sides[1], forces(1)),
         lineOnly("|B − A|", looks.difference, forces(2))],
     }), plot({
-      title: "B relative to A", x: linear("way from rest, mm"),
+      title: "B relative to A", x: linear("distance from rest, mm"),
       y: linear("share of mean |force of A|, %"),
       series: [lineOnly("|B| / |A|", looks.sides[1], relative(1)),
         lineOnly("|B − A| / |A|", looks.difference, relative(2))],
     })],
-    caption: `How the two part at ${name}, over the distance from rest in mm: (a) mean length of
-the force of each, and of the difference of the force vectors, in newtons, (b) the same in percent
-of the force of A. Means over 26 directions, by ${report.method}.`,
+    caption: `Forces at ${name} against the distance from rest in mm: (a) mean magnitude of both
+forces and of the difference of the force vectors, in newtons, (b) the same in percent of the force
+of A. Means over 26 directions, by ${report.method}.`,
   });
 }
 
 function differenceMap() {
   const { everywhere } = drawings;
   const scale = colourScale(everywhere.map(({ relative }) => relative), "share",
-    "active node, in the colour of the difference");
+    "active node, coloured by the difference");
   const marks = everywhere.map((one) => ({ at: one.at, value: one.relative,
     note: `${one.name}: ${share(one.relative)}` }));
   return figure({
     panels: bodyPanels({ scale, marks, meaning: "|B - A|, share of the force of A (1 is all)" }),
-    caption: `Where they differ, on the surface of A from three sides: mean length of the
-difference of the force vectors as a share of the mean force of A, over the displacements of a grid
-in the workspace ball, at ${everywhere.length} of ${report.common_nodes} active nodes that both
-have, by ${report.method}; logarithmic colours, without perspective.`,
+    caption: `Difference of the forces, on the surface of A from three sides: mean magnitude of the
+difference of the force vectors, as a share of the mean force of A, over a grid of displacements in
+the workspace ball. Shown at ${everywhere.length} of ${report.common_nodes} active nodes that both
+datasets have, by ${report.method}. Colours are logarithmic, views orthographic.`,
   });
 }
 
@@ -1207,7 +1207,7 @@ const propertyRow = ([name, [a, b]]) => html`<tr class="${a === b ? "" : "differ
 <td>${name}</td><td>${a}</td><td>${b}</td></tr>`;
 
 const propertiesSection = () => ({
-  id: "properties", heading: "Side by side", how: "What differs is set in bold.",
+  id: "properties", heading: "Side by side", how: "Differences are in bold.",
   content: html`<div class="scroll"><table class="words">
 <thead><tr><th></th><th>${sideName(0)}</th><th>${sideName(1)}</th></tr></thead>
 <tbody>${Object.entries(report.properties).map(propertyRow)}</tbody></table></div>`,
@@ -1217,8 +1217,8 @@ function forcesSection() {
   const cut = report.nodes.length === report.common_nodes ? ""
     : `, at ${report.nodes.length} of ${report.common_nodes} active nodes, evenly chosen`;
   return {
-    id: "forces", heading: "Force against way",
-    how: `Both on the same axes, along the same displacements${cut}.`,
+    id: "forces", heading: "Force against displacement",
+    how: `Both datasets on the same axes, along the same displacements${cut}.`,
     content: report.nodes.map((node, n) =>
       [html`<h3>${node.name}</h3>`, comparedAxes(node, drawings.places[n])]),
   };
@@ -1232,20 +1232,20 @@ const differenceRow = ({ name, apart, displacements, first, second, difference }
 
 const differencesSection = () => ({
   id: "differences", heading: "Differences in numbers",
-  how: `Over the displacements of a grid in the smaller workspace ball that both answer, with
-forces within the limits of their scenes. Stiffness: at rest, the mean over directions. The bounds
-say how sure the interpolations are: a difference below them says nothing.`,
-  content: [table(["active node", "apart, mm", "displace\u00adments", "stiffness A, N/m",
+  how: `Over a grid of displacements in the smaller workspace ball, where both datasets give an
+answer and both forces are within the limits of their scenes. Stiffness: at rest, mean over
+directions. Differences below the bounds may be errors of the interpolation.`,
+  content: [table(["active node", "distance, mm", "displace\u00adments", "stiffness A, N/m",
     "stiffness B, N/m", "mean |force| A, N", "mean |force| B, N", "|B − A| mean, N",
-    "|B − A| max, N", "of force A", "bound A, N", "bound B, N"], report.nodes.map(differenceRow)),
+    "|B − A| max, N", "share of A", "bound A, N", "bound B, N"], report.nodes.map(differenceRow)),
   // For a single place no map is needed.
   drawings.everywhere.length > 1 ? differenceMap() : "",
   report.nodes.map((node, n) => comparedDistances(node, drawings.places[n]))],
 });
 
 const comparisonPage = () => ({
-  lead: [html`<p class="lead">Two datasets along the same displacements. They differ in
-${report.differences.join(", ")}.</p>`, report.limits.map(note)],
+  lead: [html`<p class="lead">Forces of two datasets along the same displacements. The scenes
+differ in ${report.differences.join(", ")}.</p>`, report.limits.map(note)],
   sections: [propertiesSection(), forcesSection(), differencesSection(), {
     ...provenanceSection(),
     content: drawings.provenance.map((one, side) =>
