@@ -10,7 +10,7 @@ function readFacts() {
     return JSON.parse(byId('facts').textContent);
   } catch (error) {
     palpate.stop(
-        `this page is damaged (what it says of its organ cannot be read): ${palpate.getAgain}`);
+        `this page is damaged (the data of its organ cannot be read): ${palpate.getAgain}`);
     return {};
   }
 }

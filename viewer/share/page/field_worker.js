@@ -144,7 +144,7 @@ function tell(error) {
     postMessage({damaged: error.message});
   else
     postMessage(
-        {trouble: `the field of this page stopped (${error.message}): load the page again`});
+        {trouble: `the computation of forces stopped (${error.message}): reload the page`});
 }
 
 nextPiece.port1.onmessage = () => {

@@ -35,7 +35,7 @@ class Picture {
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
       if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
-        throw new Error('a shader is not taken: ' + gl.getShaderInfoLog(shader));
+        throw new Error('a shader cannot be compiled: ' + gl.getShaderInfoLog(shader));
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);

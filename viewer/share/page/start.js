@@ -16,7 +16,7 @@ function startField(gl) {
   const code = new Blob([byId('worker').textContent], {type: 'text/javascript'});
   const worker = new Worker(URL.createObjectURL(code));
   worker.onerror = () => palpate.stop(
-      'the browser did not start the field of this page: open the file in another browser');
+      'the browser cannot start the computation of forces: open the file in another browser');
   worker.onmessage = ({data}) => {
     if (data.tooOld)
       palpate.stop(palpate.tooOld);
@@ -39,8 +39,8 @@ function begin() {
   if (palpate.trouble) return;
   if (typeof WebAssembly !== 'object')
     return palpate.stop(
-        'this page computes with WebAssembly, which this browser does not offer: ' +
-        'allow it in its settings (a mode for the highest security turns it off), ' +
+        'this page needs WebAssembly, which this browser does not offer: ' +
+        'allow it in the settings (strict security modes turn it off), ' +
         'or open the page in another browser');
   if (typeof DecompressionStream !== 'function' || typeof Worker !== 'function')
     return palpate.stop(palpate.tooOld);
@@ -49,17 +49,17 @@ function begin() {
   const gl = canvas.getContext('webgl', {antialias: palpate.onCard, alpha: false});
   if (!gl)
     return palpate.stop(
-        'this page draws the organ with WebGL, which this browser does not offer: ' +
-        'turn on hardware acceleration in its settings and load the page again, ' +
-        'or open it in another browser. On a phone save the file and open it in the browser itself, ' +
+        'this page needs WebGL, which this browser does not offer: ' +
+        'turn on hardware acceleration in the settings and reload the page, ' +
+        'or open it in another browser. On a phone, save the file and open it in a browser, ' +
         'not in the preview of a mail');
   let isOnlyTrouble = false;
   canvas.addEventListener('webglcontextlost', (event) => {
     event.preventDefault();  // allows the context to come back
     isOnlyTrouble = !palpate.trouble;
     palpate.stop(
-        'the graphics of this device stopped, as they do when other programs need them: ' +
-        'wait a moment, or load the page again');
+        'the graphics of this device stopped, perhaps because another program uses them: ' +
+        'wait a moment, or reload the page');
   });
   canvas.addEventListener('webglcontextrestored', () => {
     if (!palpate.page) return location.reload();

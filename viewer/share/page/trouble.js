@@ -5,8 +5,8 @@ var palpate = {};
 
 palpate.tooOld =
     'This browser is too old for this page: open it in Chrome or Edge 91, Firefox 113 or Safari 16.4, ' +
-    'or in something newer.';
-palpate.getAgain = 'get the file again, or make it again with palpate share';
+    'or in a newer version.';
+palpate.getAgain = 'get the file again, or make a new one with palpate share';
 
 // Stops the page and shows only this sentence, which states the reason and a remedy. Later calls are
 // ignored.
@@ -34,7 +34,7 @@ window.onerror = function(message, source) {
   if (palpate.begun && !isOurs) return;  // ignores errors of browser extensions
   if (palpate.begun)
     palpate.stop(
-        'this page stopped (' + message + '): load it again, or open it in another browser');
+        'this page stopped (' + message + '): reload it, or open it in another browser');
   else if (/syntax|expected|token/i.test(message))
     palpate.stop(palpate.tooOld);
   else
@@ -48,5 +48,5 @@ window.onload = function() {
   if (document.getElementById('end'))
     palpate.stop(palpate.tooOld);
   else
-    palpate.stop('this page was cut off on its way: ' + palpate.getAgain);
+    palpate.stop('the file of this page was cut off: ' + palpate.getAgain);
 };

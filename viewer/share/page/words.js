@@ -13,17 +13,17 @@ class Words {
   say(text) { byId('hint').textContent = text; }
   rest() {
     const how = this.byFinger ?
-        'with a finger, deeper with the slider. Two fingers turn it and come closer.' :
-        'with the mouse, deeper with the wheel. Drag beside it to turn, wheel to come closer.';
-    this.say(`Press it ${this.spot || 'anywhere'} ${how}`);
+        'with a finger; the slider sets the depth. Two fingers turn it and zoom.' :
+        'with the mouse; the wheel sets the depth. Beside it, drag to turn, wheel to zoom.';
+    this.say(`Press the organ ${this.spot || 'anywhere'} ${how}`);
   }
   pressed(byMouse) {
-    this.say(`Move to feel around, ${byMouse ? 'wheel' : 'slide the slider'} to press deeper.`);
+    this.say(`Move to explore; use the ${byMouse ? 'wheel' : 'slider'} to press deeper.`);
   }
   untouchable() {
     this.say(
-        this.spot ? `Nothing was computed here: press ${this.spot}.` :
-                    'The organ is held here, and nothing was computed: press another place.');
+        this.spot ? `No force was computed here: press ${this.spot}.` :
+                    'The organ is fixed here, or no force was computed: press another place.');
   }
   // felt: null without a touch.
   show(felt) {
@@ -41,8 +41,8 @@ class Words {
   }
   about(felt) {
     const {touch, p, energy, inside, coverage} = felt;
-    if (!inside) return 'Beyond what was computed: this force is a guess';
-    if (coverage < 0.5) return 'Near the end of what was computed: do not rely on this force';
+    if (!inside) return 'Outside the computed range: this force is a guess';
+    if (coverage < 0.5) return 'Near the limit of the computed range: do not rely on this force';
     if (isUncertain(felt))
       return `uncertain: ± ${(100 * errorShare(felt)).toFixed(0)} %, ` +
           `a hand notices ${+(100 * facts.error.noticeable).toPrecision(6)} %`;
