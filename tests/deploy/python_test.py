@@ -190,11 +190,11 @@ class PythonQueries(WithDatasets):
 
     def testWrongQuestionsNameWhatIsWrongAndWhatThereIs(self):
         dataset = palpate.Dataset(self.file)
-        for ask, text in ((lambda: dataset.query([0, 0, 0]), r"which active node\? there are: tip, rim"),
+        for ask, text in ((lambda: dataset.query([0, 0, 0]), "name the active node; there are: tip, rim"),
                           (lambda: dataset.query([0, 0, 0], active="nose"), "no active node 'nose'; there are: tip, rim"),
                           (lambda: dataset.query([0, 0, 0], active=7), "no active node 7"),
                           (lambda: dataset.query([0, 0, 0], active="tip", method="quick"), "there are: potential, trilinear"),
-                          (lambda: dataset.query([0, 0, 0], at=[0, 0, 0]), r"which area\? there are: none"),
+                          (lambda: dataset.query([0, 0, 0], at=[0, 0, 0]), "name the area; there are: none"),
                           (lambda: palpate.Dataset(self.folder / "absent.h5"), "absent.h5: there is no such dataset"),
                           (lambda: palpate.Dataset(self.folder / "block.msh"), "block.msh: is not an HDF5 file"),
                           (lambda: palpate.Dataset(self.file, methods=["quick"]), "method \"quick\""),
@@ -378,7 +378,7 @@ class PythonArrays(WithDatasets):
             f.attrs["format"] = "palpate-recording"
         for wrong, text in ((self.file, "not a palpate recording"), (half, "not a palpate recording; palpate view --record"),
                             (self.folder / "none.h5", "none.h5: there is no such recording; palpate view --record makes one"),
-                            (self.folder, "is no file"), (self.folder / "block.msh", "block.msh: is not an HDF5 file")):
+                            (self.folder, "is not a file"), (self.folder / "block.msh", "block.msh: is not an HDF5 file")):
             with self.assertRaisesRegex(palpate.Error, f"^[^\n]*{text}[^\n]*$"):
                 palpate.Recording.read(wrong)
         with self.assertRaisesRegex(palpate.Error, "not a palpate dataset; palpate build makes one"):

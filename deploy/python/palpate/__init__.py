@@ -17,7 +17,7 @@ Contents:
 All values are in SI units and in the frame of the scene: m, N, N/m, J, Pa. A force is that of the tissue on the tool. Arrays
 are C-contiguous; an unknown number is NaN. Failures raise ``palpate.Error``, which gives the cause, the place and the remedy.
 
-The package calls libpalpate, a C library (palpate.h is its manual), through ctypes, so it depends on no version of Python. It
+The package calls libpalpate, a C library (palpate.h is its manual), through ctypes, so it works with any version of Python. It
 releases the global interpreter lock during calls, and any number of threads may use a dataset at once.
 """
 

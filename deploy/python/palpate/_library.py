@@ -140,7 +140,7 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
 
 
 def _candidates() -> Iterator[str]:
-    """Yields places of libpalpate: PALPATE_LIBRARY alone if it is set, else beside this package, then in the system's path."""
+    """Yields candidates for libpalpate: PALPATE_LIBRARY if it is set, else those near this package, then the system's."""
     if named := os.environ.get("PALPATE_LIBRARY"):
         yield named
         return
@@ -167,10 +167,10 @@ def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
                 function.restype, function.argtypes = result, arguments
                 functions[word] = function
         except AttributeError as error:
-            refusals.append(f"{name} is older than this package: {error}; install both of one version")
+            refusals.append(f"{name} is older than this package: {error}; install the same version of both")
             continue
         if (abi := functions["abi_version"]()) != ABI_VERSION:
-            refusals.append(f"{name} has ABI {abi}, this package is for {ABI_VERSION}; install both of one version")
+            refusals.append(f"{name} has ABI {abi}, this package needs {ABI_VERSION}; install the same version of both")
             continue
         return name, functions
     raise ImportError("palpate cannot load libpalpate: " + "; ".join(refusals) + ". Install libpalpate0, build it "
@@ -251,7 +251,7 @@ class Handle:
         return again
 
     def __reduce__(self) -> Any:
-        raise TypeError(f"a {type(self).__name__} stays in its process: send what it was made with, and make another there")
+        raise TypeError(f"a {type(self).__name__} stays in its process: send its arguments instead, and create another one there")
 
     @property
     def handle(self) -> _Owned:

@@ -35,13 +35,13 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
     name = os.fsdecode(file)
     maker = {"dataset": "palpate build makes one", "recording": "palpate view --record makes one"}[what]
     if not os.path.isfile(name):
-        raise Error(2, f"{name}: there is no such {what}; {maker}" if not os.path.exists(name) else f"{name}: is no file; {maker}")
+        raise Error(2, f"{name}: {'is not a file' if os.path.exists(name) else f'there is no such {what}'}; {maker}")
     try:
         opened = h5py.File(os.path.abspath(name), "r")
     except OSError as error:
         if _is_open_for_writing(name):
-            raise Error(1, f"{name}: is open for writing elsewhere, or was when that ended: close it there (a notebook?); if nothing "
-                        f"has it open, run h5clear -s {shlex.quote(name)} (Debian: hdf5-tools)") from None
+            raise Error(1, f"{name}: is open for writing in another program (a notebook?), or was never closed: close it there; "
+                        f"if no program has it open, run h5clear -s {shlex.quote(name)} (Debian: hdf5-tools)") from None
         said = f"cannot be opened: {str(error).splitlines()[0]}" if h5py.is_hdf5(name) else f"is not an HDF5 file; {maker}"
         raise Error(2, f"{name}: {said}") from None
     found = opened.attrs.get("format", b"")
@@ -51,7 +51,7 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
         raise Error(2, f"{name}: not a palpate {what}; {maker}")
     if major not in majors:
         opened.close()
-        raise Error(2, f"{name}: a {what} of format {major}; this palpate reads {' and '.join(map(str, majors))}; {maker}")
+        raise Error(2, f"{name}: has {what} format {major}; this version reads {' and '.join(map(str, majors))}; {maker}")
     return opened
 
 
@@ -141,13 +141,13 @@ class Space:
 
     @cached_property
     def probes(self) -> dict[str, npt.NDArray[Any]]:
-        """Exact solutions off the lattice, unused by the interpolation: "position", "force", "tag" and the others of /probes."""
+        """Exact solutions off the lattice, not used by the interpolation: the arrays of /probes ("position", "force", "tag", ...)."""
         rows = self._rows_of("probe")
         return {name: np.asarray(array[rows]) for name, array in _table(self._file, "probes").items()}
 
 
 def _space_of(file: str, name: str) -> Space:
-    """Opens a space again, for pickle."""
+    """Opens a space again, to unpickle it."""
     return Arrays(file)[name]
 
 

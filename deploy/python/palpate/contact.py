@@ -33,7 +33,7 @@ class ContactOptions:
     friction: float  #: Coulomb friction coefficient, for unilateral contact
     grab_distance: float  #: m; glued contact: distance at which the tool sticks to the surface
     most_slide: float  #: m; longest slide of the point of contact per update
-    most_relaxation: float  #: largest relative change of the force by sliding per update, beyond that by the tool's motion
+    most_relaxation: float  #: largest relative change of the force by sliding per update, added to that by the tool's motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Touch(ByValue):
     """State of a contact after one position of the tool."""
 
     touching: bool
-    stepped: bool  #: the force may have jumped, more than the motion explains
+    stepped: bool  #: the force may have jumped by more than the motion explains
     inside: bool  #: as in ``Answers``, for all spaces involved
     triangle: int  #: touched triangle; -1: none
     force: Numbers  #: (3,), N, on the tool; zero without contact
@@ -69,7 +69,7 @@ def _touch(given: _library.Touch) -> Touch:
 def _position(tool: npt.ArrayLike) -> Any:
     values = np.ascontiguousarray(tool, np.float64)
     if values.shape != (3,):
-        raise ValueError(f"a position has shape {values.shape}; x, y and z are wanted, (3,)")
+        raise ValueError(f"a position has shape {values.shape}; it must be x, y and z, (3,)")
     return values.ctypes.data_as(POINTER(c_double))
 
 
@@ -137,12 +137,12 @@ class DeviceProfile:
 
     name: str
     max_force: float  #: N
-    max_stiffness: float  #: N/m, largest that the closed loop renders stably
+    max_stiffness: float  #: N/m, largest stiffness that the closed loop renders stably
     workspace_radius: float  #: m
 
 
 def device(name: str) -> DeviceProfile:
-    """Returns a profile by name: "touch", "omni", "falcon", "omega", ... The error for an unknown name lists all."""
+    """Returns a profile by name: "touch", "omni", "falcon", "omega", ... For an unknown name, the error lists all names."""
     given = _library.Profile()
     _library.call("device_profile", name.encode(), byref(given))
     return DeviceProfile(given.name.decode(), given.max_force, given.max_stiffness, given.workspace_radius)
@@ -157,7 +157,7 @@ class GuardOptions:
     max_slew: float  #: N/s; 0: max_force in 10 ms
     ramp: float  #: s, time to fade in a jump of the force
     stall: float  #: s, time without a fresh reading after which the force goes to zero
-    max_stiffness: float  #: N/m, of the device; has no effect any more
+    max_stiffness: float  #: N/m, of the device; limits nothing today
     energy_credit: float  #: J, largest credit for dissipated energy
     delay: float = 0.0  #: s, from a position to its force, beyond the period
 
@@ -192,7 +192,7 @@ class Guard(_library.Handle):
 
     @staticmethod
     def defaults(device: str | None = None, period: float = 0.001) -> GuardOptions:
-        """Returns the limits for a device by name and a loop period, s. Without a name, for the smallest device."""
+        """Returns the limits for a device by name and a loop period, s. Without a name, those of the weakest device."""
         given = _library.GuardOptions()
         _library.call("guard_defaults", device.encode() if device else None, period, byref(given))
         return GuardOptions(*(getattr(given, field.name) for field in fields(GuardOptions)))
@@ -202,7 +202,7 @@ class Guard(_library.Handle):
         """Returns the force to send. Call once per period, even without contact; if it raises, send zero.
 
         tool: (3,), m, the position of the touch. touch: unchanged, or ``dataclasses.replace(touch, force=..., touching=True)``
-        to add forces of your own. fresh: the position is new. lost: the device is gone. late: the loop hung before.
+        to add forces of your own. fresh: the position is new. lost: the device is gone. late: the loop hung before this call.
         """
         given = _library.GuardedForce()
         flags = bool(fresh) | bool(lost) << 1 | bool(late) << 2

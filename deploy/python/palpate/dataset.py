@@ -50,12 +50,12 @@ class Answers(ByValue):
     stiffness: Numbers  #: (..., 3, 3), N/m: [i, j] = d force[i] / d displacement[j], exact for this method
     energy: Numbers  #: (...), J, stored in the tissue; NaN: method without energy
     error_bound: Numbers  #: (...), N, of the force; estimated to hold at 99 % of places; NaN: unknown
-    coverage: Numbers  #: (...), 0 to 1: share of the answer that rests on solved equilibria of one branch
-    inside: npt.NDArray[np.bool_]  #: (...): False beyond the computed data, where a wall answers, or away from the area
+    coverage: Numbers  #: (...), 0 to 1: share of the answer that is based on solved equilibria of one branch
+    inside: npt.NDArray[np.bool_]  #: (...): False beyond the computed data, where a wall pushes back, or away from the area
     drive: Numbers | None = None  #: fingers only: (..., 3), N, configurational force -dE/ds along the surface, which drives sliding
-    at: Numbers | None = None  #: fingers only: (..., 3), m, the nearest place on the surface at rest, which is answered
+    at: Numbers | None = None  #: fingers only: (..., 3), m, the nearest place on the surface at rest, to which the answer applies
     triangle: npt.NDArray[np.int32] | None = None  #: fingers only: (...), triangle of ``at``; -1: not finite
-    distance: Numbers | None = None  #: fingers only: (...), m, from the requested place to ``at``; far ones are not ``inside``
+    distance: Numbers | None = None  #: fingers only: (...), m, from the requested place to ``at``; if far, ``inside`` is False
 
 
 _of_all = ("force", (3,), np.float64), ("stiffness", (3, 3), np.float64), ("energy", (), np.float64), (
@@ -89,10 +89,10 @@ def _hdf5_alone() -> Iterator[None]:
 
 
 def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id: str) -> Dataset:
-    """Opens a dataset again, for pickle. Raises Error if the file now holds other results."""
+    """Opens a dataset again, to unpickle it. Raises Error if the file now holds other results."""
     dataset = Dataset(file, methods, reach)
     if dataset.content_id != content_id:
-        raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open it anew and pickle that")
+        raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open the new file, and pickle that dataset")
     return dataset
 
 
@@ -113,7 +113,7 @@ class Dataset(_library.Handle):
 
         methods: interpolation methods to prepare; each takes time and memory. Default: "potential" (conservative) and
         "trilinear". ``palpate query --help`` lists them.
-        reach: distance from an active node, along the surface, at which a contact feels it, m. 0: as far as its triangles reach.
+        reach: distance along the surface up to which a contact feels an active node, m. 0: as far as the node's triangles.
         """
         options = _library.OpenOptions(reach=reach)
         if methods is not None:
@@ -171,10 +171,10 @@ class Dataset(_library.Handle):
               method: str | int = 0, out: Answers | None = None) -> Answers:
         """Returns force, stiffness, energy and error bound at displacements, in one call.
 
-        displacements: (..., 3), m, of the active node from rest. Beyond the computed data the force only stiffens, and ``inside``
-        is False. A displacement that is not finite gives zero force, without an error.
-        at: (..., 3), m, position of a finger on the surface at rest. The nearest place on the surface is answered, ``distance``
-        away; beyond a quarter of the finger's radius it is not ``inside``. Broadcast against the displacements.
+        displacements: (..., 3), m, of the active node from rest. Beyond the computed data, the force is that of a wall that
+        stiffens with depth, and ``inside`` is False. A displacement that is not finite gives zero force, without an error.
+        at: (..., 3), m, position of a finger on the surface at rest. The answer is that of the nearest place on the surface. If
+        ``distance`` exceeds a quarter of the finger's radius, ``inside`` is False. Broadcast against the displacements.
         active: name or index of the active node, or of the area with ``at``; optional if there is only one.
         method: name or index of a prepared method; a finger with ``at`` has only one.
         out: answers of an earlier call for the same number of displacements, to overwrite without allocation.
@@ -187,7 +187,7 @@ class Dataset(_library.Handle):
             return answers
         area = self._number(active, [a.name for a in self.areas], "area")
         if self._method(method) != 0:
-            raise _library.Error(1, f"method {method!r}: between the sites of a finger there is one method only; leave it out")
+            raise _library.Error(1, f"method {method!r}: a query with `at` has one method only; omit method")
         places, vectors = (np.ascontiguousarray(x) for x in np.broadcast_arrays(_vectors(at, "at"), vectors))
         answers, given = _answers(vectors.shape[:-1], _of_all + _of_areas, out)
         _library.call("area_query_many", self.handle, area, _doubles(places), _doubles(vectors), vectors.size // 3, byref(given))
@@ -197,7 +197,7 @@ class Dataset(_library.Handle):
         """Returns the displacements of ``vertices``, (V, 3), m, for a displacement (3,), m, of one active node alone."""
         vector = _vectors(displacement, "displacement")
         if vector.shape != (3,):
-            raise ValueError(f"displacement has shape {vector.shape}; one is wanted, (3,)")
+            raise ValueError(f"displacement has shape {vector.shape}; it must be one, (3,)")
         shape = np.empty((self._info.vertex_count, 3), np.float32)
         _library.call("displacements", self.handle, self._number(active, [s.name for s in self.spaces], "active node"),
                       _doubles(vector), shape.ctypes.data_as(POINTER(c_float)), shape.size, None)
@@ -231,7 +231,7 @@ class Dataset(_library.Handle):
         if isinstance(word, str) and word in names:
             return names.index(word)
         known = ", ".join(names[:12]) + (f", ... {len(names)} in all" if len(names) > 12 else "") or "none"
-        raise _library.Error(1, f"{self.file}: " + (f"which {what}? there are: {known}" if word is None else
+        raise _library.Error(1, f"{self.file}: " + (f"name the {what}; there are: {known}" if word is None else
                                                      f"there is no {what} {word!r}; there are: {known}"))
 
 
@@ -246,7 +246,7 @@ def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...
         given = getattr(out, name)
         fits = given is not None and given.shape == shape + rest and given.dtype == kind
         if not (fits and given.flags.c_contiguous and given.flags.writeable):
-            raise ValueError(f"out.{name} must be the array of an earlier answer for as many displacements, {shape + rest}")
+            raise ValueError(f"out.{name} must be the array of an earlier answer with shape {shape + rest}")
         arrays[name] = given
     pointers = {_members[name]: array.ctypes.data for name, array in arrays.items()}
     return Answers(**arrays) if out is None else out, _library.Answers(**pointers)
