@@ -107,7 +107,7 @@ def table(folder, name):
 
 def links(folder, name):
     """Returns links to the existing pages of a scene, and the name of its dataset."""
-    there = [(f"{name}.html", "Touch it"), (f"{name}-report.html", "Report: how accurate, how fast")]
+    there = [(f"{name}.html", "Touch it"), (f"{name}-report.html", "Report: accuracy and speed")]
     parts = [f'<a href="{file}">{words}</a>' for file, words in there if (folder / file).exists()]
     return " &middot; ".join([*parts, f"dataset: {name}.h5"])
 
@@ -125,7 +125,7 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 64em; margin: 2em auto; 
 section { margin: 3em 0 } img { width: 100%; border-radius: 6px } td { padding: .15em 1em .15em 0; vertical-align: top }
 td { overflow-wrap: anywhere } td:first-child { color: #777; white-space: nowrap }
 @media (max-width: 600px) { body { margin: 1em auto } td { display: block; padding: 0 } td:first-child { padding-top: .5em } }
-</style><h1>Palpate: gallery</h1><p>Bodies that can be touched everywhere. Press a picture to touch one.</p>"""]
+</style><h1>Palpate: gallery</h1><p>Bodies that can be touched anywhere. Click a picture to touch its body.</p>"""]
     for name in names:
         touch, picture = (folder / f"{name}.{ending}" for ending in ("html", "png"))
         shown = f'<img src="{name}.png" alt="{name}">' if picture.exists() else f"<h3>{name}: no picture</h3>"

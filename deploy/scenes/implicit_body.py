@@ -97,7 +97,7 @@ def check_closed(triangles):
     """Exits unless each directed edge occurs once, with its reverse: closed and consistently oriented."""
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if len(np.unique(directed, axis=0)) != len(directed) or set(map(tuple, directed)) != set(map(tuple, directed[:, ::-1])):
-        sys.exit("the surface is not closed; a smaller grid spacing resolves it")
+        sys.exit("the surface is not closed; use a smaller grid spacing")
 
 
 def surface_of(body, low, high, spacing):

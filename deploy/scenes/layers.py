@@ -6,7 +6,7 @@ import pathlib
 
 import numpy as np
 
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedron with positive volume, seen from outside
+FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # faces of a tetrahedron with positive volume, seen from outside
 
 
 def read_mesh(file):
@@ -44,7 +44,7 @@ def upright(points, tetrahedra):
 
 
 def surface_triangles(tetrahedra):
-    """Returns the faces of only one tetrahedron (m x 3), counterclockwise seen from outside."""
+    """Returns the faces that belong to one tetrahedron only (m x 3), counterclockwise seen from outside."""
     faces = tetrahedra[:, FACES].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return faces[first[count == 1]]
@@ -69,7 +69,7 @@ def grow(points, tetrahedra, triangles, offset):
     copy = np.full(len(points), -1)
     copy[below] = len(points) + np.arange(len(below))
     points = np.concatenate([points, points[below] + offset[below]])
-    order = np.sort(triangles, axis=1)  # a face's diagonal starts at its lowest node, so both prisms cut it alike
+    order = np.sort(triangles, axis=1)  # a face's diagonal starts at its lowest node, so both prisms cut the face the same way
     a, b, c = order.T
     layer = np.concatenate([np.stack([a, b, c, copy[c]], axis=1), np.stack([a, b, copy[b], copy[c]], axis=1),
                             np.stack([a, copy[a], copy[b], copy[c]], axis=1)])
@@ -81,7 +81,7 @@ def write_mesh(file, points, tetrahedra, part, names, surfaces=(), vectors=None)
 
     part      m, indices into `names`
     surfaces  named triangles where a body may be fixed: (name, m x 3) each
-    vectors   a direction in each tetrahedron: (name, m x 3)
+    vectors   one direction per tetrahedron: (name, m x 3)
     """
     groups = [(3, i + 1, name) for i, name in enumerate(names)]
     groups += [(2, len(names) + i + 1, name) for i, (name, _) in enumerate(surfaces)]

@@ -450,7 +450,7 @@ class PythonPackage(WithDatasets):
         figure = self.folder / "curve.svg"
         done = self.run_python(EXAMPLES / "force_curve.py", self.file, figure, "tip", 0, 0, -1, MPLCONFIGDIR=str(self.folder))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stdout, r"tip: [0-9.]+ N at most, 100% of the way inside")
+        self.assertRegex(done.stdout, r"tip: [0-9.]+ N at most, 100% of the path inside")
         self.assertIn("<svg", figure.read_text(encoding="utf-8"))
 
 

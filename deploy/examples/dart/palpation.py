@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A robot finger palpates a soft body. DART simulates a finger with three joints, palpate computes the tissue's force on its tip,
-and the joints feel that force.
+"""A robot finger palpates a soft body. DART simulates a finger with three joints, Palpate computes the tissue's force on its tip,
+and the force acts on the joints.
 
     palpation.py DATASET.h5 [DEPTH_MM]
 

@@ -37,12 +37,12 @@ static palpate_device* open_device(const char* id, const char* options, char* er
   double radius = 0.02;
   if (options[0] != '\0' &&
       (sscanf(options, "radius=%lf", &radius) != 1 || !(radius > 0 && radius < 0.05))) {
-    snprintf(error, capacity, "options are radius=METRES, at most 0.05, not \"%s\"", options);
+    snprintf(error, capacity, "the option is radius=METRES, below 0.05, not \"%s\"", options);
     return NULL;
   }
   palpate_device* device = calloc(1, sizeof *device);
   if (device == NULL) {
-    snprintf(error, capacity, "no memory");
+    snprintf(error, capacity, "out of memory");
     return NULL;
   }
   device->radius = radius;

@@ -31,9 +31,9 @@ def main(file, figure, active=None, *direction):
     depth = np.linspace(0, radius, 400)
     answers = dataset.query(depth[:, None] * way, active=space.name)
     force = np.linalg.norm(answers.force, axis=1)
-    print(f"{space.name}: {force[answers.inside].max():.3f} N at most, {answers.inside.mean():.0%} of the way inside")
+    print(f"{space.name}: {force[answers.inside].max():.3f} N at most, {answers.inside.mean():.0%} of the path inside")
 
-    # the lattice points on the line, which support the curve
+    # the lattice points on the line, which determine the curve
     along = space.position @ way
     on_way = space.solved & (along >= 0) & (np.linalg.norm(space.position - along[:, None] * way, axis=1) < 1e-9)
 

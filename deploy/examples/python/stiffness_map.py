@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plots the stiffness of a body wherever a finger can touch it: newtons per millimetre at a depth of DEPTH_MM.
+"""Plots the stiffness of a body at all places that a finger can touch, in N/mm, at a depth of DEPTH_MM.
 
     stiffness_map.py DATASET.h5 FIGURE.png [DEPTH_MM]
 """
@@ -19,7 +19,7 @@ import palpate
 def main(file, figure, depth):
     dataset = palpate.Dataset(file)
     if not dataset.areas:
-        sys.exit(f"{file}: there is no surface that a finger touches anywhere; force_curve.py plots active nodes")
+        sys.exit(f"{file}: the dataset has no surface that a finger can touch; force_curve.py plots active nodes")
     corners = dataset.vertices[dataset.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -29,7 +29,7 @@ def main(file, figure, depth):
     stiffness = np.einsum("ni,ni->n", answers.force, normals) / depth / 1e3
     felt = dataset.touchable & answers.inside
     if not felt.any():
-        sys.exit(f"{file}: nowhere was it solved {1e3 * depth:g} mm deep; ask for less")
+        sys.exit(f"{file}: no place was solved {1e3 * depth:g} mm deep; use a smaller DEPTH_MM")
     print(f"{np.count_nonzero(felt)} places, {stiffness[felt].min():.3f} to {stiffness[felt].max():.3f} N/mm")
 
     colours = plt.get_cmap("viridis")(plt.Normalize(0, stiffness[felt].max())(stiffness))
@@ -41,7 +41,7 @@ def main(file, figure, depth):
              title=f"{dataset.name}: a finger of {1e3 * dataset.areas[0].finger_radius:g} mm, {1e3 * depth:g} mm deep")
     axes.set_box_aspect(highest - lowest)
     scale = plt.cm.ScalarMappable(plt.Normalize(0, stiffness[felt].max()), "viridis")
-    plt.colorbar(scale, ax=axes, label="N/mm; grey: nothing to feel", shrink=0.7)
+    plt.colorbar(scale, ax=axes, label="N/mm; grey: not touchable", shrink=0.7)
     plt.savefig(figure, dpi=120)
 
 

@@ -1,11 +1,11 @@
-// libpalpate for Unity (or any C#), with the layouts of palpate.h: a sketch to begin with, with PalpateOrgan.cs beside it. The
-// tests compile and run both with Mono; they were NOT run in Unity.
+// libpalpate for Unity (or any C#), with the struct layouts of palpate.h: a sketch, used by PalpateOrgan.cs. The tests compile and
+// run both files with Mono; they were NOT run in Unity.
 //
-// Put libpalpate.so.0 with the libraries that `ldd` names beside it into Assets/Plugins/x86_64, as libpalpate.so. Unity is
-// left-handed with y up: turn positions and forces by one convention at the border (here: z is negated), and keep metres. Its
-// triangles are clockwise seen from outside, those of palpate counterclockwise, so the order of their corners is turned too.
-// The haptic loop has a thread of its own, never Update(): that runs at the rate of the picture. C# may stop any thread for garbage
-// collection; the guard turns such gaps into zero force when they are reported (LoopLate). For a hard 1 kHz write the loop in C.
+// Copy libpalpate.so.0 as libpalpate.so, and the libraries that `ldd` names, into Assets/Plugins/x86_64. Unity is left-handed with
+// y up, so convert positions and forces at one boundary (here: z is negated), and keep metres. Unity's triangles are clockwise
+// seen from outside, Palpate's are counterclockwise, so the order of their corners is reversed too.
+// The haptic loop has a thread of its own, because Update() runs at the frame rate. C# may stop any thread for garbage
+// collection; if such a gap is reported (LoopLate), the guard makes the force zero. For a hard 1 kHz, write the loop in C.
 using System;
 using System.Diagnostics;
 using System.Runtime.InteropServices;
@@ -26,7 +26,7 @@ public struct Vector3d {
   public UnityEngine.Vector3 ToUnity() => new UnityEngine.Vector3((float)X, (float)Y, (float)-Z);
 }
 
-// Size is set by Create(); palpate.h says what the members mean. `fixed` members need "Allow unsafe code".
+// Create() sets Size; palpate.h documents the members. `fixed` members need "Allow unsafe code".
 [StructLayout(LayoutKind.Sequential)]
 public struct DatasetInfo {  // 64 bytes
   public UIntPtr Size;
@@ -106,14 +106,14 @@ public abstract class Handle : SafeHandle {
 public sealed class DatasetHandle : Handle {
   protected override bool ReleaseHandle() { Native.palpate_dataset_close(handle); return true; }
 }
-public sealed class ContactHandle : Handle {  // keeps its dataset in memory: any order of finalizers is fine
+public sealed class ContactHandle : Handle {  // keeps its dataset in memory, so finalizers may run in any order
   protected override bool ReleaseHandle() { Native.palpate_contact_destroy(handle); return true; }
 }
 public sealed class GuardHandle : Handle {
   protected override bool ReleaseHandle() { Native.palpate_guard_destroy(handle); return true; }
 }
 
-/// `ref` also where the library only reads: Mono crashes on `in` beside a handle that is given out.
+/// Uses `ref` even if the library only reads, because Mono crashes on `in` beside an `out` handle.
 public static class Native {
   private const string Library = "palpate";
   [DllImport(Library)] public static extern int palpate_abi_version();
@@ -146,16 +146,16 @@ public static class Native {
   [DllImport(Library)] public static extern Status palpate_guard_limit(
       GuardHandle guard, ref Vector3d tool, ref Touch touch, Reading flags, ref GuardedForce force);
 
-  /// Errors are per thread: ask on the thread of the call that failed.
+  /// Throws the error of a failed call. Errors are per thread: call this on the thread of the failed call.
   public static void Check(Status status) {
     if (status != Status.Ok)
       throw new InvalidOperationException(status + ": " + Marshal.PtrToStringUTF8(palpate_last_error()));
   }
 }
 
-/// What a picture and a simulation ask of a dataset. Any thread.
+/// Queries of a dataset for the picture and the simulation. Any thread.
 public static class Datasets {
-  /// Its surface at rest, Unity's frame.
+  /// Returns the vertices of the surface at rest, in Unity's frame.
   public static UnityEngine.Vector3[] UnityVertices(this DatasetHandle dataset) {
     var numbers = new double[3 * InfoOf(dataset).VertexCount];
     Native.Check(Native.palpate_dataset_vertices(dataset, numbers, (UIntPtr)numbers.Length));
@@ -165,7 +165,7 @@ public static class Datasets {
     return vertices;
   }
 
-  /// Three vertices each, clockwise seen from outside: those of palpate the other way round.
+  /// Returns three vertices per triangle, clockwise seen from outside: Palpate's order is reversed.
   public static int[] UnityTriangles(this DatasetHandle dataset) {
     var corners = new int[3 * InfoOf(dataset).TriangleCount];
     Native.Check(Native.palpate_dataset_triangles(dataset, corners, (UIntPtr)corners.Length));
@@ -173,14 +173,14 @@ public static class Datasets {
     return corners;
   }
 
-  /// The surfaces that a finger touches; none where single active nodes are touched.
+  /// Returns the number of surfaces that a finger can touch; zero if the dataset has single active nodes.
   public static int AreaCount(this DatasetHandle dataset) {
     Native.Check(Native.palpate_dataset_area_count(dataset, out int count));
     return count;
   }
 
-  /// Force on a finger at a place of such a surface, and what drives it along the surface, without a contact. Metres and newtons,
-  /// frame of the scene.
+  /// Returns the force on a finger at a place of such a surface, and the force that drives it along the surface, without a contact.
+  /// Metres and newtons, frame of the scene.
   public static AreaSample AskArea(this DatasetHandle dataset, int area, Vector3d at, Vector3d displacement) {
     var sample = AreaSample.Create();
     Native.Check(Native.palpate_area_query(dataset, area, ref at, ref displacement, ref sample));
@@ -194,14 +194,14 @@ public static class Datasets {
   }
 }
 
-/// A device of the simulator's own.
+/// Haptic device of the simulator.
 public interface IHapticDevice {
-  bool Read(out Vector3d position);  ///< metres, frame of the scene; false: nothing new
+  bool Read(out Vector3d position);  ///< metres, frame of the scene; false if there is no new position
   bool Lost { get; }
   void Write(Vector3d force);        ///< newtons
 }
 
-/// The haptic loop on a thread of its own; the picture reads LastTouch.
+/// Haptic loop on a thread of its own; the picture reads LastTouch.
 public sealed class HapticLoop : IDisposable {
   private const double Period = 1e-3;
   private readonly DatasetHandle dataset;
@@ -214,7 +214,7 @@ public sealed class HapticLoop : IDisposable {
   private volatile bool running = true;
 
   public HapticLoop(string file, IHapticDevice device, string profile = "touch") {
-    if (Native.palpate_abi_version() != 0) throw new InvalidOperationException("libpalpate has another ABI");
+    if (Native.palpate_abi_version() != 0) throw new InvalidOperationException("libpalpate must have ABI version 0");
     this.device = device;
     Native.Check(Native.palpate_dataset_open(file, IntPtr.Zero, out dataset));
     Native.Check(Native.palpate_contact_create(dataset, IntPtr.Zero, out contact));
@@ -225,11 +225,11 @@ public sealed class HapticLoop : IDisposable {
     thread.Start();
   }
 
-  /// For what the picture and the simulation ask; closed by Dispose().
+  /// Dataset for the picture and the simulation; closed by Dispose().
   public DatasetHandle Dataset => dataset;
   public Touch LastTouch { get { lock (seenLock) return seen; } }
 
-  /// Displacements of the surface for a mesh, metres, frame of the scene; called from Update().
+  /// Writes the displacements of the surface's vertices, metres, frame of the scene. Call it from Update().
   public void Deform(float[] displacements) {
     Touch touch = LastTouch;
     Native.Check(Native.palpate_touch_displacements(dataset, ref touch, displacements, (UIntPtr)displacements.Length));
@@ -245,7 +245,7 @@ public sealed class HapticLoop : IDisposable {
       due += Period;
       Reading flags = Reading.None;
       double late = clock.Elapsed.TotalSeconds - due;
-      if (late > 20 * Period) {  // the loop hung: say so, and do not try to catch up
+      if (late > 20 * Period) {  // the loop hung: report it, and do not try to catch up
         flags |= Reading.LoopLate;
         due += late;
       }
@@ -257,7 +257,7 @@ public sealed class HapticLoop : IDisposable {
       bool done = Native.palpate_contact_update(contact, ref tool, 1, ref touch) == Status.Ok &&
                   Native.palpate_guard_limit(guard, ref tool, ref touch, flags, ref force) == Status.Ok;
       device.Write(done ? force.Force : new Vector3d());
-      if (Monitor.TryEnter(seenLock)) {  // a picture may miss a tick, a tick never waits
+      if (Monitor.TryEnter(seenLock)) {  // the picture may miss a tick, but a tick never waits
         seen = touch;
         Monitor.Exit(seenLock);
       }

@@ -1,15 +1,15 @@
-// An organ in a Unity scene, felt and drawn: a sketch, compiled and run with Mono by the tests, NOT run in Unity.
+// An organ in a Unity scene that can be felt and seen: a sketch. The tests compile and run it with Mono; it was NOT run in Unity.
 //
-// Put it on an object with a MeshFilter and a MeshRenderer, name a dataset in Assets/StreamingAssets, and give `tool` an object
-// that is moved about, by a script or by hand in the Scene view. One unit of Unity is a metre: leave the scale of the organ at 1,
-// and scale what is around it.
+// Add this component to an object with a MeshFilter and a MeshRenderer, set `dataset` to a file in Assets/StreamingAssets, and set
+// `tool` to an object that a script or you move in the Scene view. One unit of Unity is a metre: leave the scale of the organ at 1,
+// and scale the other objects.
 using System.IO;
 using UnityEngine;
 
 namespace PalpateClient {
 
-/// Stands in for a device: the tool is where an object of the scene is, which knows no force. For a real one implement
-/// IHapticDevice over its library, and write the force there.
+/// Substitute for a device: the tool follows an object of the scene, which cannot render a force. For a real device, implement
+/// IHapticDevice with its library, and send it the force in Write().
 public sealed class ToolObject : IHapticDevice {
   private readonly object gate = new object();
   private Vector3d position, force;
@@ -23,7 +23,7 @@ public sealed class ToolObject : IHapticDevice {
     }
   }
   public void Write(Vector3d limited) { lock (gate) force = limited; }
-  /// From Update(); frame of the organ in Unity.
+  /// Moves the tool. Call it from Update(); frame of the organ in Unity.
   public void MoveTo(Vector3 place) {
     lock (gate) {
       position = Vector3d.FromUnity(place);
@@ -36,7 +36,7 @@ public sealed class ToolObject : IHapticDevice {
 [RequireComponent(typeof(MeshFilter))]
 public sealed class PalpateOrgan : MonoBehaviour {
   public string dataset = "liver-surface.h5";
-  public string profile = "touch";  // of the device: its largest force and stiffness
+  public string profile = "touch";  // device profile: largest force and stiffness
   public Transform tool;
 
   private ToolObject hand;
@@ -45,10 +45,10 @@ public sealed class PalpateOrgan : MonoBehaviour {
   private Vector3[] atRest, shape;
   private float[] displacements;
 
-  /// N, on the tool, in the world.
+  /// Force on the tool, N, in Unity's world frame.
   public Vector3 Force => transform.TransformDirection(hand.Force);
 
-  // Loading takes seconds: for a scene that must not stop, open the dataset on another thread before.
+  // Loading takes seconds. If the scene must not stop, open the dataset on another thread beforehand.
   private void OnEnable() {
     hand = new ToolObject();
     loop = new HapticLoop(Path.Combine(Application.streamingAssetsPath, dataset), hand, profile);

@@ -141,7 +141,7 @@ class Space:
 
     @cached_property
     def probes(self) -> dict[str, npt.NDArray[Any]]:
-        """Exact solutions off the lattice, not used by the interpolation: the arrays of /probes ("position", "force", "tag", ...)."""
+        """Exact solutions off the lattice, unused by the interpolation: arrays of /probes ("position", "force", "tag", ...)."""
         rows = self._rows_of("probe")
         return {name: np.asarray(array[rows]) for name, array in _table(self._file, "probes").items()}
 

@@ -92,7 +92,7 @@ def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id:
     """Opens a dataset again, to unpickle it. Raises Error if the file now holds other results."""
     dataset = Dataset(file, methods, reach)
     if dataset.content_id != content_id:
-        raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open the new file, and pickle that dataset")
+        raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open the new file and pickle it")
     return dataset
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Makes kidney.msh beside this script: medulla, cortex and capsule of a bean 11 cm long, in metres. Also makes kidney.stl, its
-surface as a segmentation would give it, in mm (docs/tutorial.md).
+surface in mm, like the result of a segmentation (docs/tutorial.md).
 
     apt-get install python3-numpy gmsh
     deploy/scenes/kidney/make_kidney.py [--out DIR] [--size EDGE]

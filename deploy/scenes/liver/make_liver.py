@@ -4,7 +4,7 @@
     apt-get install python3-numpy gmsh
     deploy/scenes/liver/make_liver.py [--out DIR]
 
-The shape is our own, not a patient's liver: ellipsoids blended into one implicit body, with impressions of the
+The shape is artificial, not a patient's liver: ellipsoids blended into one implicit body, with impressions of the
 neighbouring organs. It resembles a liver where touch matters: a thick domed right lobe, a thin left lobe that ends in a
 tip, and a hollow underside with a sharp lower edge. Metres.
 

@@ -5,8 +5,8 @@
     deploy/scenes/skin/make_skin.py [--out DIR] [--inclusion X Y DEPTH RADIUS | --none] [--size EDGE]
 
 x and y are measured from the middle of the block. DEPTH is the depth of the ball's centre below the surface of the skin. The
-skin is two layers of flat elements grown on top of the fat. Elements as small as the thickness of the epidermis would be 300
-times as many.
+skin is two layers of flat elements grown on top of the fat. With elements as small as the epidermis is thick, there would be
+300 times as many.
 """
 import argparse
 import pathlib
