@@ -1,7 +1,7 @@
 # Debian packages, by cpack (deploy/packages): palpate, palpate-viewer, libpalpate0, libpalpate-dev, python3-palpate.
 # A package is a group of components; `cmake --install BUILD --component NAME` installs one of them.
 
-# Manual pages are what --help says, one for each program and verb; help2man makes them of the built programs.
+# help2man makes manual pages from the --help of the built programs, one for each program and verb.
 find_program(PALPATE_HELP2MAN help2man)
 set(manual ${CMAKE_BINARY_DIR}/manual)
 add_custom_target(manual
@@ -27,7 +27,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# What Debian wants beside every package.
+# Files that Debian requires in every package.
 set(debian ${CMAKE_BINARY_DIR}/debian)
 file(MAKE_DIRECTORY ${debian})
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/deploy/debian/changelog OUTPUT_FILE ${debian}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
@@ -56,38 +56,38 @@ function(palpate_package name)
 endfunction()
 
 palpate_package(palpate COMPONENTS service verification manual documents data SECTION science
-  REPLACES palpate-viewer  # which had the manual pages of query, report, share and export
+  REPLACES palpate-viewer  # whose earlier versions had the manual pages of query, report, share and export
   RECOMMENDS "palpate-viewer (= ${PROJECT_VERSION}), gmsh" SUGGESTS "python3-palpate, python3-meshio, tetgen, slurm-client, bash-completion"
   SUMMARY "feel a nonlinear soft body at 1 kHz"
-  DESCRIPTION "A scheduler and workers precompute the equilibrium of a soft body, by
-finite elements, for a lattice of positions of a finger that displaces its
-surface; forces between them are interpolated with an error bound.
+  DESCRIPTION "A scheduler and workers precompute equilibria of a soft body, by finite
+elements, for a lattice of displacements of a finger on its surface. Forces
+in between are interpolated, with an error bound.
 .
-This package has the programs that check scenes, build datasets, on one machine
-or many, and answer from them: queries, reports and pages that can be touched.")
+This package has the programs that check scenes, build datasets on one machine
+or many, and use the datasets: queries, reports and touchable web pages.")
 palpate_package(palpate-viewer COMPONENTS viewer SECTION science
   DEPENDS "palpate (= ${PROJECT_VERSION}), fonts-roboto-unhinted"
   SUMMARY "feel a nonlinear soft body at 1 kHz: client"
   DESCRIPTION "The haptic client of Palpate: contact, force guard, devices and the
 picture.")
 palpate_package(libpalpate0 COMPONENTS library SECTION libs
-  OVERRIDE "# cpack writes them, beside the trigger.\nlibpalpate0: maintscript-calls-ldconfig *\n"
+  OVERRIDE "# cpack writes these calls beside the trigger.\nlibpalpate0: maintscript-calls-ldconfig *\n"
   SUMMARY "forces of a nonlinear soft body: library"
-  DESCRIPTION "Answers from datasets of Palpate: force, stiffness, energy and error
-bound, contact of a tool, and a force guard for haptic devices, as a C
-library for simulators with a loop of their own.")
+  DESCRIPTION "A C library for simulators with a loop of their own. It answers queries
+from datasets of Palpate: force, stiffness, energy and error bound. It also
+has the contact of a tool, and a force guard for haptic devices.")
 palpate_package(libpalpate-dev COMPONENTS development SECTION libdevel DEPENDS "libpalpate0 (= ${PROJECT_VERSION})"
   SUMMARY "forces of a nonlinear soft body: development files"
   DESCRIPTION "Headers of libpalpate and of plug-ins for haptic devices, files for
-CMake and pkg-config, examples in C, C++, C# and Python.")
+CMake and pkg-config, and examples in C, C++, C# and Python.")
 palpate_package(python3-palpate COMPONENTS python SECTION python ARCHITECTURE all
   DEPENDS "python3, python3-numpy, libpalpate0 (= ${PROJECT_VERSION})" RECOMMENDS "python3-h5py"
   SUMMARY "forces of a nonlinear soft body: Python 3 package"
-  DESCRIPTION "Datasets of Palpate as NumPy arrays, thousands of answers in one call,
+  DESCRIPTION "Datasets of Palpate as NumPy arrays, thousands of queries in one call,
 and contact of a tool.")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_DEBIAN_PYTHON3_PALPATE_PACKAGE_SHLIBDEPS OFF)
-# What links libpalpate depends on libpalpate0; the system learns of it by a trigger.
+# Programs that link libpalpate depend on libpalpate0. A trigger tells the system about the library.
 file(WRITE ${debian}/shlibs "libpalpate 0 libpalpate0 (>= ${PROJECT_VERSION})\n")
 file(WRITE ${debian}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBPALPATE0_PACKAGE_CONTROL_EXTRA ${debian}/shlibs ${debian}/triggers)
