@@ -218,23 +218,23 @@ TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
   const std::string febio_elements =
       febio_head + "<Elements type=\"tet4\" name=\"all\">\n<elem id=\"1\">1,1,1,1</elem>\n";
   refuses("cut.stl", binaryStlWithout(7), {"cut.stl: it announces 48 triangles", "truncated"});
-  refuses("words.stl", "this is a letter\n", {"words.stl:1: this is no STL file", "\"solid\""});
+  refuses("words.stl", "this is a letter\n", {"words.stl:1: this is not an STL file", "\"solid\""});
   refuses("comma.stl", "solid\nfacet\nouter loop\nvertex 0,5 0 0\n",
-          {"comma.stl:4", "\"0,5 0 0\" where numbers are expected"});
+          {"comma.stl:4", "expected numbers, found \"0,5 0 0\""});
   refuses("corner.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\n",
-          {"corner.stl:3", "not three corners", "truncated"});
+          {"corner.stl:3", "fewer than three corners", "truncated"});
   refuses("unended.stl",
           "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid a\nsolid b\nvertex 0 0 0\n"
           "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
-          {"unended.stl:11: there is no endsolid", "the file is truncated; write it again"});
+          {"unended.stl:11: there is no endsolid", "the file is truncated; save it again"});
   refuses("empty.stl", "solid nothing\nendsolid\n",
           {"empty.stl: there are neither tetrahedra nor"});
   refuses("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
-          {"far.obj:4: a face of corners that are not there", "3 are defined"});
-  refuses("word.obj", "v 0 0 zero\n", {"word.obj:1", "\"0 0 zero\" where numbers are expected"});
+          {"far.obj:4: a face has a corner that does not exist", "3 vertices are defined"});
+  refuses("word.obj", "v 0 0 zero\n", {"word.obj:1", "expected numbers, found \"0 0 zero\""});
   refuses("cut.off", std::string("OFF\n4 4 0\n") + four_points + "3 0 1 2\n",
           {"cut.off:7: the file is truncated"});
-  refuses("none.off", "4 4 0\n", {"none.off:1: this is no plain OFF file"});
+  refuses("none.off", "4 4 0\n", {"none.off:1: this is not a plain OFF file"});
   refuses("cut.ply", "ply\nformat ascii 1.0\nelement vertex 4\n",
           {"cut.ply:1: ", "its header is truncated"});
   refuses("short.ply",
@@ -242,21 +242,21 @@ TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
           "property float z\nend_header\n0 0 0 1\n",
           {"short.ply: the file is truncated"});
   refuses("word.ply", "ply\nformat runes 1.0\nend_header\n",
-          {"word.ply:2: \"format runes 1.0\" is not understood"});
+          {"word.ply:2: unknown header line \"format runes 1.0\""});
   refuses("scalar.ply",
           "ply\nformat ascii 1.0\nelement face 1\nproperty int vertex_indices\nend_header\n0\n",
-          {"scalar.ply: the corners of its faces are no list"});
+          {"scalar.ply: the corners of its faces are not a list"});
   refuses(
       "inf.ply",
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
       "3 0 inf 2\n",
-      {"inf.ply: the file is truncated, or has words where numbers"});
+      {"inf.ply: the file is truncated, or has text"});
   refuses("brick.inp", "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=SPRINGA\n1, 1, 1\n",
           {"brick.inp: elements of type SPRINGA are not read", "C3D4 and C3D10"});
   refuses("lost.inp", "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n",
-          {"lost.inp:4: node 2 is used and not defined"});
+          {"lost.inp:4: node 2 is used but not defined"});
   refuses("more.inp", "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 1, 1\n",
-          {"more.inp:4: an element of 5 nodes where 4 are expected"});
+          {"more.inp:4: expected an element of 4 nodes, found 5"});
   refuses("set.inp", "*NODE\n1, 0, 0, 0\n*ELSET, ELSET=all\nliver\n",
           {"set.inp:4: there is no set \"liver\""});
   refuses("loop.inp", "*NODE\n*INCLUDE, INPUT=loop.inp\n", {"loop.inp:2: ", "includes itself"});
@@ -265,27 +265,27 @@ TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
   refuses("nothing.inp", "*NODE\n*INCLUDE\n",
           {"nothing.inp:2: *INCLUDE names no file: write *INCLUDE, INPUT=FILE"});
   refuses("inf.inp", "*NODE\ninf, 0, 0, 0\n",
-          {"inf.inp:2: node number inf is not a whole number", "write one"});
+          {"inf.inp:2: node number inf is not a whole number", "correct it"});
   refuses("made.inp", "*NODE\n1, 0, 0, 0\n*NGEN\n1, 9\n",
-          {"made.inp:3: *NGEN makes nodes or elements, and is not read", "write the model flat",
-           ".vtu"});
-  refuses("copied.inp", "*NODE\n*ELGEN\n1, 9\n", {"copied.inp:2: *ELGEN makes nodes or elements"});
+          {"made.inp:3: *NGEN creates nodes or elements", "write a flat model", ".vtu"});
+  refuses("copied.inp", "*NODE\n*ELGEN\n1, 9\n",
+          {"copied.inp:2: *ELGEN creates nodes or elements"});
   refuses("round.inp", "*NODE, SYSTEM=C\n1, 1, 90, 0\n",
           {"round.inp:1: *NODE, SYSTEM=C: only rectangular coordinates are read", "flat"});
   refuses("system.inp", "*SYSTEM\n1, 0, 0\n*NODE\n",
-          {"system.inp:2: *SYSTEM moves the nodes behind it", "write the model flat"});
+          {"system.inp:2: *SYSTEM moves the nodes after it", "write a flat model"});
   refuses("moved.inp", abaqus_part + "*INSTANCE, NAME=O, PART=Organ\n0., 0., 5.\n*END INSTANCE\n",
-          {"moved.inp:12: an instance of part ORGAN is moved by this line", "take the line out"});
+          {"moved.inp:12: this line moves an instance of part ORGAN", "remove the line"});
   refuses("turned.inp",
           abaqus_part + "*INSTANCE, NAME=O, PART=Organ\n0,0,0\n0,0,0,1,0,0,90\n*END INSTANCE\n",
-          {"turned.inp:13: an instance of part ORGAN is moved by this line", "take the line out"});
+          {"turned.inp:13: this line moves an instance of part ORGAN", "remove the line"});
   refuses(
       "two.inp",
       abaqus_part + "*INSTANCE, NAME=O, PART=Organ\n*END INSTANCE\n*INSTANCE, NAME=P, PART=Organ\n",
       {"two.inp: there are 2 instances of part ORGAN", "export one"});
   refuses("range.inp", "*NODE\n1, 0, 0, 0\n*NSET, NSET=all, GENERATE\n1, 300000000\n",
-          {"range.inp:4: GENERATE makes more than 10000000 members", "name those that are there"});
-  refuses("plane.inp", "*NODE\n1, 0, 0\n", {"plane.inp:2: a node is not a number and three"});
+          {"range.inp:4: GENERATE makes more than 10000000 members", "list only existing ones"});
+  refuses("plane.inp", "*NODE\n1, 0, 0\n", {"plane.inp:2: expected a node number and three"});
   refuses("text.feb", "no XML at all\n", {"text.feb:1: this is not XML"});
   refuses("old.feb", "<febio_spec version=\"1.2\">\n</febio_spec>\n",
           {"old.feb:1: there is no <Geometry> or <Mesh>", "FEBio 2.5"});
@@ -296,38 +296,38 @@ TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
       "few.feb",
       febio_head +
           "<Elements type=\"tet4\">\n<elem id=\"1\">1,1,1</elem>\n</Elements></Mesh></febio_spec>",
-      {"few.feb:8: 3 nodes where 4 are expected"});
+      {"few.feb:8: expected 4 nodes, found 3"});
   refuses("lost.feb",
           febio_head +
               "<Elements type=\"tet4\">\n<elem id=\"1\">1,2,3,4</elem>\n</Elements></Mesh>"
               "</febio_spec>",
-          {"lost.feb:8: node '2' is used and not defined"});
+          {"lost.feb:8: node '2' is used but not defined"});
   refuses(
       "twice.feb",
       "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"3\">0,0,0</node>\n<node id=\"3\">1,0,0</node>\n"
       "</Nodes>\n</Mesh>\n</febio_spec>\n",
-      {"twice.feb:5: node 3 is defined twice", "give each a number of its own"});
+      {"twice.feb:5: node 3 is defined twice", "give each its own number"});
   refuses("same.feb",
           febio_elements + "<elem id=\"1\">1,1,1,1</elem>\n</Elements></Mesh></febio_spec>",
-          {"same.feb:9: element 1 is defined twice", "give each a number of its own"});
+          {"same.feb:9: element 1 is defined twice", "give each its own number"});
   refuses("runes.feb", "<?xml version=\"1.0\" encoding=\"utf-99\"?>\n<febio_spec/>\n",
           {"runes.feb:1: the encoding that this line names cannot be read", "utf-99", "as UTF-8"});
   refuses("place.feb",
           febio_elements +
               "</Elements></Mesh>\n<MeshData><ElementData elem_set=\"all\">\n"
               "<e lid=\"x\">0,0,1</e></ElementData></MeshData></febio_spec>",
-          {"place.feb:11: lid=\"x\" where the place of an element in its set is expected"});
+          {"place.feb:11: lid=\"x\" must be the position of an element"});
   refuses("twice.node", "2 3 0 0\n4 0 0 0\n4 1 0 0\n",
-          {"twice.node:3: node 4 is defined twice", "give each a number of its own"});
+          {"twice.node:3: node 4 is defined twice", "give each its own number"});
   refuses("inf.node", "1 3 0 0\ninf 0 0 0\n",
           {"inf.node:2: node number inf is not a whole number"});
   refuses("alone.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n",
           {"alone.ele: No such file or directory"});
-  refuses("cut.node", "4 3 0 0\n0 0 0 0\n", {"cut.node: 4 points are announced, and there are 1"});
-  refuses("plane.node", "4 2 0 0\n", {"plane.node:1: the first line is not: number of points, 3"});
+  refuses("cut.node", "4 3 0 0\n0 0 0 0\n", {"cut.node: expected 4 points, found 1"});
+  refuses("plane.node", "4 2 0 0\n", {"plane.node:1: the first line must be: number of points, 3"});
   refuses(
       "brick.vtk", vtkOf("12", "8 0 1 2 3 4 5 6 7"),
-      {"brick.vtk: it has volume cells that are no tetrahedra", "1 of kind hexahedron", ".stl"});
+      {"brick.vtk: it has volume cells that are not tetrahedra", "1 of kind hexahedron", ".stl"});
   refuses("line.vtk", vtkOf("3", "2 0 1"),
           {"line.vtk: there are neither tetrahedra nor triangles"});
   refuses("far.vtk", vtkOf("10", "4 0 1 2 9"),
@@ -342,24 +342,23 @@ TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
   refuses("surface.vtu",
           "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"><PolyData/></VTKFile>\n",
           {"surface.vtu:1: it is a surface", "save it as .stl"});
-  refuses("not.vtk", "# stl\n", {"not.vtk:1: this is no legacy VTK file", "its ending is .vtu"});
+  refuses("not.vtk", "# stl\n", {"not.vtk:1: this is not a legacy VTK file", ".vtu"});
   refuses("cut.vtu", "<?xml version=\"1.0\"?>\n<VTKFile type=\"Unstr",
           {"cut.vtu:2: this is not XML"});
   refuses("begun.msh", "$MeshFormat\n", {"begun.msh:2: there is no version", "save it again"});
   refuses("cut.msh", "$MeshFormat\n2.2 1 8\n\x01\x01", {"cut.msh: the file is truncated"});
   refuses("other.msh", std::string("$MeshFormat\n4.1 1 8\n") + std::string("\0\0\0\1", 4),
           {"other.msh:3", "another byte order"});
-  refuses("twice.msh", gmsh_twice,
-          {"twice.msh:10: node 4 is defined twice", "a number of its own"});
+  refuses("twice.msh", gmsh_twice, {"twice.msh:10: node 4 is defined twice", "its own number"});
   refuses("twice41.msh", gmsh41_twice, {"twice41.msh:11: node 4 is defined twice"});
   refuses("word.msh",
           "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 0 one 0\n$EndNodes\n",
-          {"word.msh:7: the file is truncated, or has words where numbers"});
+          {"word.msh:7: the file is truncated, or has text"});
   refuses("number.msh",
           "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$ElementData\none\n$EndElementData\n",
-          {"number.msh:5: $ElementData is truncated, or has words", "save it again"});
+          {"number.msh:5: $ElementData is truncated, or has text", "save it again"});
   refuses("letter.doc", "dear all\n",
-          {"letter.doc: no format of this ending is known", "a surface as .stl", "as .vtu"});
+          {"letter.doc: unknown extension", "a surface as .stl", "as .vtu"});
   refuses("solid.stl.gz", "\x1f\x8b", {"solid.stl.gz: it is compressed: decompress it first"});
 }
 

@@ -1,4 +1,4 @@
-"""Abaqus's .inp, of which meshio loses sets."""
+"""Reader for Abaqus .inp files, whose sets meshio loses."""
 from body import NODES_OF, Body, wrong
 from lines import data_lines, numbers, whole
 from meshio_file import read_by_meshio
@@ -10,19 +10,19 @@ ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "h
           "T3D2": "line", "B31": "line", "T3D3": "line3", "B32": "line3"}
 # Keywords that create or move nodes and elements beyond the lines of *NODE and *ELEMENT.
 GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYMMETRIC MODEL GENERATION")
-REMEDY = "write the model flat, with every node where it is and every element, or convert it to .vtu by another program"
+REMEDY = "write a flat model that lists every node and element, or convert it to .vtu with another program"
 NO_CONTINUUM = ("MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "GAP", "DCOUP", "JOINTC", "ITS")
 LONGEST_RANGE = 10_000_000  # members of one set
 
 
 def abaqus_kind(word):
-    """C3D10MH is C3D10 with another formulation."""
+    """Returns the kind of cell for an element type, without its formulation: that of C3D10 for C3D10MH."""
     matches = [name for name in ABAQUS if word.startswith(name) and not word[len(name):len(name) + 1].isdigit()]
     return ABAQUS[max(matches, key=len)] if matches else None
 
 
 class Abaqus:
-    """Keywords of one .inp with what it includes. Numbers of nodes and elements hold in their part: a scope."""
+    """The model in an .inp file and the files that it includes. Node and element numbers are valid in one part, the scope."""
 
     def __init__(self, path):
         self.files, self.scope, self.part_of = [path], "", {}  # part_of: name of an instance -> scope
@@ -39,7 +39,7 @@ class Abaqus:
         keyword = ""  # a keyword line that continues in the next line
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
-            if keyword and text[0] in "+-.0123456789":  # data: the comma before it continued nothing
+            if keyword and text[0] in "+-.0123456789":  # a data line, so the comma continued nothing
                 self.begin(keyword)
                 keyword = ""
             if keyword or text.startswith("*"):
@@ -58,7 +58,7 @@ class Abaqus:
             elif self.keyword == "INSTANCE":
                 self.move(text)
             elif self.keyword == "SYSTEM":
-                self.wrong(f"*SYSTEM moves the nodes behind it, and is not read; {REMEDY}")
+                self.wrong(f"*SYSTEM moves the nodes after it, which is not supported; {REMEDY}")
         self.refuse_half_an_element()
 
     def wrong(self, what):
@@ -66,8 +66,8 @@ class Abaqus:
 
     def refuse_half_an_element(self):
         if self.pending:
-            self.wrong(f"element {self.pending[0]} has {len(self.pending) - 1} nodes where {NODES_OF[self.kind]} are expected "
-                       "before this line: the file is truncated")
+            self.wrong(f"element {self.pending[0]} has {len(self.pending) - 1} nodes before this line, not "
+                       f"{NODES_OF[self.kind]}: the file is truncated")
 
     def begin(self, text):
         self.refuse_half_an_element()
@@ -78,12 +78,12 @@ class Abaqus:
         if self.keyword == "INCLUDE":
             self.include()
         elif self.keyword in GENERATORS:
-            self.wrong(f"*{self.keyword} makes nodes or elements, and is not read; {REMEDY}")
+            self.wrong(f"*{self.keyword} creates nodes or elements, which is not supported; {REMEDY}")
         elif self.keyword in ("PART", "ASSEMBLY", "INSTANCE", "END PART", "END ASSEMBLY", "END INSTANCE"):
             self.enter()
         elif self.keyword in ("NODE", "ELEMENT", "NSET", "ELSET"):
             if "INPUT" in self.options:
-                self.wrong(f"INPUT={self.options['INPUT']} is not read: put the lines of that file here, or use *INCLUDE")
+                self.wrong(f"INPUT={self.options['INPUT']} is not read: insert the lines of that file here, or use *INCLUDE")
             if self.keyword == "ELEMENT":
                 word = self.options.get("TYPE", "").upper()
                 self.kind = abaqus_kind(word)
@@ -95,7 +95,7 @@ class Abaqus:
                 self.nodes_of_elements()
 
     def leave_out(self, word):
-        """Masses, springs, connectors: what is no part of a continuum."""
+        """Ignores masses, springs and connectors, which are not part of a continuum."""
         if not word.startswith(NO_CONTINUUM):
             self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
         self.left_out.setdefault(word, 0)
@@ -108,7 +108,7 @@ class Abaqus:
             self.wrong("*INCLUDE names no file: write *INCLUDE, INPUT=FILE")
         included = self.path.parent / name
         if not included.is_file():
-            self.wrong(f"*INCLUDE, INPUT={name}: there is no file {included}; put it there, or its lines here")
+            self.wrong(f"*INCLUDE, INPUT={name}: there is no file {included}; put it there, or insert its lines here")
         if any(included.samefile(file) for file in self.files):
             self.wrong(f"{included} includes itself")
         path = self.path
@@ -119,7 +119,7 @@ class Abaqus:
         self.path, self.keyword = path, ""
 
     def enter(self):
-        """Parts have numbers of their own, and so has the assembly; an instance has those of its part."""
+        """Changes the scope. Each part and the assembly have their own numbers; an instance has those of its part."""
         if self.keyword == "PART":
             self.scope = "part " + self.options.get("NAME", "").upper()
         elif self.keyword == "INSTANCE":
@@ -129,7 +129,7 @@ class Abaqus:
             self.scope = "assembly" if self.keyword in ("ASSEMBLY", "END INSTANCE") else ""
 
     def move(self, text):
-        """A line of where an instance lies: how far it is shifted, or two points of an axis and an angle."""
+        """Reads a position of an instance: its shift, or two points of an axis and an angle."""
         row = numbers(text, self.path, self.line, commas=True)
         if any(row[6:] if len(row) == 7 else row):
             self.moved.setdefault(self.scope, (self.path, self.line))
@@ -137,13 +137,13 @@ class Abaqus:
     def node(self, text):
         row = numbers(text, self.path, self.line, commas=True)
         if len(row) != 4:
-            self.wrong("a node is not a number and three coordinates")
+            self.wrong("expected a node number and three coordinates")
         node = self.scope, whole(row[0], "node number", self.path, self.line)
         if node not in self.number_of:
             self.number_of[node] = len(self.points)
             self.points.append(row[1:])
         elif self.points[self.number_of[node]] != row[1:]:
-            self.wrong(f"node {node[1]} is defined twice, at different places; of several parts export one")
+            self.wrong(f"node {node[1]} is defined twice, at different places; if there are several parts, export one of them")
         if self.options.get("NSET"):
             self.set_of("NSET").append(node)
 
@@ -151,25 +151,25 @@ class Abaqus:
         self.pending += numbers(text, self.path, self.line, kind=int, commas=True)
         nodes = self.pending[1:]
         if len(nodes) > NODES_OF[self.kind]:
-            self.wrong(f"an element of {len(nodes)} nodes where {NODES_OF[self.kind]} are expected")
+            self.wrong(f"expected an element of {NODES_OF[self.kind]} nodes, found {len(nodes)}")
         if len(nodes) < NODES_OF[self.kind]:
             return
         element = self.scope, self.pending[0]
         if element in self.elements:
-            self.wrong(f"element {element[1]} is defined twice; of several parts export one")
+            self.wrong(f"element {element[1]} is defined twice; if there are several parts, export one of them")
         for node in nodes:
             if (self.scope, node) not in self.number_of:
-                self.wrong(f"node {node} is used and not defined")
+                self.wrong(f"node {node} is used but not defined")
         self.elements[element] = self.kind, [self.number_of[self.scope, node] for node in nodes]
         if self.options.get("ELSET"):
             self.set_of("ELSET").append(element)
         self.pending = []
 
     def set_of(self, kind):
-        """Members of the set that the options name; names differ by more than capitals."""
+        """Returns the members of the set that the options name; upper and lower case are the same."""
         name = self.options.get(kind)
         if not name:
-            self.wrong(f"a *{kind} without a name")
+            self.wrong(f"*{kind} has no name")
         return self.sets[kind].setdefault(name.upper(), (name, []))[1]
 
     def members(self, text):
@@ -185,10 +185,10 @@ class Abaqus:
             step = row[2] if len(row) == 3 else 1
             members = range(row[0], row[1] + (1 if step > 0 else -1), step)
             if not members:
-                self.wrong(f"GENERATE from {row[0]} to {row[1]} by {step} makes no member; write "
-                           "the numbers the other way round, or leave the set out")
+                self.wrong(f"GENERATE from {row[0]} to {row[1]} by {step} makes no member; "
+                           "exchange the first and the last number, or remove the set")
             if (row[1] - row[0]) // step >= LONGEST_RANGE:
-                self.wrong(f"GENERATE makes more than {LONGEST_RANGE} members: name those that are there")
+                self.wrong(f"GENERATE makes more than {LONGEST_RANGE} members: list only existing ones")
             found += [(scope, n) for n in members]
             return
         for word in (word.strip().strip('"') for word in text.split(",")):
@@ -201,7 +201,7 @@ class Abaqus:
                 found += self.known_set(self.keyword, word)
 
     def known_set(self, kind, name):
-        """By its name, which the assembly may write behind that of an instance."""
+        """Returns the members of a set by its name; the assembly may prefix the name with that of an instance."""
         instance, _, of_instance = name.rpartition(".")
         known = of_instance if instance.upper() in self.part_of else name
         if known.upper() not in self.sets[kind]:
@@ -210,19 +210,19 @@ class Abaqus:
         return [m for m in members if known == name or m[0] == self.part_of[instance.upper()]]
 
     def nodes_of_elements(self):
-        """*NSET, NSET=name, ELSET=elements."""
+        """Reads *NSET, NSET=name, ELSET=elements."""
         elements = self.known_set("ELSET", self.options["ELSET"])
         number = {point: node for node, point in self.number_of.items()}
         self.set_of("NSET").extend(number[point] for e in elements if e in self.elements for point in self.elements[e][1])
 
     def refuse_instances_of(self, scope):
-        """More than one, or one that lies elsewhere than its part."""
+        """Refuses several instances of a part, and a moved instance."""
         count = list(self.part_of.values()).count(scope)
         if count > 1:
-            wrong(self.files[0], None, f"there are {count} instances of {scope}, which has tetrahedra; export one")
+            wrong(self.files[0], None, f"there are {count} instances of {scope}, which has tetrahedra; export one of them")
         if scope in self.moved:
-            wrong(*self.moved[scope], f"an instance of {scope} is moved by this line, which is not read; take the line "
-                                      f"out if the body may lie where the part does, or {REMEDY}")
+            wrong(*self.moved[scope], f"this line moves an instance of {scope}, which is not supported; remove the "
+                                      f"line if the body may stay at the place of the part, or {REMEDY}")
 
     def body(self):
         if not self.elements and self.left_out:
@@ -230,7 +230,7 @@ class Abaqus:
                                        "and C3D10")
         parts = {scope for (scope, _), (kind, _) in self.elements.items() if kind.startswith("tetra")}
         if len(parts) > 1:
-            wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts ({', '.join(sorted(parts))}); export one")
+            wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts; export one of {', '.join(sorted(parts))}")
         for scope in parts:
             self.refuse_instances_of(scope)
         body, by_kind, place = Body(self.points), {}, {}
@@ -240,7 +240,7 @@ class Abaqus:
             block = body.add(kind, [nodes for _, nodes in rows])
             place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
         for word, lines in self.left_out.items():
-            body.notes.append(f"elements of type {word} are left out ({lines} lines)")
+            body.notes.append(f"elements of type {word} are omitted ({lines} lines)")
         for name, elements in self.sets["ELSET"].values():
             body.group_of([place[element] for element in elements if element in place], name)
             body.note_missing(name, sum(element not in place for element in elements), "element")
@@ -251,8 +251,8 @@ class Abaqus:
 
 
 def read_abaqus(path):
-    """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance. AVS's UCD has the same ending, and begins
-    with five numbers."""
+    """Reads *NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance. AVS UCD files have the same extension, and
+    begin with five numbers; meshio reads them."""
     first = next((text for _, text in data_lines(path, comment="#")), "").split()
     if len(first) == 5 and all(word.isdigit() for word in first):
         return read_by_meshio(path, "avsucd")

@@ -1,7 +1,7 @@
-"""A mesh as it was read, whatever the format: cells with groups, and what is wrong with a file."""
+"""A mesh as a reader returns it, in the same form for all formats: cells with groups. Also errors of input files."""
 import numpy as np
 
-# Gmsh's number, dimension and number of nodes of every kind of cell that is written.
+# Gmsh's type number, the dimension and the number of nodes of every kind of cell that is written.
 WRITTEN = {"vertex": (15, 0, 1), "line": (1, 1, 2), "line3": (8, 1, 3), "triangle": (2, 2, 3), "triangle6": (9, 2, 6),
            "tetra": (4, 3, 4), "tetra10": (11, 3, 10)}
 # Corners of the edges of a tetrahedron, in the order in which VTK, Abaqus and FEBio number the
@@ -21,7 +21,7 @@ MOST_PARTS = 64
 
 
 class Wrong(Exception):
-    """What is wrong with the input, as a sentence."""
+    """An error of the input, as a sentence."""
 
 
 def wrong(source, line, what):
@@ -29,7 +29,7 @@ def wrong(source, line, what):
 
 
 class Body:
-    """Cells in blocks of one kind, and what names parts of them."""
+    """Cells in blocks of one kind, and their groups."""
 
     def __init__(self, points):
         points = np.asarray(points, dtype=float)
@@ -53,22 +53,22 @@ class Body:
         members[block] = np.union1d(members.get(block, cells), cells)
 
     def group_of(self, places, name):
-        """The cells at (block, cell)."""
+        """Adds the cells at places (block, cell) to a group."""
         for block in {block for block, _ in places}:
             self.group(name, block, [cell for of, cell in places if of == block])
 
     def note_missing(self, name, missing, what, by="set"):
         if missing:
-            self.notes.append(f"the {by} \"{name}\" names {missing} {what}(s) that are not there")
+            self.notes.append(f"the {by} \"{name}\" names {missing} {what}(s) that do not exist")
 
 
 def plain(name):
-    """"medit:ref" is "ref"."""
+    """Returns the name without a prefix: "ref" for "medit:ref"."""
     return name.rsplit(":", 1)[-1]
 
 
 def are_numbers_of_parts(name, arrays):
-    """Integers, or floats of a name like that of parts; what Gmsh and VTK count for themselves is none."""
+    """Whether arrays number parts: integers, or floats with a name for parts. Excludes Gmsh's and VTK's internal arrays."""
     if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
         return False
     if all(np.asarray(array).dtype.kind in "iu" for array in arrays):
@@ -79,14 +79,14 @@ def are_numbers_of_parts(name, arrays):
 
 def are_no_parts(body, name, numbers_in):
     if len(numbers_in) > MOST_PARTS:
-        body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different numbers: too many to name parts")
+        body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different values, too many for parts")
     numbers_in = np.asarray(numbers_in, dtype=float)
     are_whole = np.isfinite(numbers_in) & (numbers_in == np.round(numbers_in))
     return len(numbers_in) > MOST_PARTS or not np.all(are_whole)
 
 
 def add_parts(body, name, values):
-    """Cells with one number in an array are a group; with 0 and 1 alone, those of 1, under its name."""
+    """Makes a group of the cells with the same number. If the numbers are 0 and 1, makes one group of those with 1."""
     values = {block: np.asarray(array) for block, array in values.items() if body.blocks[block][0] in WRITTEN}
     if not values or any(array.ndim > 1 and array.shape[1:] != (1,) for array in values.values()):
         return
@@ -104,7 +104,7 @@ def add_parts(body, name, values):
 
 
 def add_point_parts(body, name, values):
-    """The same of points; 0 is no part."""
+    """Like add_parts for points; 0 is not a part."""
     values = np.asarray(values)
     if values.ndim > 1:
         return

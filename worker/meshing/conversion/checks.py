@@ -1,4 +1,4 @@
-"""What a mesh must be before it is written, and what can be put right."""
+"""Checks and repairs of a mesh before it is written."""
 import numpy as np
 
 from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
@@ -12,7 +12,7 @@ ROUNDED = 2e-6  # relative to the largest coordinate: error of a midpoint in six
 
 def check_points(body, source):
     if body.points.shape[1:] == (2,):
-        wrong(source, None, "its points have two coordinates: a mesh of the plane has no volume")
+        wrong(source, None, "its points have only two coordinates; a plane mesh has no volume")
     body.points = np.ascontiguousarray(body.points[:, :3])
     bad = np.flatnonzero(~np.isfinite(body.points).all(axis=1))
     if len(bad):
@@ -20,16 +20,16 @@ def check_points(body, source):
     for kind, nodes in body.blocks:
         flat = nodes.reshape(-1)
         if len(flat) and (flat.min() < 0 or flat.max() >= len(body.points)):
-            wrong(source, None, f"a cell ({kind}) uses point {flat.min() if flat.min() < 0 else flat.max()}, counted "
-                                f"from 0; there are {len(body.points)}")
+            wrong(source, None, f"a cell ({kind}) uses point {flat.min() if flat.min() < 0 else flat.max()} (counted "
+                                f"from 0), but there are {len(body.points)} points")
 
 
 def weld(body):
-    """Points that lie on each other become one, that of the lowest number."""
+    """Merges points at the same place into the one with the lowest number."""
     used = np.unique(np.concatenate([nodes.reshape(-1) for _, nodes in body.blocks]))
     points = body.points[used]
     near = COINCIDENT * np.linalg.norm(np.ptp(points, axis=0))
-    # Points are sorted along a direction in which those of a regular mesh have different positions.
+    # Sort the points along a direction in which the points of a regular mesh have different positions.
     position = points @ np.array([0.5129, 0.6427, 0.5691]) / np.linalg.norm([0.5129, 0.6427, 0.5691])
     order = np.argsort(position)
     lowest = np.arange(len(points))
@@ -47,7 +47,7 @@ def weld(body):
         np.minimum.at(lowest, first, least)
         np.minimum.at(lowest, second, least)
     count = np.count_nonzero(lowest != np.arange(len(points)))
-    body.notes.append(f"{count} nodes lay on others and are one with them")
+    body.notes.append(f"{count} nodes coincided with others and were merged")
     same_as = np.arange(len(body.points))
     same_as[used] = used[lowest]
     body.blocks = [(kind, same_as[nodes]) for kind, nodes in body.blocks]
@@ -55,7 +55,7 @@ def weld(body):
 
 
 def off_middle(points, cells):
-    """How far mid-edge nodes lie off the middles of their edges, and how far is still straight, in lengths: n x 6."""
+    """Returns n x 6 distances of mid-edge nodes from the middles, and the limits for straight edges, in edge lengths."""
     off, straight = np.empty((len(cells), 6)), np.empty((len(cells), 6))
     rounding = ROUNDED * np.abs(points).max()
     for e, (a, b) in enumerate(EDGES):
@@ -67,7 +67,7 @@ def off_middle(points, cells):
 
 
 def put_middles_right(body, source, straight):
-    """Ten nodes in VTK's order with straight edges, or four."""
+    """Makes every tetrahedron straight: ten nodes in VTK's order, or four nodes."""
     for i, (kind, cells) in enumerate(body.blocks):
         if kind != "tetra10" or not len(cells):
             continue
@@ -76,28 +76,28 @@ def put_middles_right(body, source, straight):
             for name, order in ORDERS.items():
                 other, allowed_there = off_middle(body.points, cells[:, order])
                 if (other <= allowed_there).all():
-                    body.notes.append(f"its tetrahedra of ten nodes have their mid-edge nodes in {name}'s order; put right")
+                    body.notes.append(f"the mid-edge nodes of its tetrahedra were in {name}'s order; they were reordered")
                     cells, off, allowed = cells[:, order], other, allowed_there
                     break
         if (off <= allowed).all():
             if off.max() > STRAIGHT:
-                body.notes.append(f"mid-edge nodes are rounded, off the middles by up to {off.max():.2g} of the edge; "
-                                  "put there")
+                body.notes.append(f"mid-edge nodes were rounded by up to {off.max():.2g} edge lengths; they were moved "
+                                  "to the middles")
                 for e, (a, b) in enumerate(EDGES):
                     body.points[cells[:, 4 + e]] = (body.points[cells[:, a]] + body.points[cells[:, b]]) / 2
             body.blocks[i] = (kind, cells)
         elif straight:
-            body.notes.append(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; "
-                              "the corners are taken, with straight edges")
+            body.notes.append(f"mid-edge nodes lie up to {off.max():.2g} edge lengths away from the middles; "
+                              "only the corners are used, with straight edges")
             body.blocks[i] = ("tetra", cells[:, :4])
         else:
             at, e = np.unravel_index(off.argmax(), off.shape)
             middle = body.points[cells[at, list(EDGES[e])]].mean(axis=0)
             wrong(source, None, f"tetrahedron {at} of ten nodes (counted from 0) has a curved edge at "
-                                f"({middle[0]:.6g}, {middle[1]:.6g}, {middle[2]:.6g}): its mid-edge node is off the "
-                                f"middle by {off.max():.2g} of its length; of all tetrahedra "
+                                f"({middle[0]:.6g}, {middle[1]:.6g}, {middle[2]:.6g}): its mid-edge node is "
+                                f"{off.max():.2g} edge lengths away from the middle. In all tetrahedra, "
                                 f"{np.count_nonzero(off > allowed)} edges are curved; "
-                                "--straight takes the corners with straight edges")
+                                "--straight uses only the corners, with straight edges")
 
 
 def refuse_other_volumes(body, source):
@@ -109,5 +109,5 @@ def refuse_other_volumes(body, source):
             counts[kind] = counts.get(kind, 0) + len(cells)
     if counts:
         found = ", ".join(f"{count} of kind {kind}" for kind, count in sorted(counts.items()))
-        wrong(source, None, f"it has volume cells that are no tetrahedra of 4 or 10 nodes: {found}; mesh the body with "
-                            "tetrahedra, or have its surface meshed (save it as .stl)")
+        wrong(source, None, f"it has volume cells that are not tetrahedra of 4 or 10 nodes: {found}; mesh the body with "
+                            "tetrahedra, or save its surface as .stl and convert that")

@@ -1,15 +1,14 @@
-"""Reads a mesh of any format and writes what palpate reads: run by `palpate mesh` (mesh_conversion.hpp).
+"""Converts a mesh of any format for Palpate. `palpate mesh` runs this program (mesh_conversion.hpp).
 
     python3 convert_mesh.py INPUT OUTPUT [--straight] [--weld]
 
-A mesh with tetrahedra becomes Gmsh's format 2.2, ASCII, with its groups; one of triangles alone the bytes that
-closed_surface.cpp reads: two int64 (points, triangles), the points as float64, the triangles as int32. The first line
-of stdout says which, "volume" or "surface"; each further line is a note for people. Exit 2 and one sentence on stderr
-where the input is wrong, 3 and the name of a Python module where that is missing
-(of numpy as `palpate mesh` runs it).
+Writes a mesh with tetrahedra in Gmsh's format 2.2, ASCII, with its groups. Writes a mesh of triangles alone as the bytes that
+closed_surface.cpp reads: two int64 (points, triangles), the points as float64, the triangles as int32. The first line of stdout
+is "volume" or "surface"; each further line is a note for the user. Exit code 2: the input is wrong; stderr has one sentence.
+Exit code 3: a Python module is missing (numpy too); stderr has its name.
 
-Formats with a reader here: those of which meshio loses groups (.inp, binary .msh), or that it does not know (.feb,
-TetGen of ten nodes), and plain surfaces, whose errors then name the line. Everything else is read by meshio.
+This program has its own readers for formats whose groups meshio loses (.inp, binary .msh), for formats that meshio does not
+know (.feb, TetGen with ten nodes), and for plain surfaces, so that errors name the line. meshio reads everything else.
 """
 import errno
 import pathlib
@@ -34,16 +33,16 @@ READERS = {".stl": read_stl, ".obj": read_obj, ".off": read_off, ".ply": read_pl
 
 
 class Unwritable(Exception):
-    """Why the output could not be written."""
+    """The output could not be written; the text gives the reason."""
 
 
 def convert(source, output, straight, welded):
-    """"volume" or "surface", and notes."""
+    """Converts a mesh. Returns "volume" or "surface", and the notes."""
     path = pathlib.Path(source)
     try:
         body = READERS.get(path.suffix.lower(), read_by_meshio)(path)
     except (ArithmeticError, LookupError, ValueError) as error:
-        wrong(source, None, f"it is truncated, or not of the format that its ending says ({error!r}); save it again, "
+        wrong(source, None, f"it is truncated, or its format does not match its extension ({error!r}); save it again, "
                             "or in another format")
     check_points(body, source)
     refuse_other_volumes(body, source)
@@ -61,7 +60,7 @@ def convert(source, output, straight, welded):
         else:
             write_surface(body, triangles, output)
     except OSError as error:
-        more = "; make room, or set TMPDIR to another folder" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        more = "; free some space, or set TMPDIR to another folder" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
         raise Unwritable(f"{output}: cannot be written: {error.strerror or error}{more}") from None
     return ["volume" if is_volume else "surface", *body.notes]
 
@@ -71,7 +70,7 @@ def main(arguments):
     try:
         print("\n".join(convert(source, output, "--straight" in flags, "--weld" in flags)))
     except Wrong as what:
-        print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, whatever the name of the file
+        print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, even if the name of the file has several
         return 2
     except Unwritable as why:
         print(why, file=sys.stderr)
@@ -83,7 +82,7 @@ def main(arguments):
         print(f"{error.filename or source}: {error.strerror or error}", file=sys.stderr)
         return 2
     except MemoryError:
-        print(f"{source}: this machine has not enough memory for it", file=sys.stderr)
+        print(f"{source}: there is not enough memory to convert it", file=sys.stderr)
         return 1
     return 0
 

@@ -1,4 +1,4 @@
-"""FEBio's .feb."""
+"""Reader for FEBio .feb files."""
 import numpy as np
 
 from body import NODES_OF, Body, wrong
@@ -43,15 +43,15 @@ class Febio:
         return points
 
     def define(self, known, element, value, what):
-        """Under its id; what has none cannot be named."""
+        """Stores a value under the id of an element. Without an id, nothing can refer to the element."""
         if "id" in element.attributes:
             define(known, element.attributes["id"].strip(), value, what, self.path, element.line)
 
     def cell(self, element, kind):
-        """Nodes of an element or a face."""
+        """Returns the nodes of an element or a face."""
         words = words_of(element)
         if len(words) != NODES_OF[kind]:
-            wrong(self.path, element.line, f"{len(words)} nodes where {NODES_OF[kind]} are expected")
+            wrong(self.path, element.line, f"expected {NODES_OF[kind]} nodes, found {len(words)}")
         return node_numbers(words, self.number_of, self.path, element.line)
 
     def elements(self, part):
@@ -81,7 +81,7 @@ class Febio:
 
     def nodes_of_set(self, name, of):
         if name not in self.nodes_of:
-            self.body.notes.append(f"the set \"{of}\" names the set \"{name}\", which is not there before it")
+            self.body.notes.append(f"the set \"{of}\" names the set \"{name}\", which is not defined before it")
         return self.nodes_of.get(name, [])
 
     def element_set(self, element_set):
@@ -98,7 +98,7 @@ class Febio:
                 self.body.group(surface.attributes.get("name", ""), block, range(len(faces)))
 
     def vectors(self, data):
-        """Three numbers of each element of a set, which names them by their places in it, from 1."""
+        """Reads a vector for each element of a set. Elements are given by their position in the set, from 1."""
         places = self.cells_of.get(data.attributes.get("elem_set", ""), [])
         name = data.attributes.get("var") or data.attributes.get("name") or data.attributes.get("type") or "fiber"
         rows = [row for row in data.all("e", "elem") if len(words_of(row)) == 3]
@@ -112,12 +112,12 @@ class Febio:
             array[cell] = numbers(row.text, self.path, row.line, 3, commas=True)
 
     def place_in_set(self, row):
-        """From 0."""
+        """Returns the position of an element in its set, from 0."""
         lid = row.attributes.get("lid", "0")
         try:
             return int(lid) - 1
         except ValueError:
-            wrong(self.path, row.line, f"lid=\"{lid}\" where the place of an element in its set is expected: 1, 2, ...")
+            wrong(self.path, row.line, f"lid=\"{lid}\" must be the position of an element in its set: 1, 2, ...")
 
 
 def words_of(element):
@@ -125,7 +125,7 @@ def words_of(element):
 
 
 def ids_in(element, path):
-    """Of <node id="1"/>, <n id="1"/> and <e id="1"/>, or in the text, where 1:4 is 1 to 4 and 1:9:2 every second."""
+    """Returns the ids of <node id="1"/>, <n id="1"/>, <e id="1"/>, or in the text: 1:4 is 1 to 4, 1:9:2 every second."""
     ids = [child.attributes["id"].strip() for child in element.children if "id" in child.attributes]
     for word in words_of(element):
         if ":" not in word:
@@ -133,13 +133,13 @@ def ids_in(element, path):
             continue
         ends = numbers(word.replace(":", " "), path, element.line, kind=int)
         if len(ends) not in (2, 3) or ends[-1] <= 0 and len(ends) == 3 or (ends[1] - ends[0]) >= LONGEST_RANGE:
-            wrong(path, element.line, f"\"{word[:60]}\" where a range like 1:4 or 1:9:2 is expected")
+            wrong(path, element.line, f"expected a range like 1:4 or 1:9:2, found \"{word[:60]}\"")
         ids += [str(i) for i in range(ends[0], ends[1] + 1, ends[2] if len(ends) == 3 else 1)]
     return ids
 
 
 def spec_of(path, reading=()):
-    """The children of <febio_spec> with what other files say in the places of <Include> and from="..."."""
+    """Returns the children of <febio_spec>; the contents of other files replace <Include> and from="..."."""
     root = xml_of(path, bytes_of(path))
     spec = (root.all("febio_spec") or [root])[0]
 
@@ -163,7 +163,7 @@ def spec_of(path, reading=()):
 
 
 def read_febio(path):
-    """FEBio 2.5, 3 and 4: Geometry or Mesh with Nodes, Elements, NodeSet, ElementSet, Surface; fibres of MeshData."""
+    """Reads FEBio 2.5, 3 and 4: Nodes, Elements, NodeSet, ElementSet and Surface of Geometry or Mesh; fibres of MeshData."""
     sections = spec_of(path)
     meshes = [section for section in sections if section.tag in ("Geometry", "Mesh")]
     if not meshes:

@@ -1,4 +1,4 @@
-"""Gmsh's .msh of version 1, 2, 4.0 and 4.1, of which meshio loses groups where it is binary."""
+"""Reader for Gmsh .msh files of version 1, 2, 4.0 and 4.1. meshio loses the groups of binary files."""
 import re
 
 import numpy as np
@@ -13,7 +13,7 @@ GMSH_NODES = {**NODES_OF, "quad9": 9, "hexahedron27": 27, "wedge18": 18, "pyrami
 
 
 class GmshFile(ByteLines):
-    """Numbers of a .msh file, binary or text, section by section. version: 1, 2, 4 (which is 4.0) or 4.1."""
+    """The numbers of a .msh file, binary or text, section by section. version: 1, 2, 4 (means 4.0) or 4.1."""
 
     def __init__(self, path, data):
         super().__init__(path, data)
@@ -26,15 +26,15 @@ class GmshFile(ByteLines):
             wrong(path, 1, "this is not a Gmsh .msh file: its first line is not $MeshFormat")
         words = self.line().split()
         if len(words) < 3:
-            wrong(path, 2, "there is no version, type and size of numbers here: the file is truncated; save it again")
+            wrong(path, 2, "there is no version, file type and data size here: the file is truncated; save it again")
         known = {"2": "2", "2.0": "2", "2.1": "2", "2.2": "2", "4": "4", "4.0": "4", "4.1": "4.1"}
         if words[0] not in known:
-            wrong(path, 2, f"Gmsh's format version {words[0]} is not read; save the mesh as version 4.1 or 2.2")
+            wrong(path, 2, f"Gmsh's format version {words[0]} is not supported; save the mesh as version 4.1 or 2.2")
         self.version, self.binary = known[words[0]], words[1] == "1"
         self.names_have_dimensions = words[0] not in ("2", "2.0")
         self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
-            wrong(path, 3, "it was written on a machine of another byte order")
+            wrong(path, 3, "it was written on a machine with another byte order; save it as ASCII")
 
     def bytes(self, count):
         if self.at + count > len(self.data):
@@ -58,7 +58,7 @@ class GmshFile(ByteLines):
                 self.at = end
 
     def here(self, back=0):
-        """The line of the number that was taken last, or of one `back` before it; of text."""
+        """Returns the line of the last number taken, or of one `back` before it; None in a binary file."""
         if self.words is None:
             return None
         begin, end = self.text
@@ -66,7 +66,7 @@ class GmshFile(ByteLines):
         return 1 + self.data.count(b"\n", 0, [*words, end][min(self.taken - back - 1, len(words))])
 
     def take(self, kind, count=1):
-        """`count` numbers: "i" of 32 bits, "s" of the file's size, "d" double."""
+        """Returns the next `count` numbers: "i" with 32 bits, "s" with the file's data size, "d" double."""
         if self.words is not None:
             convert, dtype = (float, float) if kind == "d" else (int, np.int64)
             taken = []
@@ -76,14 +76,14 @@ class GmshFile(ByteLines):
                     taken.append(convert(self.words[self.taken - 1]))
                 return np.array(taken, dtype=dtype)
             except (IndexError, ValueError, OverflowError):
-                wrong(self.path, self.here(), "the file is truncated, or has words where numbers are expected")
+                wrong(self.path, self.here(), "the file is truncated, or has text in place of numbers")
         dtype = {"i": np.dtype("<i4"), "s": self.size, "d": np.dtype("<f8")}[kind]
         values = np.frombuffer(self.bytes(count * dtype.itemsize), dtype)
         return values if kind == "d" else values.astype(np.int64)
 
 
 class GmshMesh:
-    """What the sections of a file say."""
+    """The contents of the sections of a file."""
 
     def __init__(self, file):
         self.file, self.old = file, file.version in ("1", "2")
@@ -108,7 +108,7 @@ class GmshMesh:
             reader(begin, end)
         except (IndexError, ValueError):
             line = None if file.binary else file.data.count(b"\n", 0, file.at)
-            wrong(file.path, line, f"${section} is truncated, or has words where numbers are expected; save it again")
+            wrong(file.path, line, f"${section} is truncated, or has text in place of numbers; save it again")
 
     def physical_names(self, begin, end):
         has_dimensions = self.file.names_have_dimensions
@@ -162,7 +162,7 @@ class GmshMesh:
                 file.take("d", int(dimension) if parametric else 0)
 
     def parametric_nodes(self, *_):
-        """Of version 2.2: with the entity that a node lies on, and its parameters there."""
+        """Reads nodes of version 2.2 with their entities and their parameters on them, which are ignored."""
         file = self.file
         for _ in range(self.old_count()):
             self.node(file.take("i")[0])
@@ -172,7 +172,7 @@ class GmshMesh:
 
     def node(self, tag, back=0):
         if int(tag) in self.number_of:
-            wrong(self.file.path, self.file.here(back), f"node {tag} is defined twice; give each a number of its own")
+            wrong(self.file.path, self.file.here(back), f"node {tag} is defined twice; give each its own number")
         self.number_of[int(tag)] = len(self.number_of)
 
     def kind_of(self, number):
@@ -197,7 +197,7 @@ class GmshMesh:
                 self.add(kind, row[0], groups, row[1:])
 
     def first_elements(self, *_):
-        """Of version 1: tag, type, physical and elementary entity, how many nodes, nodes."""
+        """Reads elements of version 1: tag, type, physical and elementary entity, number of nodes, nodes."""
         for _ in range(self.old_count()):
             tag, number, group, _, _ = self.file.take("i", 5)
             kind = self.kind_of(int(number))
@@ -227,7 +227,7 @@ class GmshMesh:
         self.add(kind, row[0], groups, nodes)
 
     def element_data(self, begin, _):
-        """Vectors: every other data are left."""
+        """Reads vectors; ignores all other data."""
         file = self.file
         file.at, file.words = begin, None
         strings = [file.line() for _ in range(int(file.line()))]
@@ -265,18 +265,18 @@ class GmshMesh:
         idle = sorted(name for name in self.names.values() if name not in borne)
         if idle:
             text = ", ".join(f'"{name}"' for name in idle[:5]) + (f" and {len(idle) - 5} more" if len(idle) > 5 else "")
-            body.notes.append(f"named groups of which no element is read are lost: {text} (version 2.2 saves elements "
-                              "without their groups where Mesh.SaveAll is 1)")
+            body.notes.append(f"these named groups have no elements and are lost: {text} (with Mesh.SaveAll = 1, version "
+                              "2.2 saves elements without their groups)")
 
     def refuse_tetrahedra_of_one_tag(self):
-        """Only where vectors ask for tags: version 2.2 may write an element once for each of its groups."""
+        """Refuses equal tags if vectors refer to tags. Version 2.2 may write an element once for each of its groups."""
         if not self.vectors:
             return
         tags, counts = np.unique([int(row[0]) for kind in ("tetra", "tetra10") for row in self.rows.get(kind, [])],
                                  return_counts=True)
         if len(twice := tags[counts > 1]):
             wrong(self.file.path, self.line_of_vectors, "$ElementData cannot be assigned: two tetrahedra have the "
-                                                        f"number {twice[0]}; give each one of its own")
+                                                        f"number {twice[0]}; give each its own number")
 
     def add_groups(self, body, block, rows):
         members = {}

@@ -1,16 +1,16 @@
-"""Numbers and lines of files that people can read."""
+"""Numbers and lines of text files, with errors that name the line."""
 from body import wrong
 
 
 def numbers(text, source, line, count=None, kind=float, commas=False):
-    """commas: between the numbers; else one is the decimal sign of another country, and refused."""
+    """Returns the numbers in a text. commas: whether commas separate numbers; if not, a comma (as a decimal sign) is an error."""
     words = (text.replace(",", " ") if commas else text).split()
     try:
         found = [kind(word) for word in words]
     except ValueError:
-        wrong(source, line, f"\"{text.strip()[:60]}\" where numbers are expected")
+        wrong(source, line, f"expected numbers, found \"{text.strip()[:60]}\"")
     if count is not None and len(found) != count:
-        wrong(source, line, f"{len(found)} numbers where {count} are expected")
+        wrong(source, line, f"expected {count} numbers, found {len(found)}")
     return found
 
 
@@ -18,20 +18,20 @@ def node_numbers(ids, number_of, source, line):
     try:
         return [number_of[i] for i in ids]
     except KeyError as missing:
-        wrong(source, line, f"node {missing} is used and not defined")
+        wrong(source, line, f"node {missing} is used but not defined")
 
 
 def define(known, number, value, what, source, line):
-    """known[number] is value from here on, and was nothing before."""
+    """Sets known[number] to value; it is an error if the number is already known."""
     if number in known:
-        wrong(source, line, f"{what} {number} is defined twice; give each a number of its own")
+        wrong(source, line, f"{what} {number} is defined twice; give each its own number")
     known[number] = value
 
 
 def whole(number, what, source, line):
-    """A number that was read together with others, which need not be whole."""
+    """Returns a number as an integer; it is an error if it is not whole."""
     if not float(number).is_integer():
-        wrong(source, line, f"{what} {number:g} is not a whole number; write one here")
+        wrong(source, line, f"{what} {number:g} is not a whole number; correct it")
     return int(number)
 
 
@@ -39,15 +39,15 @@ MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
 def bytes_of(path):
-    """Of a file of text, without the mark that some programs for Windows begin UTF-8 with."""
+    """Returns the bytes of a text file, without a UTF-8 byte order mark."""
     data = path.read_bytes()
     if data[:2] in MARKS:
-        wrong(path, 1, f"its text is {MARKS[data[:2]]}: save it as UTF-8 or ASCII")
+        wrong(path, 1, f"the text is {MARKS[data[:2]]}: save it as UTF-8 or ASCII")
     return data.removeprefix(b"\xef\xbb\xbf")
 
 
 class ByteLines:
-    """A file whose lines of text stand between arrays of bytes: where it is read next."""
+    """A file with lines of text and binary arrays, and the position of the next read."""
 
     def __init__(self, path, data):
         self.path, self.data, self.at = path, data, 0
@@ -61,12 +61,12 @@ class ByteLines:
 
 
 def data_lines(path, comment="#"):
-    """(number, text) of lines that say something; what follows `comment` says nothing."""
+    """Yields (number, text) of the lines that are not empty, without comments, which begin with `comment`."""
     try:
         with open(path, "rb") as file:
             mark = file.read(2)
         if mark in MARKS:
-            wrong(path, 1, f"its text is {MARKS[mark]}: save it as UTF-8 or ASCII")
+            wrong(path, 1, f"the text is {MARKS[mark]}: save it as UTF-8 or ASCII")
         with open(path, encoding="utf-8-sig", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 text = line.split(comment)[0].strip()

@@ -1,4 +1,4 @@
-"""Medit's .mesh in text, of which meshio refuses what it does not know."""
+"""Reader for Medit .mesh text files. meshio refuses files with keywords that it does not know."""
 import numpy as np
 
 from body import Body, add_parts, add_point_parts, wrong
@@ -10,7 +10,7 @@ KINDS = {"edges": ("line", 2), "triangles": ("triangle", 3), "quadrilaterals": (
 
 
 class Medit:
-    """Words of a file, and what its keywords say."""
+    """The words of a file, and the contents of its keywords."""
 
     def __init__(self, path):
         self.path = path
@@ -22,7 +22,7 @@ class Medit:
             self.at += 1
             self.keyword(line, word.lower())
         if self.points is None:
-            wrong(path, None, "there are no Vertices in it: the file is truncated, or no Medit mesh")
+            wrong(path, None, "there are no Vertices in it: the file is truncated, or is not a Medit mesh")
 
     def keyword(self, line, word):
         if word == "dimension":
@@ -38,7 +38,7 @@ class Medit:
             while self.at < len(self.words) and not self.words[self.at][1][:1].isalpha():
                 self.at += 1
         else:
-            wrong(self.path, line, f"\"{word[:60]}\" where a keyword of Medit is expected")
+            wrong(self.path, line, f"expected a keyword of Medit, found \"{word[:60]}\"")
 
     def count(self):
         return int(self.take(1, 1)[0, 0])
@@ -47,13 +47,13 @@ class Medit:
         words = self.words[self.at:self.at + rows * width]
         line = words[0][0] if words else None
         if len(words) < rows * width:
-            wrong(self.path, line, f"{rows * width} numbers are announced, and {len(words)} are there: it is truncated")
+            wrong(self.path, line, f"expected {rows * width} numbers, found {len(words)}: the file is truncated")
         self.at += rows * width
         try:
             return np.array([word for _, word in words], dtype=float).reshape(rows, width)
         except ValueError:
             bad = next(number for number, word in words if not is_number(word))
-            wrong(self.path, bad, "there is a word where numbers are expected: the file is truncated")
+            wrong(self.path, bad, "expected a number: the file is truncated")
 
 
 def is_number(word):
@@ -64,7 +64,7 @@ def is_number(word):
 
 
 def read_medit(path):
-    """Numbers of parts are groups; required and other marked entities are left."""
+    """Reads a mesh. Part numbers become groups; required and other marked entities are ignored."""
     medit = Medit(path)
     body, of_blocks = Body(medit.points), {}
     for kind, (nodes, parts) in medit.cells.items():

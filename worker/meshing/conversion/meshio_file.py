@@ -1,4 +1,4 @@
-"""Everything else: what meshio reads."""
+"""Reader for all other formats, by meshio."""
 import contextlib
 import io
 import re
@@ -13,16 +13,16 @@ COMPRESSED = (".gz", ".bz2", ".xz", ".zip", ".zst", ".7z")
 
 
 def give_up(*_):
-    raise TimeoutError(f"it does not come to an end in {LONGEST_READING} s")
+    raise TimeoutError(f"timed out after {LONGEST_READING} s")
 
 
 def heed_warnings(path, said):
-    """Notes of what meshio says that it left out of a file that it read; cells left out are refused."""
+    """Returns meshio's warnings about omitted parts of a file as notes. Refuses a file if meshio omitted cells."""
     warnings = [" ".join(text.split()) for text in re.split(r"\s*Warning:", said)[1:]]
     for text in warnings:
         if re.search(r"cells|parse line|not closed|End-of-file|expected \d+ markers", text):
-            wrong(path, None, f"not all of it can be read (meshio: {text}); mesh the body with tetrahedra of 4 or 10 "
-                              "nodes, and save it again, whole, as .vtu or .msh")
+            wrong(path, None, f"a part of it cannot be read (meshio: {text}); mesh the body with tetrahedra of 4 or 10 "
+                              "nodes, and save the whole mesh as .vtu or .msh")
     return [f"meshio: {text}" for text in dict.fromkeys(warnings)]
 
 
@@ -46,8 +46,8 @@ def read_by_meshio(path, of_format=None):
         text = " ".join((text or said.getvalue()).replace("Error:", "").split())
         if "deduce" in text:
             refuse_ending(path, {*meshio.extension_to_filetypes, ".feb"})
-        wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "
-                          "its ending says? Another program may save it as .vtu or .msh")
+        wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; check that it is complete and that its "
+                          "extension matches its format, or save it as .vtu or .msh with another program")
     finally:
         signal.alarm(0)
     notes = heed_warnings(path, said.getvalue())
@@ -59,8 +59,8 @@ def read_by_meshio(path, of_format=None):
 def refuse_ending(path, known):
     if path.suffix.lower() in COMPRESSED:
         wrong(path, None, "it is compressed: decompress it first")
-    wrong(path, None, "no format of this ending is known; save a surface as .stl, a mesh of tetrahedra as .vtu, or "
-                      f"another that is known: {', '.join(sorted(known))}")
+    wrong(path, None, "unknown extension; save a surface as .stl, a mesh of tetrahedra as .vtu, or use "
+                      f"another known extension: {', '.join(sorted(known))}")
 
 
 def of_meshio(read):

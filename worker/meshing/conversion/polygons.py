@@ -1,9 +1,9 @@
-"""Triangles of polygons."""
+"""Splits polygons and strips into triangles."""
 import numpy as np
 
 
 def cut(points, polygons):
-    """Triangles of polygons: n x 3."""
+    """Returns the triangles of polygons, n x 3."""
     points = np.asarray(points, dtype=float).reshape(len(points), -1)[:, :3]
     by_size = {}
     for polygon in polygons:
@@ -21,7 +21,7 @@ def cut(points, polygons):
 
 
 def ears(points, polygon):
-    """Triangles of a polygon of more corners, which need not be convex: ears are cut off (Meisters 1975)."""
+    """Returns the triangles of a polygon, which need not be convex, by cutting off ears (Meisters 1975)."""
     corners = points[polygon]
     normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)  # twice the area, as a vector
     axis = int(np.abs(normal).argmax())
@@ -48,7 +48,7 @@ def ears(points, polygon):
 
 
 def triangles_of_strips(corners):
-    """Strips end with -1; every other triangle of one is turned."""
+    """Returns the triangles of strips. A strip ends with -1; every second triangle of a strip is reversed."""
     triangles, strip = [], []
     for corner in corners:
         strip = [*strip, corner] if corner >= 0 else []

@@ -1,4 +1,4 @@
-"""Plain surfaces: .stl, .obj, .off and .ply, whose errors name the line."""
+"""Readers for plain surfaces: .stl, .obj, .off and .ply. Errors name the line."""
 import numpy as np
 
 from body import Body, wrong
@@ -13,7 +13,7 @@ def surface_of(points, triangles):
 
 
 def polygons_of(points, polygons):
-    """A surface of polygons, cut into triangles."""
+    """Returns a surface of polygons, split into triangles."""
     return surface_of(points, cut(points, polygons))
 
 
@@ -28,12 +28,12 @@ def read_stl(path):
             corners = facets["corners"].astype(float).reshape(-1, 3)
             return surface_of(corners, np.arange(len(corners)).reshape(-1, 3))
     if data[:2] in MARKS:
-        wrong(path, 1, f"its text is {MARKS[data[:2]]}: save it as ASCII, or binary")
+        wrong(path, 1, f"the text is {MARKS[data[:2]]}: save it as ASCII, or binary")
     if binary:
-        wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
-                          "the file is truncated, or no STL")
+        wrong(path, None, f"it announces {count} triangles ({84 + 50 * count} bytes), but has {len(data)} bytes: "
+                          "the file is truncated, or is not STL")
     if not data.lstrip().lower().startswith(b"solid"):
-        wrong(path, 1, "this is no STL file: it begins neither with \"solid\" nor with 84 bytes of a header")
+        wrong(path, 1, "this is not an STL file: it begins neither with \"solid\" nor with a header of 84 bytes")
     corners, last, number, ended = [], 0, 1, False
     for number, line in enumerate(data.decode("latin-1").rstrip().splitlines(), 1):
         words = line.lower().split()
@@ -45,9 +45,9 @@ def read_stl(path):
         elif words and words[0] in ("solid", "facet", "vertex"):
             ended = False
     if len(corners) % 3:
-        wrong(path, last, "the last triangle has not three corners: the file is truncated")
+        wrong(path, last, "the last triangle has fewer than three corners: the file is truncated")
     if not ended:
-        wrong(path, number, "there is no endsolid behind this line: the file is truncated; write it again")
+        wrong(path, number, "there is no endsolid after this line: the file is truncated; save it again")
     return surface_of(np.array(corners).reshape(-1, 3), np.arange(len(corners)).reshape(-1, 3))
 
 
@@ -61,10 +61,10 @@ def read_obj(path):
             corners = numbers(" ".join(word.split("/")[0] for word in words[1:]), path, number, kind=int)
             corners = [c - 1 if c > 0 else len(points) + c for c in corners]
             if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
-                wrong(path, number, f"a face of corners that are not there: {len(points)} are defined before it")
+                wrong(path, number, f"a face has a corner that does not exist: {len(points)} vertices are defined before it")
             polygons.append(corners)
     if not points:
-        wrong(path, None, "there is no vertex (v) in it: is it whole?")
+        wrong(path, None, "there is no vertex (v) in it: the file may be truncated")
     return polygons_of(points, polygons)
 
 
@@ -73,7 +73,7 @@ def read_off(path):
     if words and words[0][1][:3].upper() == "OFF" and words[0][1][3:].isdigit():  # no line break after OFF
         words[:1] = [(words[0][0], "OFF"), (words[0][0], words[0][1][3:])]
     if not words or words[0][1].upper() != "OFF":
-        wrong(path, 1, "this is no plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary ones are not "
+        wrong(path, 1, "this is not a plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary files are not "
                        "read; save it as .stl, or as OFF without colours and normals)")
     at = 1
 
@@ -93,7 +93,7 @@ def read_off(path):
         line = words[at][0] if at < len(words) else None
         corners = take(take(1, int)[0], int)
         if len(corners) < 3 or min(corners) < 0 or max(corners) >= n_points:
-            wrong(path, line, f"a face of corners that are not there: there are {n_points}")
+            wrong(path, line, f"a face has a corner that does not exist: there are {n_points} vertices")
         polygons.append(corners)
         while at < len(words) and words[at][0] == line:  # a colour
             at += 1
@@ -106,10 +106,10 @@ PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": 
 
 
 def ply_header(path, data):
-    """Order of bytes (empty: text), elements as (name, count, [(name, type, type of a list's length or None)])."""
+    """Returns byte order (empty: text), elements (name, count, [(name, type, type of a list's length or None)]), and end."""
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
-        wrong(path, 1, "this is no PLY file, or its header is truncated: there is no ply or no end_header")
+        wrong(path, 1, "this is not a PLY file, or its header is truncated: ply or end_header is missing")
     order, elements = None, []
     for number, line in enumerate(data[:end].decode("latin-1").splitlines(), 1):
         words = line.split()
@@ -122,14 +122,14 @@ def ply_header(path, data):
                 length = PLY_TYPES[words[2]] if words[1] == "list" else None
                 elements[-1][2].append((words[-1], PLY_TYPES[words[-2]], length))
         except (KeyError, IndexError, ValueError):
-            wrong(path, number, f"\"{line[:60]}\" is not understood")
+            wrong(path, number, f"unknown header line \"{line[:60]}\"")
     if order is None:
-        wrong(path, 1, "its header does not say the format")
+        wrong(path, 1, "its header has no line with the format")
     return order, elements, data.find(b"\n", end) + 1
 
 
 def read_ply(path):
-    """Of our own: meshio waits forever for the end of a truncated header."""
+    """Reads a .ply file. meshio would wait forever for the end of a truncated header."""
     data = bytes_of(path)
     order, elements, at = ply_header(path, data)
     words = iter(data[at:].split()) if order == "" else None
@@ -157,12 +157,12 @@ def read_ply(path):
                 elif name == "tristrips":
                     polygons += triangles_of_strips(row["vertex_indices"])
     except (StopIteration, RuntimeError, ValueError, OverflowError):
-        wrong(path, None, "the file is truncated, or has words where numbers are expected")
+        wrong(path, None, "the file is truncated, or has text in place of numbers")
     except KeyError as missing:
         wrong(path, None, f"its header has no property {missing}")
     for corners in polygons:
         if not isinstance(corners, list):
-            wrong(path, None, "the corners of its faces are no list: its header has no property list vertex_indices")
+            wrong(path, None, "the corners of its faces are not a list: its header has no property list vertex_indices")
         if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
-            wrong(path, None, f"a face of corners that are not there: there are {len(points)}")
+            wrong(path, None, f"a face has a corner that does not exist: there are {len(points)} vertices")
     return polygons_of(points, polygons)

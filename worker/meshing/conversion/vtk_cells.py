@@ -1,10 +1,10 @@
-"""Cells of VTK's unstructured grids by their numbers there, as a Body."""
+"""Converts the cells of VTK's unstructured grids to a Body."""
 import numpy as np
 
 from body import NODES_OF, Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
 from polygons import triangles_of_strips
 
-# VTK's number of every cell that is read or refused by name.
+# VTK's type number of every cell that is read, or refused by name.
 KINDS = {1: "vertex", 2: "poly-vertex", 3: "line", 4: "poly-line", 5: "triangle", 6: "strip", 7: "polygon",
          8: "pixel", 9: "quad", 10: "tetra", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid", 21: "line3",
          22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13", 28: "quad9",
@@ -16,11 +16,11 @@ PLAIN = {("line", 2): "line", ("line", 3): "line3", ("triangle", 3): "triangle",
 
 
 def refuse_grid(path, line, kind):
-    """Of another kind than unstructured."""
+    """Refuses a grid that is not unstructured."""
     if kind.lower() == "polydata":
         wrong(path, line, "it is a surface of VTK's PolyData, which is not read: save it as .stl (3D Slicer: Export to "
                           "File, STL; ParaView: File, Save Data, STL)")
-    wrong(path, line, f"it is a {kind}; meshes are unstructured grids of tetrahedra: convert it (ParaView: filter "
+    wrong(path, line, f"it is a {kind}; only unstructured grids of tetrahedra are read: convert it (ParaView: filter "
                       "Tetrahedralize, then Save Data, .vtu)")
 
 
@@ -31,12 +31,12 @@ def kind_of(number, nodes):
 
 
 def body_of(path, points, types, begins, nodes, cell_arrays, point_arrays):
-    """begins: where the nodes of each cell begin in `nodes`, and their end. Arrays: name -> one row for each cell or
-    point."""
+    """Returns a Body. begins: indices into `nodes` of the first node of each cell, and the end. Arrays: name -> one row for each
+    cell or point."""
     types, begins = np.asarray(types, dtype=np.int64), np.asarray(begins, dtype=np.int64)
     nodes, sizes = np.asarray(nodes, dtype=np.int64), np.diff(begins)
     if len(begins) != len(types) + 1 or (sizes < 0).any() or begins[-1] > len(nodes):
-        wrong(path, None, f"it has {len(types)} cells whose nodes do not fit the list of them: the file is truncated")
+        wrong(path, None, f"the list of nodes does not match its {len(types)} cells: the file is truncated")
     body, cells_of = Body(points), {}  # cells_of: block -> cells of the file
     for number, size in sorted(set(zip(types.tolist(), sizes.tolist()))):
         cells = np.flatnonzero((types == number) & (sizes == size))
@@ -49,13 +49,13 @@ def body_of(path, points, types, begins, nodes, cell_arrays, point_arrays):
         elif kind == "pixel":
             rows, kind = rows[:, [0, 1, 3, 2]], "quad"
         elif NODES_OF.get(kind, size) != size:
-            wrong(path, None, f"cell {cells[0]} (counted from 0) is a {kind} of {size} nodes where {NODES_OF[kind]} are "
-                              "expected; save it again")
+            wrong(path, None, f"cell {cells[0]} (counted from 0) is a {kind} of {size} nodes, not {NODES_OF[kind]}; "
+                              "save the file again")
         if len(rows):
             cells_of[body.add(kind, rows)] = cells
     for name, array in cell_arrays.items():
         if len(array) != len(types):
-            body.notes.append(f"the array \"{name}\" has {len(array)} rows for {len(types)} cells, and is left out")
+            body.notes.append(f"the array \"{name}\" has {len(array)} rows for {len(types)} cells, and is ignored")
         elif array.ndim == 2 and array.shape[1] == 3:
             body.vectors[name] = {block: array[cells] for block, cells in cells_of.items()}
         elif are_numbers_of_parts(name, [array]):

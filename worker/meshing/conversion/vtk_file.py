@@ -1,4 +1,4 @@
-"""VTK's .vtk, the legacy format, up to version 5.1; meshio knows neither all its types nor all its cells."""
+"""Reader for VTK's legacy format .vtk, up to version 5.1. meshio does not know all its types and cells."""
 import urllib.parse
 
 import numpy as np
@@ -18,25 +18,25 @@ ROWS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1
 
 
 class VtkFile(ByteLines):
-    """Lines and arrays of a file, one after the other."""
+    """Reads the lines and arrays of a file in sequence."""
 
     def __init__(self, path):
         super().__init__(path, path.read_bytes())
         if not self.line().startswith("# vtk DataFile"):
-            wrong(path, 1, "this is no legacy VTK file: its first line is not \"# vtk DataFile Version\"; "
-                           "if it is XML its ending is .vtu")
+            wrong(path, 1, "this is not a legacy VTK file: its first line is not \"# vtk DataFile Version\"; "
+                           "an XML file must have the extension .vtu")
         self.line()  # title
         self.binary = self.line().upper() == "BINARY"
 
     def number(self):
-        """Of the line that was read last; a binary file has none."""
+        """Returns the number of the line that was read last; None in a binary file."""
         return None if self.binary else self.data.count(b"\n", 0, max(self.at - 1, 0)) + 1
 
     def wrong(self, what):
         wrong(self.path, self.number(), what)
 
     def words(self):
-        """Of the next line that has any; none at the end."""
+        """Returns the words of the next line that is not empty; an empty list at the end."""
         while self.at < len(self.data):
             if words := self.line().split():
                 return words
@@ -57,7 +57,7 @@ class VtkFile(ByteLines):
                 return np.array(found[:count], dtype=np.float64 if dtype.kind == "f" else np.int64) \
                     if len(found) == count else self.truncated()
             except (ValueError, OverflowError):
-                self.wrong("there are words where numbers are expected")
+                self.wrong("expected numbers, found text")
         size = count * dtype.itemsize
         if self.at + size > len(self.data):
             self.truncated()
@@ -66,10 +66,10 @@ class VtkFile(ByteLines):
         return values.astype(np.float64 if dtype.kind == "f" else np.int64)
 
     def truncated(self):
-        self.wrong("the file is truncated: an array ends before all of its numbers are there")
+        self.wrong("the file is truncated: an array has too few numbers")
 
     def skip(self, kind, count):
-        """Over texts, which name no parts, and bits, eight to a byte."""
+        """Skips texts, which name no parts. Returns bits, of which a byte has eight."""
         if not self.binary:
             if kind == "bit":
                 return self.take("int", count)
@@ -86,7 +86,7 @@ class VtkFile(ByteLines):
 
 
 class VtkGrid:
-    """What the sections of a file say."""
+    """The contents of the sections of a file."""
 
     def __init__(self, file):
         self.file, self.points, self.types = file, None, np.zeros(0, int)
@@ -105,9 +105,9 @@ class VtkGrid:
                 elif key in sections:
                     sections[key](words)
                 else:
-                    file.wrong(f"\"{words[0][:60]}\" is no section of an unstructured grid")
+                    file.wrong(f"\"{words[0][:60]}\" is not a section of an unstructured grid")
             except (IndexError, ValueError):
-                file.wrong(f"{key} is truncated, or has words where numbers are expected")
+                file.wrong(f"{key} is truncated, or has text in place of numbers")
         if self.points is None:
             file.wrong("there is no POINTS section: the file is truncated")
 
@@ -150,7 +150,7 @@ class VtkGrid:
             self.arrays[urllib.parse.unquote(name)] = values.reshape(-1, components) if components > 1 else values
 
     def field(self, words):
-        """Arrays with a line each."""
+        """Reads arrays that have one header line each."""
         for _ in range(int(words[2])):
             name, components, rows, kind = self.file.words()
             values = self.file.take(kind, int(components) * int(rows))
@@ -174,7 +174,7 @@ class VtkGrid:
             self.keep(words[1], values, components)
 
     def metadata(self, _):
-        """Up to an empty line."""
+        """Skips lines up to an empty line."""
         while self.file.at < len(self.file.data) and self.file.line():
             pass
 

@@ -1,4 +1,4 @@
-"""VTK's .vtu, of which meshio reads neither texts nor what LZ4 has compressed."""
+"""Reader for VTK .vtu files. meshio reads neither text arrays nor LZ4 compression."""
 import base64
 import binascii
 import lzma
@@ -15,7 +15,7 @@ TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i
 
 
 def lz4(block, size):
-    """A block of LZ4: literals, and copies of what lies some bytes back."""
+    """Decompresses a block of LZ4, which consists of literals and of copies of earlier bytes."""
     out, at = bytearray(), 0
     while at < len(block):
         token = block[at]
@@ -29,19 +29,19 @@ def lz4(block, size):
         count += 4
         begin = len(out) - back
         if back == 0 or begin < 0:
-            raise ValueError("a copy of what is not there")
+            raise ValueError("a copy of bytes outside the block")
         while count > 0:  # a copy may read bytes that it writes itself
             part = out[begin:begin + count]
             out += part
             begin += len(part)
             count -= len(part)
     if len(out) != size:
-        raise ValueError("a block of another length")
+        raise ValueError("a block has the wrong length")
     return bytes(out)
 
 
 def extended(block, at, length):
-    """A length of four bits that goes on in bytes, and where it ends."""
+    """Returns a length that begins with four bits and continues in bytes, and its end."""
     if length == 15:
         while True:
             length += block[at]
@@ -56,7 +56,7 @@ DECOMPRESS = {"vtkZLibDataCompressor": lambda block, size: zlib.decompress(block
 
 
 class VtuFile:
-    """Arrays of a file."""
+    """The arrays of a file."""
 
     def __init__(self, path):
         self.path, data = path, path.read_bytes()
@@ -85,7 +85,7 @@ class VtuFile:
         self.pieces = grid[0].all("Piece") if grid else []
 
     def array(self, element):
-        """Of a DataArray; None for texts, which name no parts."""
+        """Returns the values of a DataArray; None for texts, which name no parts."""
         kind = element.attributes.get("type", "")
         if kind not in TYPES:
             return None
@@ -112,7 +112,7 @@ class VtuFile:
         return self.compressed(data, is_base64) if self.compressor else self.plain(data, is_base64)
 
     def plain(self, data, is_base64):
-        """A number of bytes, and these."""
+        """Returns uncompressed data, which begin with their number of bytes."""
         width = self.header.itemsize
         if not is_base64:
             return self.part(data, width, self.numbers(data, 1)[0])
@@ -124,7 +124,7 @@ class VtuFile:
         return base64_of(data[alone:], size) if data[alone - 1:alone] == b"=" else base64_of(data, width + size)[width:]
 
     def compressed(self, data, is_base64):
-        """Numbers of blocks, bytes of each, of the last, of all compressed; then the blocks."""
+        """Decompresses data. A header has the number of blocks, the size of a block and of the last, and the compressed sizes."""
         width = self.header.itemsize
         count = self.numbers(base64_of(data, width) if is_base64 else data, 1)[0]
         head_size = (3 + count) * width
@@ -145,7 +145,7 @@ class VtuFile:
     @staticmethod
     def part(data, begin, size):
         if begin + size > len(data):
-            raise ValueError("it ends before all of its bytes are there")
+            raise ValueError("it has too few bytes")
         return data[begin:begin + size]
 
     def arrays(self, section):
@@ -154,15 +154,15 @@ class VtuFile:
 
 
 def base64_of(data, size):
-    """The first bytes of what was encoded."""
+    """Returns the first `size` decoded bytes."""
     out = base64.b64decode(data[:-(-size // 3) * 4])
     if len(out) < size:
-        raise ValueError("it ends before all of its bytes are there")
+        raise ValueError("it has too few bytes")
     return out[:size]
 
 
 def read_vtu(path):
-    """All pieces, one behind the other."""
+    """Reads all pieces of a file into one body."""
     file = VtuFile(path)
     points, types, begins, nodes, of_cells, of_points = [np.zeros((0, 3))], [], [0], [], {}, {}
     for piece in file.pieces:
@@ -170,7 +170,7 @@ def read_vtu(path):
                     for name in ("Points", "Cells", "CellData", "PointData")}
         for name in ("connectivity", "offsets", "types"):
             if name not in sections["Cells"]:
-                wrong(path, piece.line, f"this piece has no cells: there is no \"{name}\" in it")
+                wrong(path, piece.line, f"this piece has no cells: the array \"{name}\" is missing")
         if not sections["Points"]:
             wrong(path, piece.line, "this piece has no points")
         first, cells = sum(map(len, points)), sections["Cells"]

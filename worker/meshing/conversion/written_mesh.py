@@ -1,4 +1,4 @@
-"""What palpate reads: Gmsh's format 2.2, or the triangles of a surface."""
+"""Writes a mesh for Palpate: tetrahedra in Gmsh's format 2.2, or the triangles of a surface."""
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, WRITTEN
@@ -19,7 +19,7 @@ def write_volume(body, output):
         name = safe(name)
         if name in of_points:  # readers of Gmsh files would merge both into one group
             name += " elements" if dimension == 3 else f" ({DIMENSIONS[dimension]})"
-            body.notes.append(f"\"{name}\" are the cells of a set whose name a set of nodes has too")
+            body.notes.append(f"\"{name}\" has the cells of a set with the same name as a set of nodes")
         if not name:
             continue
         number = physical.setdefault((dimension, name), len(physical) + 1)
@@ -64,13 +64,13 @@ def write_volume(body, output):
 
 
 def write_vectors(body, name, blocks, element_of, out):
-    """Of the tetrahedra; element_of: numbers in the file by (block, cell)."""
+    """Writes the vectors of the tetrahedra. element_of: their numbers in the file by (block, cell)."""
     rows = [(element_of[block, cell], vector) for block, array in blocks.items()
             if body.blocks[block][0] in ("tetra", "tetra10") for cell, vector in enumerate(array)]
     if not rows:
         return
     if not all(np.isfinite(vector).all() for _, vector in rows):
-        body.notes.append(f"the vectors \"{safe(name)}\" are left out: some are not finite")
+        body.notes.append(f"the vectors \"{safe(name)}\" are ignored, because some are not finite")
         return
     out.write(f'$ElementData\n1\n"{safe(name)}"\n1\n0\n3\n0\n3\n{len(rows)}\n')
     for number, vector in rows:

@@ -1,11 +1,11 @@
-"""XML as elements that know their lines."""
+"""XML elements with their lines."""
 import xml.parsers.expat
 
 from body import wrong
 
 
 class Element:
-    """One of XML, with the line it begins in."""
+    """An XML element, and the line in which it begins."""
 
     def __init__(self, tag, attributes, line):
         self.tag, self.attributes, self.line = tag, attributes, line
@@ -16,7 +16,7 @@ class Element:
 
 
 def xml_of(path, data):
-    """The elements of the bytes of a file; path names it in errors."""
+    """Returns the elements of an XML file. path: for errors."""
     root = Element("", {}, 0)
     open_elements = [root]
     parser = xml.parsers.expat.ParserCreate()
