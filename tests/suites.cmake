@@ -1,4 +1,4 @@
-# ctest reads it to find the suites of a GoogleTest program. Given by palpate_suites in CMakeLists.txt: program, labels, cost,
+# ctest reads this file to find the suites of a GoogleTest program. palpate_suites in CMakeLists.txt sets program, labels, cost and
 # alone.
 get_filename_component(name ${program} NAME)
 if(NOT EXISTS ${program})
@@ -10,7 +10,7 @@ if(failed)
   message(FATAL_ERROR "${program} --gtest_list_tests: ${failed}")
 endif()
 string(REGEX MATCHALL "\n[A-Za-z0-9_/]+\\." suites "\n${listing}")
-# A suite none of whose cases ran did not pass; one that failed says so behind the list.
+# A suite is skipped if all its cases were skipped. A suite that failed prints more after this list.
 set(skipped "\\[  PASSED  \\] 0 tests\\.\n\\[  SKIPPED \\] [0-9]+ tests?, listed below:\n(\\[  SKIPPED \\] [^\n]*\n)+$")
 foreach(line ${suites})
   string(REGEX REPLACE "\n(.*)\\." "\\1" suite "${line}")

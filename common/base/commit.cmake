@@ -1,4 +1,4 @@
-# Writes SOURCE with the commit of SOURCE_DIR (program.hpp), when it changed.
+# Writes the commit of SOURCE_DIR into SOURCE (program.hpp), if it has changed.
 execute_process(COMMAND git -C ${SOURCE_DIR} describe --always --dirty=+changed --exclude=* OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)
