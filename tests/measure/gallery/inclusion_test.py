@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ball in the skin of deploy/scenes, found from forces alone (docs/gallery.md). ctest runs each case by itself; by hand
+"""Finds a ball in the skin of deploy/scenes from forces alone (docs/gallery.md). ctest runs each case by itself. To run all:
 PALPATE_BIN_DIR=build/release/bin PALPATE_LONG_TESTS=1 tests/measure/gallery/inclusion_test.py."""
 import json
 import os
@@ -14,7 +14,7 @@ import unittest
 try:
     import numpy as np
     import palpation
-except ImportError:  # NumPy and SciPy are among the packages of the tests
+except ImportError:  # deploy/install-packages --tests installs NumPy and SciPy
     np = palpation = None
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -30,22 +30,21 @@ def run(*words):
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
 @unittest.skipUnless(palpation, "needs python3-scipy")
 class Inclusion(unittest.TestCase):
-    """A ball in the skin is found from forces alone: the top is pressed by 3 mm at 225 places. Only then is looked where
-    it is.
+    """Finds a ball in the skin from forces alone, by pressing the top by 3 mm at 225 places, and compares with its true place.
 
-    What is built is the skin of the gallery, touched on its top alone and by one coarse step, which takes half a minute
-    of a processor. The finder (palpation.py) knows the layers of healthy skin. It was made with the shipped block and the
-    one without a ball before the other place was tried.
+    The scene is the skin of the gallery, touched on its top only and with one coarse step, which takes half a minute of a
+    processor. The finder (palpation.py) knows the layers of healthy skin. It was developed with the shipped block and with
+    the block without a ball, before the other place was tried.
     """
 
-    DEPTH = 0.003  # m, of the presses
+    DEPTH = 0.003  # m, depth of the presses
     REACH = 0.028  # m from the middle of the block
 
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def felt(self, scene):
-        """What is felt under the skin of a scene whose mesh is in the folder."""
+        """Returns what the finder finds in a scene whose mesh is in the folder."""
         scene = re.sub(r'surface = "all"', "surface = { box = { lowest = [-0.031, -0.031, 0.0199], "
                        "highest = [0.031, 0.031, 0.0201] } }", scene)
         scene = re.sub(r"(?s)\[workspace\].*?(?=\[device\])", "[workspace]\nradius = 0.004\nspacing = 0.004\n\n", scene)
@@ -73,7 +72,7 @@ class Inclusion(unittest.TestCase):
         self.assertEqual(made.returncode, 0, made.stdout)
 
     def truth(self):
-        """Centre of the ball in the mesh, and how deep it is, m."""
+        """Returns the centre of the ball in the mesh, and its depth, m."""
         from layers import read_mesh, volumes
         points, tetrahedra, group, names = read_mesh(self.folder / "skin.msh")
         ball = tetrahedra[[names[number] == "inclusion" for number in group]]

@@ -1,12 +1,10 @@
-"""Finds a stiff ball under layered skin from forces alone. As a physician does, it knows healthy skin: its layers, not
-what lies in them.
+"""Finds a stiff ball under layered skin from forces alone. Like a physician, the finder knows healthy skin, but not what is inside.
 
-The top of the skin is pressed at places of a grid, everywhere by the same depth d, and the force F = k d noted. Where a
-stiff ball lies below, k is larger. To the first order in the volume of the ball it is larger by something in proportion
-to <e:e>, the mean over the ball of the square of the deviatoric strain that the finger, pressed by 1, makes in healthy
-skin (Eshelby, Proc. R. Soc. A 241, 1957). That strain is found from one axisymmetric linear problem: the finger on layers
-that reach far. So the bump of k lies over the ball, and is the wider the deeper the ball lies. What k does towards the
-sides of the block is fitted by polynomials with the block's symmetry.
+The finger presses the top of the skin at the places of a grid, always by the same depth d, and measures the force F = k d. Above a
+stiff ball, k is larger. To first order in the volume of the ball, the increase is proportional to <e:e>: the mean over the ball
+of the squared deviatoric strain in healthy skin when the finger is pressed by 1 (Eshelby, Proc. R. Soc. A 241, 1957). That strain
+comes from one axisymmetric linear problem of a finger on wide layers. The bump of k therefore lies above the ball, and is wider
+for a deeper ball. Polynomials with the symmetry of the block fit how k changes towards its sides.
 """
 import dataclasses
 
@@ -19,29 +17,29 @@ import scipy.sparse.linalg
 STEP = 0.0005  # m: elements of the healthy skin
 FAR = 0.036  # m: radius of the healthy skin
 POISSON = 0.4995
-RADIUS = 0.005  # m: of the balls that are looked for; the shape of the bump hardly depends on it
+RADIUS = 0.005  # m, assumed radius of the balls; the shape of the bump hardly depends on it
 FELT = 0.07
 
 
 @dataclasses.dataclass
 class Felt:
-    place: np.ndarray  # x, y of the centre of what was found, m
-    depth: float  # of the centre, m
-    height: float  # of the bump: how much stiffer the skin is over the ball, as a share of how stiff it were without
+    place: np.ndarray  # x, y of the centre, m
+    depth: float  # depth of the centre, m
+    height: float  # height of the bump: increase of the stiffness above the ball, as a share of the stiffness without
 
     @property
     def found(self):
-        """A hand feels differences of about 7 %."""
+        """Returns whether a hand would notice the bump. It notices differences of about 7 %."""
         return self.height > FELT
 
 
 def weight(r, radius):
-    """Of a finger, at the distance r from its middle."""
+    """Returns the weight of a finger at the distance r from its centre."""
     return np.where(r < radius, (1 - (r / radius) ** 2) ** 2, 0)
 
 
 def strain_matrices(r, z, corner_r, corner_z):
-    """B of (e_rr, e_zz, e_tt, 2 e_rz) at a point of a rectangle, for u_r, u_z of its four corners in turn; 4 x 8."""
+    """Returns B (4 x 8) of (e_rr, e_zz, e_tt, 2 e_rz) at a point of a rectangle, for u_r, u_z of its four corners."""
     (r0, r1), (z0, z1) = corner_r, corner_z
     a, b = (r - r0) / (r1 - r0), (z - z0) / (z1 - z0)
     shape = np.array([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
@@ -56,12 +54,12 @@ def strain_matrices(r, z, corner_r, corner_z):
 
 
 def healthy_strain(layers, finger):
-    """e:e over (r, depth) in skin of `layers`, (thickness m, shear modulus Pa) from above, on a rigid ground, when the
-    weighted mean displacement under a finger of that radius is 1; as an interpolant of points (r, depth). Rectangles, with
-    the dilatation of each in the mean alone (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
+    """Returns e:e as an interpolant of points (r, depth), in skin of `layers`, (thickness m, shear modulus Pa) from the top, on a
+    rigid base, when the weighted mean displacement under a finger of the given radius is 1. The elements are rectangles whose
+    dilatation is averaged (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
     thickness = sum(thick for thick, _ in layers)
     columns, rows = round(FAR / STEP), round(thickness / STEP)
-    r, z = np.arange(columns + 1) * STEP, np.arange(rows + 1) * STEP  # z from the ground up
+    r, z = np.arange(columns + 1) * STEP, np.arange(rows + 1) * STEP  # z upward from the base
     modulus = np.empty(rows)
     below = thickness
     for thick, mu in layers:
@@ -71,7 +69,7 @@ def healthy_strain(layers, finger):
     shear = np.diag([2, 2, 2, 1.0])
     volumetric = np.array([1, 1, 1, 0.0])
 
-    unit, strains = [], []  # of an element of unit shear modulus in each column; those of a row differ by it alone
+    unit, strains = [], []  # of an element with unit shear modulus in each column; rows differ only by the modulus
     for i in range(columns):
         points = [(r[i] + a, b) for a in gauss for b in gauss]
         b = [strain_matrices(at_r, at_z, (r[i], r[i + 1]), (0, STEP)) for at_r, at_z in points]
@@ -88,7 +86,7 @@ def healthy_strain(layers, finger):
     at = np.broadcast_arrays(unknowns[..., :, None], unknowns[..., None, :])
     stiffness = scipy.sparse.csr_matrix((values.ravel(), (at[0].ravel(), at[1].ravel())))
 
-    load = np.zeros(stiffness.shape[0])  # -> unit total, by the weight of the finger
+    load = np.zeros(stiffness.shape[0])  # normalised to a total of 1, with the weight of the finger
     for i in range(columns):
         for at_r in r[i] + gauss:
             share = weight(at_r, finger) * 2 * np.pi * at_r * STEP / 2
@@ -114,7 +112,7 @@ def healthy_strain(layers, finger):
 
 
 def ball_points(count=200):
-    """Evenly in the unit ball (count x 3), the same ones always."""
+    """Returns evenly spaced points in the unit ball (count x 3), always the same."""
     i = np.arange(count) + 0.5
     radius, polar = (i / count) ** (1 / 3), np.arccos(1 - 2 * ((i * 0.6180339887) % 1))
     turn = 2 * np.pi * i * 0.7548776662
@@ -123,7 +121,7 @@ def ball_points(count=200):
 
 
 def mean_strain(strain, r, depth):
-    """<e:e> over a ball with its centre so deep, at the distances r from the finger."""
+    """Returns <e:e> over a ball with its centre at a depth, at distances r from the finger."""
     offsets = RADIUS * ball_points()
     along = np.hypot(r[:, None] + offsets[:, 0], offsets[:, 1])
     deep = np.broadcast_to(depth + offsets[:, 2], along.shape)
@@ -131,17 +129,17 @@ def mean_strain(strain, r, depth):
 
 
 def smooth_columns(places, half):
-    """Polynomials with the symmetry of a square block up to the eighth order, one column each."""
+    """Returns polynomials up to the eighth order with the symmetry of a square block, one per column."""
     x, y = (places / half).T ** 2
     return np.stack([x ** i * y ** j + x ** j * y ** i for i in range(5) for j in range(i + 1) if i + j < 5], axis=1)
 
 
 def feel(places, stiffness, layers, finger, half):
-    """What lies under the skin, from the stiffness k (N/m) at places (n x 2, m from the middle of the block).
+    """Returns what lies under the skin, from the stiffness k (N/m) at places (n x 2, m from the middle of the block).
 
-    layers   of healthy skin, (thickness m, shear modulus Pa) from above; balls lie in the last one
-    finger   its radius, m
-    half     of the width of the block, m
+    layers   healthy skin, (thickness m, shear modulus Pa) from the top; balls lie in the last layer
+    finger   radius of the finger, m
+    half     half of the width of the block, m
     """
     strain = healthy_strain(layers, finger)
     above = sum(thick for thick, _ in layers[:-1]) + RADIUS
@@ -150,7 +148,7 @@ def feel(places, stiffness, layers, finger, half):
     smooth = smooth_columns(places, half)
 
     def fitted(ball):
-        """The bump of a ball at (x, y, depth), how high it is, what is smooth, and what both leave unexplained."""
+        """Returns the bump of a ball at (x, y, depth), scaled to fit, the smooth part, and the residual of both."""
         bump = mean_strain(strain, np.hypot(*(places - ball[:2]).T), ball[2])
         columns = np.column_stack([bump, smooth])
         solution = np.linalg.lstsq(columns, stiffness, rcond=None)[0]

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""Forces of the gallery's scenes by GetFEM, an independent library (python3-getfem), beside those of palpate.
+"""Computes forces of the gallery's scenes by GetFEM, an independent library (python3-getfem), and compares them with Palpate's.
 
     tests/measure/gallery/reference.py SCENE.toml DATASET.h5 [--touches 4] [--finer FINER.toml]
     PALPATE_BIN_DIR: the programs (build/release/bin)
 
-The same mesh and elements; law, constraint, stabilisation, gravity and the finger's mean are written here anew, from
-docs/solver.md and docs/scene.md, in GetFEM's language for weak forms and NumPy. Prints one JSON object per touch: the force by
-GetFEM, by `palpate solve` and by `palpate query`, and the differences relative to the first; with --finer, of the same scene with
-a finer mesh, by `palpate solve` there too, and the difference relative to that.
+Mesh and elements are the same. Law, constraint, stabilisation, gravity and the mean over the finger are implemented separately,
+from docs/solver.md and docs/scene.md, in GetFEM's language for weak forms and in NumPy. Prints one JSON object per touch: the
+forces by GetFEM, by `palpate solve` and by `palpate query`, and the differences relative to the first. --finer: a scene with a
+finer mesh; adds its force by `palpate solve`, and the difference relative to it.
 """
 import argparse
 import json
@@ -28,7 +28,7 @@ VARIANCE = (np.ones((4, 4)) + np.eye(4)) / 20 - 1 / 16  # <(p - <p>)^2> = p^T VA
 ISOCHORIC = "pow(Det(F),-2/3)*Norm_sqr(F)"
 NEO_HOOKEAN = f"mu/2*({ISOCHORIC}-3)"
 MOONEY_RIVLIN = f"C10*({ISOCHORIC}-3) + C01*(pow(Det(F),-4/3)*(sqr(Norm_sqr(F))-Norm_sqr(F'*F))/2-3)"
-# The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, j4 - 1): GetFEM does not derive a positive part twice.
+# The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, j4 - 1): GetFEM cannot differentiate a positive part twice.
 STRETCH = "pos_part(pow(Det(F),-2/3)*Norm_sqr(F*a)-1)"
 FIBRES = (f"k1*{STRETCH}*exp(k2*sqr({STRETCH}))*pow(Det(F),-2/3)"
           "*(2*(F*a).(Grad_Test_u*a)-2/3*Norm_sqr(F*a)*Trace(Inv(F)*Grad_Test_u))")
@@ -36,7 +36,7 @@ CONSTRAINT = " - p*log(Det(F))"
 
 
 class Scene:
-    """Points, tetrahedra, parts, fibres and the fixed nodes of a scene file whose mesh is Gmsh's, version 2.2."""
+    """Points, tetrahedra, parts, fibres and fixed nodes of a scene whose mesh is a Gmsh file of version 2.2."""
 
     def __init__(self, file):
         self.text = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -77,7 +77,7 @@ class Scene:
         return next((region for region in self.text.get("region", []) if region["group"] == part), None) or self.text["material"]
 
     def finger(self, place, radius, parts=40):
-        """Weights of the nodes: integrals over the surface of shape functions times the bump, by the middles of small triangles."""
+        """Returns node weights: surface integrals of shape functions times the bump, by midpoints of small triangles."""
         i, j = np.array([(i, j) for i in range(parts) for j in range(parts - i)]).T
         up = np.stack([i + 1 / 3, j + 1 / 3], axis=1)
         down = np.stack([i + 2 / 3, j + 2 / 3], axis=1)[i + j < parts - 1]
@@ -115,7 +115,7 @@ class Body:
         self.rest = None
 
     def build(self, tool=None):
-        """The model, with the finger of these weights (n) or without one; at rest."""
+        """Makes the model at rest, with a finger of these weights (n) or without one."""
         model = self.model = getfem.Model("real")
         model.add_fem_variable("u", self.u)
         model.add_fem_variable("p", self.p)
@@ -186,7 +186,7 @@ class Body:
                                      "alpha max ratio", 1e4, "alpha min", 0.05, "alpha mult", 0.5)[1])
 
     def sag(self, steps=5):
-        """The state at rest under gravity, by load steps."""
+        """Computes the rest state under gravity, by load steps."""
         self.build()
         pull = self.model.variable("pull").copy()
         for step in range(steps):
@@ -195,7 +195,7 @@ class Body:
         self.rest = {name: self.model.variable(name).copy() for name in ("u", "p", "held")}
 
     def force(self, weights, displacement, steps=8):
-        """Of the tissue on the finger that moved so; None where Newton does not get there."""
+        """Returns the force of the tissue on the finger after a displacement; None if Newton does not converge."""
         self.build(weights)
         for step in range(steps):
             self.model.set_private_rhs(self.tool, self.mean_at_rest + np.asarray(displacement) * (step + 1) / steps)
@@ -211,7 +211,7 @@ def asked(verb, file, active, touches):
 
 
 def touches_of(scene, count, depth):
-    """Places all over the surface and displacements that push and slide there, the same ones always."""
+    """Returns places all over the surface with displacements that push and slide, always the same."""
     random = np.random.default_rng(1)
     points, result = scene.points, []
     middle = points.mean(axis=0)
@@ -238,7 +238,7 @@ def main():
     (active,) = scene.text["active"]
     touches = touches_of(scene, given.touches, 0.6 * scene.text["workspace"]["radius"])
     interpolated = asked("query", given.dataset, active["name"], touches)
-    most = 3.3  # N: the device's
+    most = 3.3  # N, limit of the device
     kept = [(touch, answer) for touch, answer in zip(touches, interpolated)
             if answer["inside"] and np.linalg.norm(answer["force"]) < most][:given.touches]
     exact = asked("solve", given.scene, active["name"], [touch for touch, _ in kept])

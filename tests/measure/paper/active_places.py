@@ -1,11 +1,11 @@
-"""Where the paper's curves and pictures are taken (Figs. 5 and 6), and the exact solutions from there straight on."""
+"""The places of the paper's curves and pictures (Figs. 5 and 6), and the exact solutions on straight paths from there."""
 import dataclasses
 import json
 
 import organs
 from record import needed
 
-DRAWN_LAWS = ("linear", "svk", "mr")  # of both figures
+DRAWN_LAWS = ("linear", "svk", "mr")  # in both figures
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Place:
 
 
 def body(record, organ):
-    """Points (n x 3, m), outward triangles, and fixed nodes, as the dataset of seven configurations has them."""
+    """Returns points (n x 3, m), outward triangles and fixed nodes, from a dataset of seven configurations."""
     needed("h5py")
     import h5py
     dataset = record.dataset(f"{organ.name}-body", organs.scene(organ, "linear", radius=0.001, divisions=1))
@@ -31,7 +31,7 @@ def place(points, surface, node):
 
 
 def places(record, organ):
-    """A is the organ's tip; F the node of the surface that is farthest from it and from what is held."""
+    """Returns the places A, the organ's tip, and F, the surface node that is farthest from A and from the fixed nodes."""
     numpy = needed("numpy")
     points, surface, fixed = body(record, organ)
     skin = numpy.setdiff1d(numpy.unique(surface), fixed)
@@ -42,13 +42,13 @@ def places(record, organ):
 
 
 def scene_at(organ, law, where, **options):
-    """The linear law knows nothing of inverted elements: there they are accepted, and counted."""
+    """Returns a scene with one active node. For the linear law, inverted elements are accepted, and counted."""
     scene = organs.scene(organ, law, active=f"near = [{', '.join(map(repr, where.node))}]", **options)
     return scene.replace("[workspace]\n", "[workspace]\nreject_inverted = false\n") if law == "linear" else scene
 
 
 def straight_path(record, name, organ, law, where, direction, length, step_length):
-    """The exact solutions from rest straight on, as far as they go."""
+    """Returns the exact solutions on a straight path from rest, as far as it converges."""
     count = round(length / step_length)
     file = record.scene(name, scene_at(organ, law, where))
     path = [[length * n / count * x for x in direction] for n in range(1, count + 1)]

@@ -1,8 +1,8 @@
-"""Fig. 7 of the paper: how long a configuration space takes, and how large it is, by lattice and row of Table 1.
+"""Fig. 7 of the paper: time and size of a configuration space, by lattice and row of Table 1.
 
-Minutes by one and two workers here (quadratic elements by the local workers alone), and by up to 64 of the scheduler's
-simulator, which does the recorded build again: the same transitions, each as long as it took here (docs/internals/benchmarks.md).
-Elements are those that satisfy inf-sup, the product's defaults; the paper's were of equal order."""
+The minutes are those of one and two workers on this machine (for quadratic elements of the local workers alone), and of up to 64
+workers of the scheduler's simulator. The simulator repeats the recorded build: the same transitions with the same durations
+(docs/benchmarks.md). The elements satisfy the inf-sup condition, as by default; the paper's elements have equal order."""
 import pathlib
 
 import figure
@@ -12,7 +12,7 @@ import published
 from record import Incomplete, Measured, NotMeasured
 
 SIMULATED = (2, 4, 8, 16, 32, 64)
-WANTED_MINUTES = 8  # of all four lattices of the 500-node Mooney-Rivlin liver by two workers
+WANTED_MINUTES = 8  # for all four lattices of the 500-node Mooney-Rivlin liver by two workers
 
 COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (min)", "2 workers (min)", "workers elsewhere (min)",
            "all solves (min)", *[f"{workers} workers, simulated (min)" for workers in SIMULATED], "longest chain (min)",
@@ -20,7 +20,7 @@ COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (mi
 
 
 def cases(record):
-    """Rows of Table 1, the quickest first. Quadratic ones are left out of the smallest set: 514 points take minutes."""
+    """Returns the rows of Table 1, the quickest first. The smallest set omits quadratic rows: 514 points take minutes."""
     rows = [row for row in newton_iteration.ROWS
             if row.nodes in record.nodes and row.law in record.laws and not (record.quick and row.order == 2)]
     return sorted(rows, key=lambda row: (row.order, row.nodes))
@@ -35,34 +35,34 @@ def scene(row, divisions, **options):
 
 
 def numbers_of_workers(record, row):
-    """How many build a lattice, once each, that of Figs. 8 and 9 first; None: whoever comes. The quadratic row is built by these
-    alone: it is the longest, and what its solves take together says what one worker takes."""
+    """Returns the numbers of workers that build a lattice, first that of Figs. 8 and 9; None: any workers. The quadratic row is
+    built only by these, since it takes longest; the sum of its solve times shows how long one worker would take."""
     return [None] if record.listen else [record.jobs, *({1, 2} - {record.jobs} if row.order == 1 else ())]
 
 
 def built(record, row, divisions, workers):
-    """By the workers that are asked for with -j this is the dataset of Figs. 8 and 9, under the same name."""
+    """Builds a lattice. With the workers of -j, this is the dataset of Figs. 8 and 9, with the same name."""
     name = f"{row.organ().name}-{row.law}{'-p2' if row.order == 2 else ''}-n{divisions}"
     same = record.listen or workers == record.jobs
     return record.dataset(name if same else f"{name}-j{workers}", scene(row, divisions), None if same else workers)
 
 
 def wants_all_nodes(row, divisions):
-    """Of linear elements the smallest lattice: the larger ones are so many times as large."""
+    """Whether to measure the size with all nodes: for linear elements and the smallest lattice, since size is proportional."""
     return row.order == 1 and divisions == min(organs.LATTICES)
 
 
 def built_with_all_nodes(record, row, divisions):
-    """The same again, with the displacements of all nodes as the paper's: for its size."""
+    """Builds again with the displacements of all nodes, as the paper stores them, to measure the size."""
     name = f"{row.organ().name}-{row.law}-n{divisions}-all-nodes"
     return record.dataset(name, scene(row, divisions, storage='displacement = "all"'))
 
 
 def simulated(record, row, divisions, dataset):
-    """Minutes of all solves; by simulated workers; of the longest chain of transitions each of which waits for the one before."""
+    """Returns minutes: the sum of all solves, with simulated workers, and of the longest chain of dependent transitions."""
     state = pathlib.Path(dataset.value["dataset"] + ".state")
     if not state.is_dir():
-        raise Incomplete(f"{state} is gone, which the simulator does again; remove measurement and dataset of that build to make it anew")
+        raise Incomplete(f"{state} is missing, but the simulator needs it; remove measurement and dataset of that build to repeat it")
     command = [record.bench / "palpate_speed_up_bench", state, "--workers", ",".join(map(str, SIMULATED))]
     measured = record.run(f"simulated workers, {row.name()}, n = {divisions}", command, depends=[dataset.value["seconds"]])
     seconds = [measured.value["work_s"], *[run["seconds"] for run in measured.value["rows"]], measured.value["longest_chain_s"]]
@@ -70,8 +70,8 @@ def simulated(record, row, divisions, dataset):
 
 
 def measured_row(record, row, divisions):
-    """A row of COLUMNS, and the numbers in it; None where there was no time for it, "-" what is not asked for."""
-    configurations = organs.LATTICES.get(divisions)  # without rest, as the paper counts
+    """Returns a row of COLUMNS, and records its numbers; None: no time for it; "-": not requested."""
+    configurations = organs.LATTICES.get(divisions)  # without the rest state, as the paper counts
     start = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law)]
     papers = published.BUILD_WORDS.get(configurations)
     with_all_nodes = None if wants_all_nodes(row, divisions) else "-"
@@ -80,7 +80,7 @@ def measured_row(record, row, divisions):
     for workers in numbers_of_workers(record, row):
         try:
             by[workers] = built(record, row, divisions, workers)
-        except NotMeasured as why:  # the dataset of the others may still be there
+        except NotMeasured as why:  # the dataset of other workers may exist
             record.not_measured(f"{row.name()}, {configurations}, {workers or 'any'} workers", str(why))
     if not by:
         return [*start, configurations, *[None] * (len(COLUMNS) - 8), papers, None, with_all_nodes, papers_size]
@@ -149,20 +149,20 @@ def draw(rows):
 
 
 def wanted(record):
-    """The number that was asked for: all four lattices of the 500-node Mooney-Rivlin liver by two workers."""
+    """Records the requested number: all four lattices of the 500-node Mooney-Rivlin liver by two workers."""
     row = next((row for row in cases(record) if (row.law, row.order, row.nodes) == ("mr", 1, 500)), None)
     if record.quick or row is None or record.listen:
         return
     try:
         by = [built(record, row, divisions, 2) for divisions in lattices(record, row)]
     except NotMeasured:
-        return  # its rows say why
+        return  # the rows give the reason
     record.number(f"{row.name()}, all {len(by)} lattices, 2 workers (wanted: at most {WANTED_MINUTES} min)",
                   sum(dataset.value["seconds"] for dataset in by) / 60, "min", Measured.of_all(by))
 
 
 def save_table(record, rows):
-    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing."""
+    """Saves the table without the columns of workers that were not requested. Values that the paper does not give are "-"."""
     unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
     kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
     shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith("published") else row[n]
@@ -173,7 +173,7 @@ def figure7(record):
     """Fig. 7: time and size of configuration spaces by lattice, by one, two and 64 workers, beside the published ones."""
     wanted(record)
     every = [(row, divisions) for row in cases(record) for divisions in lattices(record, row)]
-    every.sort(key=lambda one: (one[0].order, one[1]))  # quadratic ones take hours; the small lattices of all rows first
+    every.sort(key=lambda one: (one[0].order, one[1]))  # small lattices first; quadratic rows take hours
     rows = [measured_row(record, row, divisions) for row, divisions in every]
     save_table(record, rows)
     figure.save_figure(record, "figure7", COLUMNS, rows, draw(rows), size=(11, 4.6), holes=True)

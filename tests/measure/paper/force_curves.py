@@ -7,7 +7,7 @@ FORCE_COLUMNS = ["organ", "path", "law", "displacement (mm)", "force (N)", "min 
 
 
 def force_curve(record, organ, path, law, where, direction):
-    """Rows of FORCE_COLUMNS; where the path stopped, in the last one, why."""
+    """Returns rows of FORCE_COLUMNS. If the path stopped early, the last row has the cause."""
     step_length = 0.005 if record.quick else 0.001
     measured, count = straight_path(record, f"{organ.name}-{path}-{law}", organ, law, where, direction, 0.1, step_length)
     walk = measured.value["paths"][0]

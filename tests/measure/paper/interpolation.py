@@ -1,9 +1,9 @@
-"""Figs. 8 and 9 of the paper: how wrong interpolated forces are, by method and lattice; and the method of this project.
+"""Figs. 8 and 9 of the paper: errors of interpolated forces by method and lattice, with this project's method added.
 
-Errors are of the force vector, so they do not divide by components that are zero (Eqs. 13 and 14 do): absolute |f' - f|
-in N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation when the 8 corners of its cell
-are in the ball and solved, by tri-cubic when the 64 around it are, by radial functions always; points whose weight is zero,
-where a place lies in a plane of the lattice, are not needed."""
+Errors are those of the force vector, so they do not divide by components that are zero (as Eqs. 13 and 14 do): absolute |f' - f|
+in N, relative to max(|f|, references.FLOOR). A place is covered by tri-linear interpolation if the 8 corners of its cell are in
+the ball and solved, by tri-cubic if the 64 surrounding points are, and always by radial functions. Points with weight zero, for
+places in a plane of the lattice, are not needed."""
 import dataclasses
 import pathlib
 
@@ -15,13 +15,13 @@ from record import NotMeasured, content, needed
 
 PAPERS = ["trilinear", "tricubic", "rbf-linear", "rbf-cubic"]
 OURS = ["potential"]
-LARGEST_RBF = 5000  # solved points for which the client makes radial functions; beyond it SciPy does here
+LARGEST_RBF = 5000  # limit of the client for radial functions, in solved points; above it, SciPy is used
 LABELS = {"trilinear": "tri-linear", "tricubic": "tri-cubic", "rbf-linear": "RBF r", "rbf-cubic": "RBF r³", "potential": "potential"}
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    nodes: int  # about so many
+    nodes: int  # approximate number
     law: str
 
     def organ(self):
@@ -32,7 +32,7 @@ class Case:
 
 
 def cases(record):
-    """The paper's two laws that can be moved through all of the ball."""
+    """Returns the cases: the paper's two laws that converge in the whole ball."""
     laws = [law for law in ("mr", "msvk") if law in record.laws]
     return [Case(nodes, law) for nodes in record.nodes for law in (laws[:1] if record.quick else laws)]
 
@@ -42,7 +42,7 @@ def lattices(record):
 
 
 def built(record, case, divisions):
-    """The dataset of one lattice in the ball of 100 mm."""
+    """Builds the dataset of one lattice in the ball of 100 mm."""
     return record.dataset(f"{case.name()}-n{divisions}", organs.scene(case.organ(), case.law, divisions=divisions))
 
 
@@ -54,10 +54,10 @@ def exact(record, case, kind):
     return references.solved_along(record, f"{case.name()}-{kind}", scene, paths)
 
 
-# What a method answers
+# Answers of the methods
 
 def answers(record, name, dataset, methods, displacements):
-    """{method: {force (n x 3, N), query_ns, prepare_s}}, by the force fields of the client."""
+    """Returns {method: {force (n x 3, N), query_ns, prepare_s}} by the force fields of the client, and the measurement."""
     text = "".join("%.17g %.17g %.17g\n" % tuple(p) for p in displacements)
     command = [record.bench / "palpate_force_query_bench", dataset, "tip", *methods]
     measured = record.run(f"forces of {name}", command, text)
@@ -65,7 +65,8 @@ def answers(record, name, dataset, methods, displacements):
 
 
 def radial_by_scipy(record, name, dataset, method, displacements):
-    """The paper's Eq. 12 without a polynomial, dense, for lattices that the client refuses: hours and gigabytes there."""
+    """Evaluates the paper's Eq. 12 without a polynomial, as a dense system, for lattices that the client refuses because they
+    would take it hours and gigabytes."""
     numpy, h5py = needed("numpy"), needed("h5py")
     needed("scipy")
     import scipy.linalg
@@ -87,7 +88,7 @@ def radial_by_scipy(record, name, dataset, method, displacements):
 
 
 def all_answers(record, name, dataset, displacements):
-    """({method: its answers}, {method: where they come from})"""
+    """Returns ({method: its answers}, {method: their measurement})."""
     solved = dataset.value["points"]["expandable"] + dataset.value["points"]["terminating"]
     radial = [method for method in PAPERS if method.startswith("rbf")]
     few = solved <= LARGEST_RBF
@@ -101,10 +102,10 @@ def all_answers(record, name, dataset, displacements):
     return given, sources
 
 
-# Where a method of the paper can answer
+# Places that the paper's methods cover
 
 def covered(dataset, displacements):
-    """{method: n booleans}: whether all the points around are solved that have a weight in the paper's method."""
+    """Returns {method: n booleans}: whether all points with a weight in the paper's method are solved."""
     numpy, h5py = needed("numpy"), needed("h5py")
     with h5py.File(dataset) as file:
         solved = numpy.isin(file["points/tag"][:], (1, 2)) & (file["points/ijk"][:] % round(file["points"].attrs["divisions"]) == 0).all(1)
@@ -114,7 +115,7 @@ def covered(dataset, displacements):
     there = numpy.zeros((2 * reach + 1,) * 3, dtype=bool)
     there[tuple((ijk + reach).T)] = True
     at = numpy.array(displacements) / spacing
-    in_plane = numpy.abs(at - numpy.round(at)) < 1e-9  # by axis: only the points of that plane have a weight
+    in_plane = numpy.abs(at - numpy.round(at)) < 1e-9  # per axis; only the points of that plane have a weight
     lowest = numpy.where(in_plane, numpy.round(at), numpy.floor(at)).astype(int) + reach
     lowest = numpy.clip(lowest, 1, 2 * reach - 2)
 
@@ -134,12 +135,12 @@ COLUMNS = ["organ", "law", "configurations", "method", "places wanted", "places 
 
 
 def errors(record, kind):
-    """A row of COLUMNS for each case, lattice and method, of the cases that are measured as a whole; the others are named."""
+    """Returns a row of COLUMNS for each case, lattice and method. Cases that are not fully measured are reported instead."""
     return [row for case in cases(record) for row in whole(record, f"{case.name()}, {kind} paths", lambda: errors_of(record, case, kind))]
 
 
 def whole(record, name, rows):
-    """rows(), or none where a part of them is not measured: what is drawn and compared lacks no lattice."""
+    """Returns rows(), or no rows if a part is not measured, so that no figure lacks a lattice."""
     try:
         return rows()
     except NotMeasured as why:
@@ -173,7 +174,7 @@ def errors_of(record, case, kind):
 
 
 def draw_errors(rows, kind):
-    """Mean and largest relative error by configurations, a column for each organ and law."""
+    """Draws mean and largest relative error by configurations, with a column for each organ and law."""
     groups = list(dict.fromkeys((row[0], row[1]) for row in rows))
 
     def draw(page):
@@ -212,12 +213,12 @@ def figure8(record):
 
 
 def figure9(record):
-    """The same along random paths."""
+    """Errors of interpolated forces along random paths."""
     figure_of(record, "figure9", "random")
 
 
 def methods(record):
-    """Every method by what it costs: configurations, seconds of building, ns of a query, bytes."""
+    """The cost of every method: configurations, build time, query time, size."""
     rows = [row for case in cases(record) for row in whole(record, f"{case.name()}, costs", lambda: costs_of(record, case))]
     groups = len({(row[0], row[1]) for row in rows})
     figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 4.6 * groups + 0.6), holes=True)
@@ -244,7 +245,7 @@ METHOD_COLUMNS = ["organ", "law", "method", "configurations", "build (s)", "quer
 
 
 def draw_methods(rows):
-    """Mean error, which places behind folds rule, and median error, against each cost."""
+    """Draws the mean error, which places behind folds dominate, and the median error against each cost."""
     groups = list(dict.fromkeys((row[0], row[1]) for row in rows))
     lines = [(group, error, label) for group in groups for error, label in ((7, "mean error (N)"), (10, "median relative error (%)"))]
 

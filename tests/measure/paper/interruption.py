@@ -1,11 +1,11 @@
-"""What lets a run be killed at any time."""
+"""Functions that make a run safe against being killed."""
 import ctypes
 import os
 import signal
 
 
 def write_whole(path, text):
-    """A file is there as a whole or not at all, whenever we are killed."""
+    """Writes a file atomically, so that it is complete or absent if the process is killed."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(path.name + ".new")
     beside.write_text(text, encoding="utf-8")
@@ -13,6 +13,7 @@ def write_whole(path, text):
 
 
 def end_with_parent():
-    """SIGTERM when the parent is gone, even by kill -9: else a build would go on in a directory that the next run wants."""
+    """Sends SIGTERM to this process when its parent ends, even by kill -9. Otherwise a build would continue in a directory
+    that the next run uses."""
     pr_set_pdeathsig = 1
     ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)

@@ -1,9 +1,9 @@
-"""Table 1 of the paper: what one Newton iteration costs, beside GetFEM, with which the paper solved, in the same run.
+"""Table 1 of the paper: the cost of a Newton iteration, compared in the same run with GetFEM, which the paper used.
 
-Ours is assembly of residual and tangent, and factorisation with one solve, where Newton begins on a way of 1 mm; GetFEM's is
-its assembly, and its linear solve by the same MUMPS, at rest, which analyses the pattern of the tangent each time. Ours does
-that once for a body; what it takes stands beside. The best round counts on both sides; in a round GetFEM makes one
-iteration, and ours is the median of several. Seconds."""
+Our time is that of the assembly of residual and tangent, and of a factorisation with one solve, at the start of Newton on a path
+of 1 mm. GetFEM's time is that of its assembly and of its linear solve by the same MUMPS, at rest, including the analysis of the
+tangent's pattern in each iteration. We analyse the pattern once per body; the table gives this time separately. The best round
+counts on both sides; a round is one iteration of GetFEM, and the median of several of ours. Seconds."""
 import dataclasses
 import sys
 
@@ -17,7 +17,7 @@ REFERENCE = organs.REFERENCE.parent / "oracle" / "getfem_reference.py"
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One of the paper's: its law, the order of its displacement, about how many nodes, and how many it says."""
+    """A row of the paper's table: law, order of the displacement, approximate number of nodes, and the published number."""
     law: str
     order: int
     nodes: int
@@ -30,13 +30,14 @@ class Row:
         return f"{organs.LAWS[self.law]}, {'linear' if self.order == 1 else 'quadratic'}, {self.organ().name}"
 
     def papers(self):
-        """Its elements, of equal order: displacement, pressure, constraint. The quadratic ones have 12,323 unknowns, which only
-        a quadratic pressure gives."""
+        """Returns the paper's elements, of equal order: displacement, pressure, constraint. Only a quadratic pressure gives the
+        published 12,323 unknowns of the quadratic row."""
         space = f"P{self.order}"
         return dict(displacement=space, pressure=space if self.law == "mr" else "none", constraint="det-F-1")
 
     def stable(self):
-        """Ours, that satisfy inf-sup and cannot invert; without a pressure there is nothing to change."""
+        """Returns our elements, which satisfy the inf-sup condition and cannot invert. Laws without a pressure keep their
+        elements."""
         return dict(displacement=f"P{self.order}") if self.law == "mr" else self.papers()
 
 
@@ -56,7 +57,7 @@ def ours(record, row, discretization, turn):
 
 
 def why_no_getfem(row):
-    """Nothing when it can be asked."""
+    """Returns why GetFEM cannot be measured; empty if it can."""
     if not REFERENCE.is_file():
         return f"GetFEM: there is no {REFERENCE}"
     if row.organ().source != "reference":
@@ -69,7 +70,7 @@ def why_no_getfem(row):
 
 
 def getfem(record, row, turn):
-    """Displaced by nothing: only its assembly and its linear solve are looked at."""
+    """Measures GetFEM at zero displacement, since only assembly and linear solve are timed."""
     command = ["env", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", sys.executable, REFERENCE, row.organ().mesh, "--law", row.law,
                "--poisson", organs.POISSON, "--fixed-below", "x", 0.15, "--active", *row.organ().tip, "--to", 1e-6, 0, 0, "--steps", 1,
                "--order", row.order, "--pressure-order", row.order]
@@ -84,8 +85,8 @@ COLUMNS = ["law, order, organ", "published unknowns", "published assembly (s)", 
 
 
 def seconds_of(samples):
-    """Unknowns and seconds, the best of the rounds, in parts as the paper has them, and of the analysis; and a measurement they
-    are from."""
+    """Returns unknowns and the best seconds of the rounds, split as in the paper, with the time of the analysis, and a
+    measurement as their source."""
     best = min(samples, key=lambda sample: sample.value["newton_iteration"]["median_ms"])
     seconds = lambda *parts: sum(best.value[part]["median_ms"] for part in parts) / 1e3
     return [best.value["unknowns"], seconds("assemble_residual_and_tangent"), seconds("factorize", "solve_one"),
@@ -102,7 +103,7 @@ def measured_row(record, row):
     missing = why_no_getfem(row)
     if missing:
         record.not_measured(f"{row.name()}/GetFEM 5.4", missing)
-    for turn in range(1, (1 if record.quick else 5) + 1):  # in turns, so that what else the machine does meets all of them
+    for turn in range(1, (1 if record.quick else 5) + 1):  # alternate, so that other load of the machine affects all
         same.append(ours(record, row, row.papers(), turn))
         stable.append(ours(record, row, row.stable(), turn))
         if not missing:
@@ -121,7 +122,7 @@ def measured_row(record, row):
 
 
 def table1(record):
-    """Table 1: a Newton iteration, published, by GetFEM 5.4 and by ours, the paper's elements and stable ones."""
+    """Table 1: a Newton iteration as published, by GetFEM 5.4 and by us, with the paper's elements and with stable ones."""
     rows = [row for row in ROWS if row.nodes in record.nodes and row.law in record.laws]
     figure.save_table(record, "table1", COLUMNS, [whole_row(record, row) for row in rows])
 

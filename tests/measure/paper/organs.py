@@ -1,7 +1,7 @@
-"""The paper's organ, laws and lattices, on livers that are there: meshes of about its sizes, a region held, a tip moved.
+"""The paper's organ, laws and lattices, on the available livers: meshes of about the paper's sizes, with a fixed region and a tip.
 
-Reference livers (PALPATE_MESHES, or ../shared/meshes beside the sources) are taken where they are, else the shipped ones;
-`source` says which. All lengths in metres."""
+Reference livers (PALPATE_MESHES, or ../shared/meshes beside the sources) are used if they exist, otherwise the shipped ones;
+`source` tells which. All lengths are in metres."""
 import dataclasses
 import os
 import pathlib
@@ -21,7 +21,7 @@ MATERIALS = {
 }
 LAWS = {"linear": "linear", "svk": "St. Venant-Kirchhoff", "msvk": "modified St. Venant-Kirchhoff", "mr": "Mooney-Rivlin"}
 
-# Points of a lattice of 100 mm radius with so many spacings in it, the origin left out as the paper does.
+# Number of spacings in a radius of 100 mm: number of lattice points without the origin, as the paper counts.
 LATTICES = {5: 514, 7: 1418, 10: 4168, 15: 14146}
 
 
@@ -30,12 +30,12 @@ class Organ:
     name: str            # as in tables: liver-493
     mesh: pathlib.Path
     fixed: str           # TOML of [fixed]
-    tip: tuple           # of the active node, m
+    tip: tuple           # place of the active node, m
     source: str          # "reference" or "shipped"
 
 
 def organ(nodes):
-    """The liver of about 500, 2000 or 6000 nodes."""
+    """Returns the liver with about 500, 2000 or 6000 nodes."""
     reference = {500: "liver-493", 2000: "liver-2228", 6000: "liver-5984"}[nodes]
     if (REFERENCE / f"{reference}.msh").is_file():
         return Organ(reference, REFERENCE / f"{reference}.msh", 'below = { axis = "x", fraction = 0.15 }', (0.0582, 0.1344, 0.0025), "reference")
@@ -45,8 +45,8 @@ def organ(nodes):
 
 def scene(organ, law="mr", radius=0.1, divisions=5, displacement="P1", pressure=None, constraint="ln-det-F", patch=0.0, tool="rigid",
           max_force=1e6, accuracy="", active=None, name=None, storage=""):
-    """Text of a scene file: `divisions` lattice spacings in `radius`. With max_force = 1e6 no point is beyond it, as in the
-    paper's experiments. `accuracy` and `storage` are lines of those sections; `active` replaces the tip."""
+    """Returns the text of a scene file with `divisions` lattice spacings in `radius`. max_force = 1e6 excludes no point, as in
+    the paper's experiments. accuracy, storage: lines of these sections. active: replaces the tip."""
     incompressible = law in ("mr", "msvk")
     pressure = pressure or (("P1-stabilized" if displacement == "P1" else "P1") if incompressible else "none")
     place = active or f"near = [{', '.join(map(str, organ.tip))}]"
@@ -74,7 +74,7 @@ max_force = {max_force}
 
 
 def directions():
-    """The 26 of the paper's regular paths: unit vectors to the neighbours of a point of a lattice."""
+    """Returns the 26 directions of the paper's regular paths: unit vectors to the neighbours of a lattice point."""
     steps = (-1, 0, 1)
     every = [(i, j, k) for i in steps for j in steps for k in steps if (i, j, k) != (0, 0, 0)]
     length = lambda v: sum(x * x for x in v) ** 0.5

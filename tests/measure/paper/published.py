@@ -1,6 +1,6 @@
-"""What is published: Peterlik, Sedef, Basdogan, Matyska, Computers & Graphics 34 (2010) 43-54, and others where they say so.
+"""Published results: Peterlik, Sedef, Basdogan, Matyska, Computers & Graphics 34 (2010) 43-54, and other papers as named.
 
-"The paper" in this folder is that one. Where a number was read off a figure, or stands in the text in words, it says so."""
+"The paper" in this folder is that one. Comments mark numbers that were read from a figure or are given in words in the text."""
 
 # Table 1: s of one Newton iteration on an Opteron 250 (2 GHz): (law, displacement order, nodes): unknowns, total.
 NEWTON_ITERATION = {
@@ -11,11 +11,11 @@ NEWTON_ITERATION = {
     ("mr", 1, 2011): {"unknowns": 8080, "assembly": 8.15, "solve": 1.74, "total": 9.89},
 }
 
-# Sec. 6.1: 520 paths of 100 mm. Share that converges, %.
+# Sec. 6.1: share of 520 paths of 100 mm that converges, %.
 CONVERGED = {"svk": 47, "msvk": 95, "mr": 95}  # the last two "about"; Mooney-Rivlin fails in "less than 5 %"
 
-# Sec. 6.2, Fig. 7: 64 cores, by lattice points, least and most of all rows of Table 1; 1418: "about 1 h" (10,270 tetrahedra), 4168:
-# less than 45 min (501 nodes) to "about 3 h"; 14146 is not said.
+# Sec. 6.2, Fig. 7: minutes on 64 cores by lattice points, least and most of all rows of Table 1. 1418: "about 1 h" (10,270
+# tetrahedra). 4168: less than 45 min (501 nodes) to "about 3 h". 14146: not published.
 BUILD_MINUTES = {514: (2, 28), 1418: (60, 60), 4168: (45, 180)}
 BUILD_WORDS = {514: "2 to 28", 1418: "about 60", 4168: "less than 45 to about 180"}
 DATASET_MB = {(501, 514): 3, (501, 14146): 81, (2011, 514): 11, (2011, 14146): 325}

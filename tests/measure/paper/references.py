@@ -1,7 +1,7 @@
-"""Exact forces to hold interpolations against: along the paper's regular and random paths, each solved from the one before,
-by way of points beside where straight on fails (docs/solver.md).
+"""Exact forces with which interpolations are compared: along the paper's regular and random paths. Each is solved from the one
+before, with detours by neighbouring points if the straight step fails (docs/solver.md).
 
-Displacements in metres, forces in newtons (tissue on tool). What a path did not reach is counted, never filled in.
+Displacements are in metres, forces in newtons (tissue on tool). Places that a path did not reach are counted, never estimated.
 Relative errors are |f' - f| / max(|f|, FLOOR), of force vectors."""
 import dataclasses
 import functools
@@ -12,26 +12,26 @@ import random
 import organs
 from record import Measured
 
-FLOOR = 0.05  # N: a smaller force counts as this in relative errors
+FLOOR = 0.05  # N, lower limit of the force in relative errors
 
 
 @dataclasses.dataclass
 class References:
-    displacement: list  # of all that were reached, n x 3
+    displacement: list  # of all reached places, n x 3
     force: list         # n x 3
-    wanted: int         # how many were asked for
-    after_detour: int   # how many of the reached are, or come after one on their path that is, reached by a detour
-    measured: object    # where they come from (record.Measured)
+    wanted: int         # number of places requested
+    after_detour: int   # number of reached places at or after a detour of their path
+    measured: object    # their source (record.Measured)
 
 
 def regular_paths(length=0.1, step=0.001):
-    """From rest straight on, in 26 directions (Sec. 6.1)."""
+    """Returns straight paths from rest in 26 directions (Sec. 6.1)."""
     count = round(length / step)
     return [[[length * n / count * x for x in direction] for n in range(1, count + 1)] for direction in organs.directions()]
 
 
 def random_paths(count, radius=0.1, steps=200, step=0.001, seed=2010):
-    """From rest through places that are uniform in the ball, one after the other, `steps` of equal length in all."""
+    """Returns paths from rest through random places, uniform in the ball, with `steps` steps of equal length each."""
     generator = random.Random(seed)
     return [random_path(generator, radius, steps, step) for _ in range(count)]
 
@@ -41,7 +41,7 @@ def random_path(generator, radius, steps, step):
     while len(path) < steps:
         way = [t - a for t, a in zip(target, at)]
         distance = sum(w * w for w in way) ** 0.5
-        if distance < step:  # the last bit of a leg is left out, so that every step has the same length
+        if distance < step:  # omits the rest of a leg, so that all steps have the same length
             target = in_ball(generator, radius)
             continue
         at = [a + step * w / distance for a, w in zip(at, way)]
@@ -57,7 +57,7 @@ def in_ball(generator, radius):
 
 
 def solved_along(record, name, scene, paths, detours=True):
-    """Measures the exact solutions along `paths`, path by path, so that an interruption costs one at most."""
+    """Measures the exact solutions along `paths`, each path by itself, so that an interruption loses at most one."""
     command = [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip", *(["--detours"] if detours else [])]
     each = record.together([functools.partial(record.run, f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path]))
                             for n, path in enumerate(paths)])
