@@ -1,7 +1,7 @@
-"""What an evaluation has measured: every number with the command that made it, the machine and the commit.
+"""The results of an evaluation: every number with its command, machine and commit.
 
-A *measurement* is the JSON of one command, or of one function, kept in FOLDER/measurements under a key that is a hash of
-what it depends on. A run that was interrupted finds them there and goes on. A *number* is what a reader is told."""
+A *measurement* is the JSON of one command or function, kept in FOLDER/measurements under a key that is a hash of its inputs. A
+run that continues an interrupted one reuses measurements. A *number* is a value that is shown to a reader."""
 import concurrent.futures
 import contextlib
 import datetime
@@ -19,16 +19,16 @@ from dataset_build import DatasetBuild
 from interruption import end_with_parent, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-ALL = "all"  # of a target, in what is not measured: it was not made
-BUILD_THEM = "build the targets all and benchmarks (docs/internals/benchmarks.md)"
+ALL = "all"  # marks a whole target as not measured
+BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
 
 
 class Incomplete(Exception):
-    """Something that a table or figure needs is not there: it is not made, and the run says why."""
+    """Something that a table or figure needs is missing. It is not made, and the run prints the reason."""
 
 
 class NotMeasured(Exception):
-    """A peer, a package, a program, a mesh or the time is not there: its column says so, and the rest is made."""
+    """A peer, package, program or mesh, or the time, is missing. Its column shows this; everything else is made."""
 
 
 def machine():
@@ -40,28 +40,28 @@ def machine():
 
 
 def commit():
-    """The commit of the sources, with a + when they were changed since."""
+    """Returns the commit of the sources, with a + if they have changed since."""
     try:
         git = lambda *words: subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=True).stdout.strip()
         return git("rev-parse", "--short=12", "HEAD") + ("+" if git("status", "--porcelain", "-uno") else "")
     except (OSError, subprocess.CalledProcessError):
-        return "unknown: these sources are no git repository"
+        return "unknown: the sources are not in a git repository"
 
 
 def commit_of(programs):
-    """What `palpate --version` says that they are made of."""
+    """Returns the commit of the programs, as `palpate --version` prints it."""
     try:
         said = subprocess.run([programs / "palpate", "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
-        return "unknown: there is no palpate"
+        return "unknown: palpate does not exist"
     return (re.search(r"^commit (.*)$", said, re.M) or ["", "unknown"])[1]
 
 
 class Record:
-    """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
-    shows every table and figure. jobs: local workers; with `listen`, an address, workers from anywhere instead. nodes and
-    laws: organs of about so many nodes and words of organs.LAWS, where a target has several. random_paths: of a survey.
-    hours: nothing is measured that is not begun by then."""
+    """folder: place of all files. programs: build/release, with bin and bench in it. quick: use the smallest set that shows every
+    table and figure. jobs: number of local workers; with an address `listen`, workers from anywhere instead. nodes, laws:
+    approximate sizes of the organs and words of organs.LAWS, for targets with several. random_paths: of a survey. hours: start
+    no measurement after this time."""
 
     def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, nodes=(500, 2000),
                  laws=("mr", "msvk", "svk"), random_paths=200, hours=float("inf"), say=print):
@@ -78,7 +78,7 @@ class Record:
     # Measurements
 
     def measure(self, name, make, *depends, command=""):
-        """The value of make(), which JSON can hold, unless there is one of an earlier run with the same `depends`."""
+        """Returns the value of make(), which must fit in JSON, or the value of an earlier run with the same `depends`."""
         key = hashlib.sha256(json.dumps([name, *map(str, depends)]).encode()).hexdigest()[:16]
         path = self.folder / "measurements" / f"{re.sub(r'[^a-z0-9.-]+', '-', name.lower())}-{key}.json"
         with contextlib.suppress(OSError, ValueError, KeyError):
@@ -88,7 +88,7 @@ class Record:
             raise NotMeasured(f"{name} was not begun in the hours that were given")
         self.say(f"    {name} ...")
         began = time.monotonic()
-        value = json.loads(json.dumps(make()))  # as a later run reads it
+        value = json.loads(json.dumps(make()))  # like a later run that reads it
         made = {"name": name, "command": command, "machine": self.machine, "commit": self.commit,
                 "at": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
                 "seconds": round(time.monotonic() - began, 3), "value": value}
@@ -96,12 +96,12 @@ class Record:
         return self.used(Measured(value, command, made["machine"], made["commit"], made["at"]))
 
     def used(self, measured):
-        """Takes down what the measurements of this target were made on and with; a run that goes on elsewhere has several."""
+        """Records the machine and commit of a measurement of this target. A run that continues elsewhere has several."""
         self.sources.setdefault(self.target, {})[f"{measured.machine['processor']}, {measured.commit}"] = None
         return measured
 
     def run(self, name, command, text=None, lines=False, codes=(0,), depends=()):
-        """Measures a command that prints one JSON object, or with `lines` one on each line."""
+        """Measures a command that prints one JSON object, or one per line with `lines`."""
         words = [str(word) for word in command]
 
         def make():
@@ -120,7 +120,8 @@ class Record:
         return self.measure(name, make, words, inputs, read, *depends, command=self.shown(words) + self.reading(read, text))
 
     def reading(self, name, text):
-        """What follows the words of a command that reads `text`, so that anybody can run it again: the file that holds it."""
+        """Returns the end of the command line of a command that reads `text`: the file with that text, so that anyone can repeat
+        it."""
         if text is None:
             return ""
         file = self.folder / "inputs" / f"{name[:16]}.txt"
@@ -129,8 +130,8 @@ class Record:
         return f" < {self.shown([file])}"
 
     def together(self, measurements):
-        """What these functions return, in their order; as many at once as there are local workers. Not for what is timed.
-        Where one fails, or the run is interrupted, those that are not begun are left."""
+        """Returns the results of these functions in order. Runs as many at once as there are local workers, so do not use it for
+        timings. If one fails or the run is interrupted, the others are not started."""
         with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
             begun = [pool.submit(measure) for measure in measurements]
             try:
@@ -139,16 +140,15 @@ class Record:
                 pool.shutdown(wait=True, cancel_futures=True)
 
     def scene(self, name, text):
-        """A scene file of this text, for commands that read one."""
+        """Writes a scene file with this text, and returns its path."""
         path = self.folder / "scenes" / f"{name}.toml"
         write_whole(path, text)
         return path
 
     def dataset(self, name, scene, jobs=None):
-        """Builds `scene` (text of a scene file) and says how long it took: {dataset, seconds, bytes, jobs (None:
-        workers from anywhere), points by tag}.
-        An interrupted build goes on where it was, and then took as long as its parts together; begun with other workers
-        or of another scene it begins anew."""
+        """Builds `scene` (text of a scene file), and returns {dataset, seconds, bytes, jobs (None: workers from anywhere), points
+        by tag}. An interrupted build continues, and its time is the sum of its parts. With other workers or another scene, the
+        build restarts."""
         jobs = jobs or self.jobs
         build = DatasetBuild(self.folder / "datasets", name, None if self.listen else jobs)
         build.of(scene)
@@ -167,24 +167,25 @@ class Record:
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
         made = self.measure(f"build {name}", make, scene, content_of_mesh(build.scene), build.workers, command=self.shown(command))
-        if not build.dataset.exists():  # the measurement is there, its dataset was removed
-            raise Incomplete(f"{build.dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
+        if not build.dataset.exists():  # only the dataset was removed
+            raise Incomplete(f"{build.dataset} is missing; remove {self.folder}/measurements/build-{name}-*.json to build it again")
         return made
 
     def shown(self, words):
-        """As a reader would type it from the root of the sources."""
+        """Returns a command as a reader would type it in the root of the sources."""
         return " ".join(os.path.relpath(word, ROOT) if str(word).startswith("/") and str(word).startswith(str(ROOT)) else str(word) for word in words)
 
-    # What a reader is told
+    # Numbers for readers
 
     def number(self, name, value, unit, measured):
-        """One number of a table or figure, of the measurement it was taken from."""
-        value = value.item() if hasattr(value, "item") else value  # of numpy
+        """Records one number of a table or figure, with its measurement."""
+        value = value.item() if hasattr(value, "item") else value  # NumPy scalars
         self.numbers[f"{self.target}/{name}"] = {"value": value, "unit": unit, "command": measured.command,
                                                  "machine": measured.machine, "commit": measured.commit, "at": measured.at}
 
     def row(self, name, columns, values, sources):
-        """The numbers of a row of a table or figure; columns as "force (N)". What has no source, or is no number, is none."""
+        """Records the numbers in a row of a table or figure; columns such as "force (N)". Skips cells without a source, and
+        texts."""
         for column, value, measured in zip(columns, values, sources):
             if measured is not None and value is not None and not isinstance(value, str):
                 what, unit = column.rsplit(" (", 1) if column.endswith(")") else (column, "")
@@ -195,8 +196,8 @@ class Record:
         self.say(f"    not measured: {name}: {why}")
 
     def save(self):
-        """results.json: the numbers of this run beside those of targets that it did not make, or not to the end: their figures
-        are still there."""
+        """Writes results.json: the numbers of this run, and those of targets that it did not make completely, since their figures
+        still exist."""
         path = self.folder / "results.json"
         before = {}
         with contextlib.suppress(OSError, ValueError):
@@ -204,7 +205,7 @@ class Record:
         made = {name.split("/")[0] for name in [*self.numbers, *self.missing]}
         whole = made - {name.split("/")[0] for name in self.missing if name.endswith(f"/{ALL}")}
         rest = lambda kind, of: {name: value for name, value in before.get(kind, {}).items() if name.split("/")[0] not in of}
-        earlier = rest("sources", whole)  # of a target that is not made, some numbers are still of these
+        earlier = rest("sources", whole)  # a target that was not made still has numbers from these
         sources = {target: sorted({*some, *earlier.get(target, ())}) for target, some in self.sources.items()}
         write_whole(path, json.dumps({"numbers": {**rest("numbers", whole), **self.numbers},
                                       "not_measured": {**rest("not_measured", made), **self.missing},
@@ -212,15 +213,15 @@ class Record:
 
 
 class Measured:
-    """A value, and where it comes from."""
+    """A value and its source."""
 
     def __init__(self, value, command, made_on, of_commit, at):
         self.value, self.command, self.machine, self.commit, self.at = value, command, made_on, of_commit, at
 
     @staticmethod
     def of_all(parts, command=None):
-        """Of a number that is made of several, on their machine, or a list of machines; `command` makes them all, else it is each
-        of theirs."""
+        """Returns the source of a number that several measurements give: their machine, or a list of machines. command: makes all
+        of them; by default their own commands."""
         each = lambda name: "; ".join(dict.fromkeys(getattr(part, name) for part in parts))
         machines = [part.machine for n, part in enumerate(parts) if part.machine not in [other.machine for other in parts[:n]]]
         return Measured(None, command or each("command"), machines[0] if len(machines) == 1 else machines, each("commit"),
@@ -228,20 +229,20 @@ class Measured:
 
 
 def content(path):
-    """A word for what a file of a command line holds, of a scene with its mesh; other words stand for themselves."""
+    """Returns a hash of a file on a command line, for a scene including its mesh; empty for other words."""
     if not path.is_file() or path.stat().st_size > 1 << 28:
         return ""
     return hashlib.sha256(path.read_bytes()).hexdigest() + (content_of_mesh(path) if path.suffix == ".toml" else "")
 
 
 def content_of_mesh(scene):
-    """Of the one that a scene file names."""
+    """Returns the hash of the mesh that a scene file names."""
     mesh = re.search(r'^mesh = "(.*)"$', scene.read_text(encoding="utf-8"), re.M)
     return content(scene.parent / mesh[1]) if mesh else ""
 
 
 def needed(module):
-    """Imports a package of the distribution, or says which one is missing."""
+    """Imports a package of the distribution. Raises NotMeasured with its name if it is missing."""
     try:
         return __import__(module)
     except ImportError as missing:

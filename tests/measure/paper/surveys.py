@@ -1,9 +1,9 @@
-"""Sec. 6.1 of the paper: how many paths get to their end.
+"""Sec. 6.1 of the paper: how many paths reach their end.
 
-A path *merely converges* when Newton finds something at every step, as the paper counts: with its elements of equal order
-and det F - 1, inverted elements and any inertia accepted. It is *valid* when every configuration has min det F > 0 and the
-inertia of a stable equilibrium, with elements that satisfy inf-sup. Steps are fixed, or adaptive: transitions of 20 mm that
-are halved where they fail, and for valid paths go by way of points beside (docs/solver.md)."""
+A path *merely converges* if Newton finds a solution at every step, as the paper counts: with the paper's elements of equal
+order and det F - 1, accepting inverted elements and any inertia. It is *valid* if every configuration has min det F > 0 and
+the inertia of a stable equilibrium, with elements that satisfy the inf-sup condition. Steps are fixed, or adaptive:
+transitions of 20 mm that are halved if they fail. Valid paths may also take detours by neighbouring points (docs/solver.md)."""
 import collections
 import dataclasses
 import functools
@@ -13,18 +13,18 @@ import organs
 import published
 from record import Incomplete, Measured, NotMeasured
 
-LAW_WORDS = {"svk": "st-venant-kirchhoff", "msvk": "modified-st-venant-kirchhoff", "mr": "mooney-rivlin"}  # of the survey
+LAW_WORDS = {"svk": "st-venant-kirchhoff", "msvk": "modified-st-venant-kirchhoff", "mr": "mooney-rivlin"}  # words of the survey program
 
 
 @dataclasses.dataclass(frozen=True)
 class Survey:
-    nodes: int             # of the organ, about
+    nodes: int             # of the organ, approximately
     law: str
     kind: str = "regular"  # or "random"
     fixed_steps: bool = False
     tool: str = "rigid"
     radius: float = 0.0    # m, of the patch or finger
-    merely: bool = False   # whether what merely converges is counted beside
+    merely: bool = False   # whether mere convergence is also counted
 
     def touch(self):
         return "single node" if self.radius == 0 else f"{self.tool}, {1000 * self.radius:g} mm"
@@ -34,7 +34,7 @@ class Survey:
 
 
 def surveys(record):
-    """The paper's on its mesh and laws; and those that only ask how far ours get."""
+    """Returns the paper's surveys on its mesh and laws, and surveys that measure only ours."""
     papers = [Survey(500, law, kind, fixed, merely=True) for law in ("svk", "msvk", "mr")
               for kind, fixed in (("regular", True), ("regular", False), ("random", True))]
     more = [Survey(500, law, tool="rigid", radius=0.015) for law in ("msvk", "mr")]
@@ -48,9 +48,9 @@ def surveys(record):
 
 @dataclasses.dataclass
 class Reached:
-    """What became of the paths of a survey."""
-    way: list      # m that each path got along
-    length: float  # m of each
+    """The results of the paths of a survey."""
+    way: list      # m, distance that each path reached
+    length: float  # m, length of each path
     complete: int
     without_inverted: int
     straight: int
@@ -61,12 +61,12 @@ class Reached:
         return 100 * (self.complete if count is None else count) / len(self.way)
 
     def why(self):
-        """In words: why the others stopped."""
+        """Returns as text why the other paths stopped."""
         return ", ".join(f"{count} {cause}" for cause, count in self.causes.most_common()) or "none did"
 
 
 def step(record, survey):
-    """m of a transition."""
+    """Returns the length of a transition, m."""
     return 0.02 if not survey.fixed_steps else 0.005 if record.quick else 0.001
 
 
@@ -75,8 +75,8 @@ def steps_words(record, survey):
 
 
 def walked(record, survey, merely, iterations=None):
-    """Measures a survey from node to node, so that an interruption costs one at most. `iterations`: of Newton at most, of what
-    merely converges, if not as many as the survey takes by itself."""
+    """Measures a survey node by node, so that an interruption loses at most one node. iterations: limit of Newton iterations for
+    mere convergence; by default that of the survey program."""
     axes, nodes, directions = (("x",), 2, 6) if record.quick else (("x", "y"), 10, 26)
     each = 1 if record.quick else -(-record.random_paths // (len(axes) * nodes))
     words = [record.bench / "palpate_path_survey", organs.organ(survey.nodes).mesh, "--law", LAW_WORDS[survey.law], "--every-path",
@@ -99,7 +99,7 @@ def walked(record, survey, merely, iterations=None):
 
 
 def wilson(successes, trials, z=1.96):
-    """95 % interval of a share, % (Wilson 1927)."""
+    """Returns the 95 % interval of a share, % (Wilson 1927)."""
     share, spread = successes / trials, z * z / trials
     middle = (share + spread / 2) / (1 + spread)
     half = z / (1 + spread) * (share * (1 - share) / trials + spread / (4 * trials)) ** 0.5
@@ -107,7 +107,7 @@ def wilson(successes, trials, z=1.96):
 
 
 def interval(survey, reached):
-    """In words: regular paths are all there are, random ones a sample."""
+    """Returns the interval as text. Regular paths are complete; random paths are a sample."""
     return "{:.1f} to {:.1f}".format(*wilson(reached.complete, len(reached.way))) if survey.kind == "random" else "no sample"
 
 
@@ -118,7 +118,7 @@ SURVEY_COLUMNS = ["organ", "law", "tool", "paths", "steps", "number of paths", "
 
 
 def what_is_surveyed(record, survey):
-    """The first columns."""
+    """Returns the first columns."""
     return [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey)]
 
 
@@ -140,7 +140,7 @@ def survey_row(record, survey, merely, valid):
 
 
 def survival(record, survey, reached, counted):
-    """How many get how far: rows of SURVIVAL_COLUMNS."""
+    """Returns rows of SURVIVAL_COLUMNS: the share of paths that reach each distance."""
     parts = 50
     ways = [reached.length * n / parts for n in range(parts + 1)]
     share = lambda way: 100 * sum(r >= way - 1e-9 for r in reached.way) / len(reached.way)
@@ -175,13 +175,13 @@ def draw_survival(rows):
 
 
 def how_far(record):
-    """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
+    """Sec. 6.1: how many paths reach their end, merely converged and valid, by law and steps."""
     rows, curves, failed, whole = [], [], [], True
     for one in surveys(record):
         try:
             merely = walked(record, one, True) if one.merely else None
             valid = walked(record, one, False)
-        except (Incomplete, NotMeasured) as why:  # one survey costs no other
+        except (Incomplete, NotMeasured) as why:  # an error in one survey must not stop the others
             record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
             failed += [one.name()] if isinstance(why, Incomplete) else []
             start = what_is_surveyed(record, one)
@@ -205,13 +205,13 @@ LIMIT_COLUMNS = ["organ", "law", "paths", "steps", "published (%)", "Newton iter
 
 
 def limits(record):
-    """Sec. 6.1 again: how much of what merely converges is a matter of how many iterations Newton may take."""
+    """Sec. 6.1: how the share of merely converged paths depends on the limit of Newton iterations."""
     asked = [(Survey(record.nodes[0], law, fixed_steps=fixed), limit) for law in record.laws for fixed in (True, False) for limit in LIMITS]
     figure.save_table(record, "limits", LIMIT_COLUMNS, [limited(record, one, limit) for one, limit in asked])
 
 
 def limited(record, one, limit):
-    """A row of LIMIT_COLUMNS."""
+    """Returns a row of LIMIT_COLUMNS."""
     organ, law, _, kind, steps = what_is_surveyed(record, one)
     row = [organ, law, kind, steps, published.CONVERGED[one.law] if is_the_papers(one) else "-", limit]
     name = f"{one.name()}, {steps}, {limit} iterations"

@@ -1,8 +1,8 @@
-"""The body of docs/solver.md once more, in NumPy: P1 displacement, P1 pressure with polynomial pressure projection, a
-rigid tool. Independent of the worker; the peers are made of it, and held against datasets with it.
+"""The body of docs/solver.md, implemented again in NumPy: P1 displacement, P1 pressure with polynomial pressure projection, a
+rigid tool. It is independent of the worker. The peers are made from it, and datasets are compared with it.
 
-A *state* is z, the unknowns (n): displacements of the free nodes (m), then scaled pressures q of all nodes, p = (mu/h) q
-(Pa), h the mean edge length. With the displacement of the tool (3, m) it is a configuration. Residuals are in newtons."""
+A *state* is z, the unknowns (n): displacements of the free nodes (m), then scaled pressures q of all nodes, p = (mu/h) q (Pa),
+where h is the mean edge length. With the displacement of the tool (3, m) it is a configuration. Residuals are in newtons."""
 import dataclasses
 
 import numpy as np
@@ -18,14 +18,14 @@ VARIANCE = (np.ones((4, 4)) + np.eye(4)) / 20 - 1 / 16
 class Assembled:
     energy: float            # L, J
     residual: np.ndarray     # n: dL/dz
-    force: np.ndarray        # 3, N: of the tissue on the tool, with z held
+    force: np.ndarray        # 3, N: of the tissue on the tool, for constant z
     tangent: object = None   # n x n, CSC: d2L/dz2
     coupling: np.ndarray = None  # n x 3: d2L/dz dp
     tool: np.ndarray = None  # 3 x 3: d2L/dp2
 
 
 class Body:
-    """points: N x 3, m. tetrahedra: M x 4. fixed and tool: node numbers; the tool's nodes move as one."""
+    """points: N x 3, m. tetrahedra: M x 4. fixed, tool: node numbers; the tool's nodes move together."""
 
     def __init__(self, points, tetrahedra, fixed, tool, law):
         self.points, self.tetrahedra, self.law = np.asarray(points, float), np.asarray(tetrahedra), law
@@ -42,7 +42,8 @@ class Body:
         self.number(np.asarray(fixed), np.asarray(tool))
 
     def number(self, fixed, tool):
-        """slot: of each displacement component and pressure, N x 4, its place in (z, tool); fixed ones in a last one."""
+        """Numbers the unknowns. slot: N x 4, the index in (z, tool) of each displacement component and pressure; fixed components
+        share a last index."""
         nodes = len(self.points)
         self.free = np.setdiff1d(np.arange(nodes), np.concatenate([fixed, tool]))
         self.tool_nodes, self.displacements = tool, 3 * len(self.free)
@@ -57,15 +58,15 @@ class Body:
         entry, self.entry_of = np.unique(row.astype(np.int64) * (self.size + 4) + column, return_inverse=True)
         self.rows, self.columns = entry // (self.size + 4), entry % (self.size + 4)
 
-    # Between states and nodal fields
+    # Conversion between states and nodal fields
 
     def fields(self, z, p):
-        """Displacements (N x 3, m) and scaled pressures (N)."""
+        """Returns displacements (N x 3, m) and scaled pressures (N)."""
         u = np.concatenate([z, p, [0.0]])[self.slot[:, :3]]
         return u, z[self.displacements:]
 
     def state(self, displacement, pressure):
-        """Of nodal displacements (N x 3, m) and pressures (N, Pa)."""
+        """Returns the state of nodal displacements (N x 3, m) and pressures (N, Pa)."""
         return np.concatenate([displacement[self.free].ravel(), pressure / self.pressure_scale]).astype(float)
 
     def deformation(self, z, p):
@@ -75,7 +76,7 @@ class Body:
     # The Lagrangian
 
     def elements(self, z, p, tangent=True):
-        """Of all elements, see element_sums."""
+        """Returns the element sums of all elements, see element_sums."""
         _, q = self.fields(z, p)
         return element_sums(self.law, self.deformation(z, p), q[self.tetrahedra], self.gradients, self.volume, self.pressure_scale, tangent)
 
@@ -97,8 +98,8 @@ class Body:
 
 
 def element_sums(law, F, q, gradients, volume, pressure_scale, tangent=True):
-    """Energy (M), residual (M x 16) and tangent (M x 16 x 16; None without `tangent`) of elements in their nodes' u and q: x, y,
-    z, q of the first, ... F: M x 3 x 3, q: M x 4, gradients of the shape functions: M x 4 x 3."""
+    """Returns energy (M), residual (M x 16) and tangent (M x 16 x 16; None without `tangent`) of elements. The order is x, y, z,
+    q of the first node, and so on. F: M x 3 x 3, q: M x 4, gradients of the shape functions: M x 4 x 3."""
     V, D, scale = volume, gradients, pressure_scale
     density = law.at(F, scale * q.mean(axis=1), tangent)
     stiff = STABILISATION * scale**2 / law.shear_modulus
@@ -121,7 +122,7 @@ def element_sums(law, F, q, gradients, volume, pressure_scale, tangent=True):
 
 
 class Factors:
-    """Of a symmetric tangent."""
+    """Factors of a symmetric tangent."""
 
     def __init__(self, tangent):
         self.factors = scipy.sparse.linalg.splu(tangent, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3,
@@ -132,10 +133,10 @@ class Factors:
 
 
 def sensitivity(assembled, factors=None):
-    """dz/dp, n x 3."""
+    """Returns dz/dp, n x 3."""
     return -(factors or Factors(assembled.tangent)).solve(assembled.coupling)
 
 
 def stiffness(assembled, slope):
-    """dforce/dp, 3 x 3, N/m, of dz/dp."""
+    """Returns dforce/dp, 3 x 3, N/m, for dz/dp."""
     return -(assembled.tool + assembled.coupling.T @ slope)

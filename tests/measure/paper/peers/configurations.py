@@ -1,4 +1,4 @@
-"""What every peer is given, the solved lattice points of a dataset, and what none may see before it answers: the probes."""
+"""The inputs of every peer: the solved lattice points of a dataset. The probes are hidden until a peer answers."""
 import dataclasses
 
 import references
@@ -17,14 +17,14 @@ class Configurations:
     fixed: object          # node numbers
     tool: object
     spacing: float         # m
-    radius: float          # m, of the ball
-    place: object          # L x 3, m: of the tool; the first is the rest position
+    radius: float          # m, radius of the ball
+    place: object          # L x 3, m: displacement of the tool; the first is rest
     force: object          # L x 3, N: tissue on tool
     stiffness: object      # L x 3 x 3, N/m
     energy: object         # L, J
     displacement: object   # L x N x 3, m, float32
     pressure: object       # L x N, Pa, float32
-    unsolved: int          # lattice points that are not among them
+    unsolved: int          # number of lattice points without a solution
     probe_place: object    # R x 3
     probe_force: object    # R x 3
     probe_energy: object   # R
@@ -35,7 +35,7 @@ class Configurations:
 
 
 def read(path, node_fields=True):
-    """Of the first active node of a dataset with [storage] displacement = "all"."""
+    """Reads the first active node of a dataset with [storage] displacement = "all"."""
     h5py = needed("h5py")
     with h5py.File(path) as file:
         points, probes, spaces = file["points"], file["probes"], file["spaces"]
@@ -57,8 +57,8 @@ def mooney_rivlin():
 
 
 def errors(force, exact):
-    """Of answered forces, n x 3, NaN where there is none: {mean, median, p95, worst (N), relative_p95 (%, of
-    |error| / max(|F|, references.FLOOR)), in_target (% of all, within 3 % or 10 mN, as `palpate report` counts), unanswered}."""
+    """Returns the errors of answered forces (n x 3, NaN without an answer): {mean, median, p95, worst (N), relative_p95 (%, of
+    |error| / max(|F|, references.FLOOR)), in_target (% of all, within 3 % or 10 mN, as in `palpate report`), unanswered}."""
     length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
     answered = np.isfinite(length)
     if not answered.any():

@@ -1,4 +1,4 @@
-"""The figures of the peers; rows as in setting.COLUMNS."""
+"""The figures of the peers, from rows as in setting.COLUMNS."""
 import math
 
 import figure
@@ -18,15 +18,15 @@ def marker(method):
 
 
 def label(method):
-    """What fits beside a point: POD 20, 213 elements."""
+    """Returns a short label for a point, such as "POD 20, 213 elements"."""
     return method.split(" (")[0] + (", all" if "all elements" in method else "")
 
 
 def label_points(axis, points):
-    """points: (x, y, text) on axes that are logarithmic; a label goes below another that it would cover."""
+    """Labels points (x, y, text) on logarithmic axes. Moves a label down if it would cover another."""
     placed = []
     for x, y, text in sorted(points, key=lambda point: -point[1]):
-        right = x > 3e4 and len(text) > 12  # there is no room behind it
+        right = x > 3e4 and len(text) > 12  # no space to its right
         at = math.log10(y)
         while any(abs(math.log10(x / other)) < 1.3 and abs(at - height) < 0.085 for other, height in placed):
             at -= 0.01
@@ -36,7 +36,7 @@ def label_points(axis, points):
 
 
 def naming(draw, missing):
-    """`draw`, with the methods over it that are not measured."""
+    """Returns a drawing function that also lists the methods that are not measured."""
     def named(page):
         draw(page)
         if missing:
@@ -54,7 +54,8 @@ def size(rows):
 
 
 def speed(rows):
-    """Mean error over the time of an answer. What is exact has a line at its time; what was not measured has no place in it."""
+    """Draws the mean error over the time of an answer. Exact methods are lines at their times; methods that were not measured are
+    omitted."""
     def draw(page):
         axes = page.subplots(1, len(groups_of(rows)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(rows)):
@@ -79,8 +80,7 @@ def speed(rows):
 
 
 def distributions(points):
-    """points: [organ, tool, method, error; infinite where there was no answer]. The share of the probes whose error is larger
-    than so much."""
+    """Draws the share of probes with an error above each value. points: [organ, tool, method, error; infinite without an answer]."""
     def draw(page):
         axes = page.subplots(1, len(groups_of(points)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(points)):

@@ -1,7 +1,7 @@
-"""Newton's method and continuation, for the whole body and for what is reduced from it.
+"""Newton's method and continuation, for the whole body and for its reduced models.
 
-A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled), sensitivity(assembled, factors) and tolerance, of
-the residual's norm relative to the force on the tool."""
+A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled), sensitivity(assembled, factors) and tolerance,
+which is that of the residual's norm relative to the force on the tool."""
 import dataclasses
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 TOLERANCE = 1e-8
 FLOOR = 1e-9           # N
 ITERATIONS = 15
-HALVINGS = 6           # of a Newton step
-SMALLEST_STEP = 1 / 32  # of a transition
+HALVINGS = 6           # limit of halvings of a Newton step
+SMALLEST_STEP = 1 / 32  # as a part of a transition
 
 
 @dataclasses.dataclass
@@ -25,7 +25,7 @@ class Solved:
 
 @dataclasses.dataclass
 class Iterate:
-    """After so many Newton iterations: what the loop would answer if it had to stop here."""
+    """The state after some Newton iterations: the answer of the loop if it stopped here."""
     force: np.ndarray
     residual: float
 
@@ -35,7 +35,7 @@ def converged(model, assembled):
 
 
 def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
-    """From z, with the tool at p; None without a solution."""
+    """Solves from z with the tool at p. Returns None if there is no solution."""
     if not model.admissible(z, p):
         return None
     assembled = model.assemble(z, p)
@@ -62,7 +62,7 @@ def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
 
 
 def transition(model, start, target):
-    """From one solution to another place of the tool, in as large steps as go; None when none goes."""
+    """Moves from a solution to another place of the tool, in steps as large as possible. Returns None if all steps fail."""
     at, done, step, iterations = start, 0.0, 1.0, 0
     way = np.asarray(target) - start.p
     while done < 1:
@@ -80,10 +80,10 @@ def transition(model, start, target):
 
 
 class Follower:
-    """Equilibria along a hand's path without a new tangent in each: the inverse of an old one, and dz/dp, are corrected by Broyden's
-    rank-one updates (Kelley 1995, Sec. 7.3), and made anew where the residual does not fall by a half. For small dense models,
-    which have residual(z, p) too. tolerance: of the residual relative to the force; the error of the force is of its size or
-    below."""
+    """Follows equilibria along a hand's path without a new tangent at each place. Broyden's rank-one updates (Kelley 1995, Sec.
+    7.3) correct the inverse of an old tangent and dz/dp; both are computed again if the residual does not fall by half. For
+    small dense models that also have residual(z, p). tolerance: residual relative to the force; the relative error of the
+    force is of this size or smaller."""
 
     def __init__(self, model, solved, tolerance=1e-5):
         self.model, self.tolerance, self.tangents = model, tolerance, 0
@@ -97,7 +97,7 @@ class Follower:
         self.tangents += 1
 
     def answer(self, p, iterations=15):
-        """The force with the tool at p, from where it was; None, and nothing has changed, without one."""
+        """Returns the force with the tool at p, starting from the last state; None if there is none, and the state is unchanged."""
         before = self.z, self.p
         found = self.iterate(before[0] + self.slope @ (p - before[1]), p, iterations)
         if found is None:
@@ -130,7 +130,7 @@ class Follower:
         return None
 
     def walk(self, p, step=0.001):
-        """The same in steps of 1 mm at most, as a hand comes."""
+        """Returns the force after steps of at most 1 mm, as a hand moves."""
         way = p - self.p
         force, start = None, self.p
         count = max(1, int(np.ceil(np.linalg.norm(way) / step)))

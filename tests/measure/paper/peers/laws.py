@@ -1,7 +1,7 @@
-"""Energy densities psi(F, p) = W(F) - p c(F) of many elements at once, with their first and second derivatives.
+"""Energy densities psi(F, p) = W(F) - p c(F) of many elements at once, with first and second derivatives.
 
-F: M x 3 x 3, the deformation gradient of each element; p: M, its mean pressure, Pa. Second derivatives are M x 9 x 9,
-F flattened by rows. SI units; docs/solver.md has the Lagrangian they are part of."""
+F: M x 3 x 3, the deformation gradient of each element; p: M, its mean pressure, Pa. Second derivatives are M x 9 x 9, with F
+flattened by rows. SI units. docs/solver.md has the Lagrangian that contains these densities."""
 import dataclasses
 
 import numpy as np
@@ -17,12 +17,12 @@ class Density:
 
 
 def dyad(a, b):
-    """a_ij b_kl as M x 9 x 9."""
+    """Returns a_ij b_kl as M x 9 x 9."""
     return a.reshape(-1, 9, 1) * b.reshape(-1, 1, 9)
 
 
 def product(pattern, *tensors):
-    """A fourth-order product of second-order tensors as M x 9 x 9."""
+    """Returns a fourth-order product of second-order tensors as M x 9 x 9."""
     return np.einsum(pattern, *tensors).reshape(-1, 9, 9)
 
 
@@ -31,7 +31,7 @@ NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 
 
 def cofactors(F):
-    """J F^-T, by cross products: ten times as fast as NumPy's inverse."""
+    """Returns J F^-T by cross products, ten times as fast as NumPy's inverse."""
     one, other = F[:, NEXT], F[:, AFTER]
     return one[:, :, NEXT] * other[:, :, AFTER] - one[:, :, AFTER] * other[:, :, NEXT]
 
@@ -43,7 +43,7 @@ class MooneyRivlin:
         self.c10, self.c01, self.shear_modulus = c10, c01, 2 * (c10 + c01)
 
     def admissible(self, F):
-        return bool((np.linalg.det(F) > 0).all())  # false where it is no number
+        return bool((np.linalg.det(F) > 0).all())  # false for NaN
 
     def at(self, F, p, tangent=True):
         scalar = lambda s: s[:, None, None]
@@ -77,8 +77,8 @@ for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
 
 
 class Corotated:
-    """Linear elasticity in the frame of each element's rotation R of F = R S: e = S - I, W = mu (e:e - (tr e)^2 / 3),
-    c = tr e; incompressible like the law it stands for, and the same as it at rest."""
+    """Linear elasticity in the frame of each element's rotation R of F = R S: e = S - I, W = mu (e:e - (tr e)^2 / 3), c = tr e.
+    Incompressible, and at rest equal to the law that it replaces."""
 
     def __init__(self, shear_modulus):
         self.shear_modulus = shear_modulus
@@ -89,7 +89,7 @@ class Corotated:
     def at(self, F, p, tangent=True):
         U, stretches, V = np.linalg.svd(F)
         flip = np.sign(np.linalg.det(U @ V))
-        stretches[:, 2] *= flip  # a rotation and no reflection, in inverted elements too
+        stretches[:, 2] *= flip  # a rotation, not a reflection, also in inverted elements
         U[:, :, 2] *= flip[:, None]
         R = U @ V
         scalar = lambda s: s[:, None, None]

@@ -1,7 +1,7 @@
 """The peers, one function each: method(record, given) yields (row of setting.COLUMNS, forces at the probes, record.Measured).
 
-given: setting.Setting. Times of Python peers are processor time of one core. Along a hand's path an answer begins with the one
-before; "without one before" with the configurations alone."""
+given: setting.Setting. Times of Python peers are processor times of one core. Along a hand's path, an answer starts from the
+previous one; "without one before" starts from the configurations only."""
 from peers.setting import NOT_ASKED, median, timed
 from record import NotMeasured
 
@@ -10,7 +10,7 @@ INTERPOLATIONS = {"trilinear": ("tri-linear (paper)", "no"), "rbf-linear": ("RBF
 
 
 def interpolations(record, given):
-    """The paper's and ours, by the force fields of the client, which are C++."""
+    """The interpolations of the paper and ours, by the C++ force fields of the client."""
     text = "".join("%.17g %.17g %.17g\n" % tuple(p) for p in given.configurations.probe_place)
     command = [record.bench / "palpate_force_query_bench", given.dataset.value["dataset"], "tip", *INTERPOLATIONS]
     measured = record.run(f"{given.name} forces and memory of interpolations", command, text, depends=[given.configurations.identity])
@@ -25,7 +25,7 @@ def interpolations(record, given):
 # Linear bodies
 
 def compliance(record, given):
-    """What a linear simulator answers: the stiffness at rest."""
+    """The answer of a linear simulator: the stiffness at rest."""
     import numpy
     from peers import body
     rest = given.configurations.stiffness[0]
@@ -43,8 +43,8 @@ def compliance(record, given):
 
 
 def corotated(record, given):
-    """Linear elements in the frame of each one's rotation, in equilibrium to 1e-4: no compliance can be computed ahead for them, so
-    they are solved as the whole body is."""
+    """Linear elements in the rotating frame of each element, in equilibrium to 1e-4. Their compliance cannot be precomputed, so
+    they are solved like the whole body."""
     import numpy
     from peers import body, equilibrium, laws
 
@@ -64,7 +64,7 @@ def corotated(record, given):
 
 
 def chained(model, places):
-    """Equilibria at places, each from the nearest that is there already; None where there is none."""
+    """Returns equilibria at places, each from the nearest one found so far; None if there is none."""
     import numpy
     from peers import equilibrium
     reached, found, left = [model.at_rest()], [None] * len(places), set(range(len(places)))
@@ -80,7 +80,8 @@ def chained(model, places):
 
 
 def seconds_along(model, start, path):
-    """Of each answer on a hand's path, from the one before; None where there was none, and then from the last there was."""
+    """Returns the seconds of each answer on a hand's path, starting from the previous one. None if an answer fails; the next then
+    starts from the last success."""
     from peers import equilibrium
     at, seconds = start, []
     for p in path:
@@ -97,18 +98,18 @@ def modes(record):
 
 
 def few_elements(record):
-    """(modes, tolerance of the weights)"""
+    """Returns [(modes, tolerance of the weights)]."""
     return [(10, 1e-2)] if record.quick else [(10, 1e-2), (20, 1e-2), (20, 1e-3), (40, 1e-3)]
 
 
 class Bases:
-    """Made once for all reduced models of a setting, when the first of them is measured."""
+    """Bases for all reduced models of a setting, made once when the first model is measured."""
 
     def __init__(self, given):
         self.given, self.made, self.models = given, None, {}
 
     def model(self, count):
-        """(reduced.Reduced, s of processor to make it)"""
+        """Returns (reduced.Reduced, processor seconds to make it)."""
         from peers import reduced
         if self.made is None:
             self.made = timed(lambda: reduced.snapshots(self.given.body, self.given.configurations))
@@ -118,7 +119,7 @@ class Bases:
 
 
 def by_newton(given, model, before):
-    """What a reduced model answers with Newton to the end, and what it takes."""
+    """Measures the answers of a reduced model with converged Newton, and their times."""
     from peers import reduced
     rest = model.at_rest()
     found, took = zip(*(timed(lambda p=p: reduced.answer(model, p, rest)) for p in given.configurations.probe_place))
@@ -143,12 +144,12 @@ def reduced_models(record, given):
 
 
 def stuck(record, given, label, measured):
-    """How often it had no answer on the hand's path; what an answer takes is of the others."""
+    """Records how often a model had no answer on the hand's path. Times are those of the other answers."""
     record.number(f"{given.name}/{label}/stuck_on_the_path", measured.value["stuck_on_the_path"], f"of {measured.value['steps']}", measured)
 
 
 def sampled_models(record, given):
-    """The same with a few elements (ECSW), that follow the hand with old tangents."""
+    """Reduced models with a few elements (ECSW) that follow the hand with old tangents."""
     import numpy
     from peers import equilibrium, reduced, sampled
     bases = Bases(given)
@@ -177,7 +178,7 @@ def sampled_models(record, given):
 # Networks
 
 def efforts(record):
-    """By kind, for network.Effort: what is tried, and for how long at most."""
+    """Returns network.Effort by kind: the number of trials, and the time limit."""
     if record.quick:
         return {"force": (3, 200, 1, 600, 100, 1, 12), "energy": (3, 200, 1, 600, 100, 1, 12),
                 "energy and stiffness": (1, 100, 1, 300, 100, 1, 12)}
@@ -186,7 +187,7 @@ def efforts(record):
 
 
 def networks(record, given):
-    """The best of a search for each kind."""
+    """The best network of a search for each kind."""
     from peers import network
     shortlist = None
     for kind in network.KINDS:
@@ -209,7 +210,7 @@ def networks(record, given):
             record.number(f"{given.name}/network: {kind}/{what}", told[what], unit, measured)
         record.say(f"        {kind}: {told['settings']}, best of {told['tried']}; {told['held_back_error']:.3g} N on configurations held "
                    "back")
-        if kind == "energy":  # what fits an energy well is tried first where its stiffness is fitted too, which takes five times as long
+        if kind == "energy":  # try the best settings first when the stiffness is also fitted, which takes five times as long
             shortlist = told["shortlist"]
         yield (given.row(f"network: {kind} ({told['settings'].split(',')[0]})", told, given.errors(told["force"]),
                          conservative="no" if kind == "force" else "yes"), told["force"], measured)
@@ -218,8 +219,8 @@ def networks(record, given):
 # Newton in the loop
 
 def newton(record, given):
-    """(rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)]). What converges is the exact
-    force, at places of its own; the probes are not asked."""
+    """Returns (rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)]). Converged answers are
+    exact, at places of their own; the probes are not queried."""
     from peers import loop
     count, scene = 3 if record.quick else 5, scene_file(record, given.case)
     found, by_worker = loop.by_worker(record, given.name, scene, given.configurations, count)

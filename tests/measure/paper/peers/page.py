@@ -1,7 +1,7 @@
-"""How others answer, on the same organ: the tables and figures of all peers.
+"""How other methods answer on the same organ: the tables and figures of all peers.
 
-Every peer is given the solved lattice points of one dataset and is asked for the forces at its probes, exact solutions at random
-places of the ball that nobody was given. What was built by several workers counts as their processor seconds together."""
+Every peer gets the solved lattice points of one dataset. It is then queried at the probes: exact solutions at random places of
+the ball, which no peer was given. Builds by several workers count with the sum of their processor seconds."""
 import figure
 import published
 from peers import drawing, setting
@@ -9,7 +9,7 @@ from record import NotMeasured, needed
 
 
 def peers(record):
-    """What others would answer at the same places: linear bodies, reduced models, networks, Newton in the loop; and we."""
+    """Other methods at the same places: linear bodies, reduced models, networks, Newton in the loop; and ours."""
     needed("numpy"), needed("scipy"), needed("h5py")
     from peers import loop, methods
     rows, loops, rates, errors = [], [], [], []
@@ -37,7 +37,7 @@ def peers(record):
 
 
 def newton(record, given):
-    """As methods.newton; rows of nothing where it is not measured."""
+    """Calls methods.newton; returns empty rows if it is not measured."""
     from peers import loop, methods
     try:
         return methods.newton(record, given)
@@ -48,12 +48,12 @@ def newton(record, given):
 
 
 def nothing_of(given, method):
-    """The row of a method that is not measured."""
+    """Returns the row of a method that is not measured."""
     return [given.case.organ().name, given.case.tool(), method] + [None] * (len(setting.COLUMNS) - 3)
 
 
 def add(record, given, method, rows, errors):
-    """A method's rows, and [organ, tool, label, error] of each answer."""
+    """Adds a method's rows, and [organ, tool, label, error] of each answer."""
     who = [given.case.organ().name, given.case.tool()]
     try:
         for row, forces, measured in method(record, given):

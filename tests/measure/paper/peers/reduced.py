@@ -1,12 +1,13 @@
-"""A reduced-order model: proper orthogonal decomposition of the configurations, Galerkin, Newton among the modes.
+"""A reduced-order model: proper orthogonal decomposition of the configurations, Galerkin projection, and Newton in the modes.
 
-z = S p + Phi a: S the sensitivities at rest, so that no mode at all is the linear body, Phi the first modes of what the
-configurations add to that. Modes of the displacement are orthonormal in the H1 seminorm (integral of grad u : grad v), those
-of the pressure in L2. A pressure mode that no displacement mode can answer to makes the reduced saddle singular, so each has a
-*supremizer* beside it, the displacement that its work on is largest (Rozza and Veroy 2007; Ballarin et al. 2015), by the coupling at rest.
+z = S p + Phi a. S: sensitivities at rest, so that the model without modes is the linear body. Phi: the first modes of the
+remainder of the configurations. Displacement modes are orthonormal in the H1 seminorm (integral of grad u : grad v), pressure
+modes in L2. A pressure mode without a matching displacement mode makes the reduced saddle point problem singular. So each
+pressure mode has a *supremizer*: the displacement on which its work is largest, by the coupling at rest (Rozza and Veroy 2007;
+Ballarin et al. 2015).
 
-The force is minus the slope of the reduced Lagrangian along p, so it is conservative. The whole body is assembled in every
-iteration (no hyper-reduction), as SOFA's ModelOrderReduction does in its first phase; `sampled.py` goes on from there."""
+The force is minus the slope of the reduced Lagrangian along p, so it is conservative. Every iteration assembles the whole body
+(no hyper-reduction), as SOFA's ModelOrderReduction does in its first phase; `sampled.py` adds the second."""
 import dataclasses
 
 import numpy as np
@@ -18,11 +19,11 @@ from peers import body, equilibrium
 
 @dataclasses.dataclass
 class Snapshots:
-    """What bases are made of, once for all numbers of modes."""
+    """The inputs of all bases, computed once for all numbers of modes."""
     lift: np.ndarray           # n x 3: dz/dp at rest
     displacement: np.ndarray   # modes as columns, most important first, of z's displacements
     pressure: np.ndarray       # likewise of z's pressures
-    supremizers: np.ndarray    # of each pressure mode
+    supremizers: np.ndarray    # one for each pressure mode
     u_spectrum: np.ndarray     # their singular values
     p_spectrum: np.ndarray
     states: np.ndarray         # L x n: z of the configurations
@@ -32,7 +33,7 @@ class Snapshots:
 
 
 def inner_products(some_body):
-    """(integral of grad u : grad v among free displacements, lumped mass of the nodes)."""
+    """Returns (integral of grad u : grad v for free displacements, lumped mass of the nodes)."""
     M, nodes = some_body.tetrahedra, len(some_body.points)
     weights = some_body.volume[:, None, None] * (some_body.gradients @ some_body.gradients.transpose(0, 2, 1))
     row, column = np.repeat(M, 4, axis=1).ravel(), np.tile(M, 4).ravel()
@@ -43,7 +44,7 @@ def inner_products(some_body):
 
 
 def principal(columns, inner):
-    """Modes (orthonormal under inner @) and singular values of snapshots that are columns, by the method of snapshots."""
+    """Returns modes (orthonormal under inner @) and singular values of snapshots in columns, by the method of snapshots."""
     gram = columns.T @ (inner @ columns)
     values, vectors = np.linalg.eigh((gram + gram.T) / 2)
     keep = np.flatnonzero(values > 1e-13 * values[-1])[::-1]
@@ -51,7 +52,7 @@ def principal(columns, inner):
 
 
 def orthonormal(columns, inner):
-    """Gram and Schmidt, twice; columns that depend on earlier ones are left out."""
+    """Orthonormalises by Gram-Schmidt, twice. Omits columns that depend on earlier ones."""
     made = np.empty((len(columns), 0))
     for column in columns.T:
         length = np.sqrt(column @ (inner @ column))
@@ -64,7 +65,7 @@ def orthonormal(columns, inner):
 
 
 def snapshots(some_body, configurations):
-    """Of the configurations, the first of which is the rest state."""
+    """Makes snapshots of the configurations, of which the first is the rest state."""
     rest = some_body.assemble(np.zeros(some_body.size), np.zeros(3))
     lift = body.sensitivity(rest)
     states = np.array([some_body.state(u, p) for u, p in zip(configurations.displacement, configurations.pressure)])
@@ -78,14 +79,14 @@ def snapshots(some_body, configurations):
 
 
 def supremizers(some_body, p_modes, grad_inner, most=60):
-    """One for each of the first pressure modes psi: A s = B^T psi, A the H1 seminorm, B the coupling at rest."""
+    """Returns one for each of the first pressure modes psi: A s = B^T psi, A the H1 seminorm, B the coupling at rest."""
     n, factors = some_body.displacements, body.Factors(grad_inner)
     at_rest = some_body.assemble(np.zeros(some_body.size), np.zeros(3)).tangent[:n, n:]
     return factors.solve(at_rest @ p_modes[:, :most])
 
 
 class Galerkin:
-    """What all reduced models share, with size, made, coordinates, assemble and admissible."""
+    """Base of all reduced models, which have size, made, coordinates, assemble and admissible."""
 
     tolerance = equilibrium.TOLERANCE
 
@@ -100,7 +101,7 @@ class Galerkin:
 
 
 class Reduced(Galerkin):
-    """A model of `modes` displacement modes, `pressures` pressure modes and their supremizers."""
+    """A model with `modes` displacement modes, `pressures` pressure modes and their supremizers."""
 
     def __init__(self, some_body, made, modes, pressures=None, supremized=True):
         self.body, self.made = some_body, made
@@ -112,7 +113,7 @@ class Reduced(Galerkin):
         q = made.pressure[:, :pressures]
         self.columns = u.shape[1], q.shape[1]
         self.scale = np.concatenate([np.abs(u).max(axis=0), np.abs(q).max(axis=0)])
-        # Coordinates are what the largest entry of a mode moves, m, so that a residual is in newtons, as the whole body's is.
+        # A coordinate is the displacement of a mode's largest entry, m, so that residuals are in newtons, as for the whole body.
         self.basis = scipy.linalg.block_diag(u, q) / self.scale
         self.size = self.basis.shape[1]
         rise, n = (made.states - made.places @ made.lift.T).T, some_body.displacements
@@ -133,15 +134,15 @@ class Reduced(Galerkin):
         return self.body.admissible(self.whole(a, p), p)
 
     def memory(self):
-        """Bytes that an answer reads: modes without the zeros between displacement and pressure, sensitivities, coordinates to
-        start from, and of all elements gradients, volume and corners."""
+        """Returns the bytes that an answer reads: modes without the zeros between displacement and pressure, sensitivities, start
+        coordinates, and gradients, volume and corners of all elements."""
         of_u, of_q = self.columns
         rows = self.body.displacements, self.body.size - self.body.displacements
         elements = self.body.gradients.nbytes + self.body.volume.nbytes + 4 * self.body.tetrahedra.size
         return 8 * (rows[0] * of_u + rows[1] * of_q) + self.made.lift.nbytes + self.coordinates.nbytes + elements
 
     def memory_with_shape(self):
-        return self.memory()  # which has all rows of the displacement
+        return self.memory()  # includes all rows of the displacement
 
 
 class Dense:
@@ -153,8 +154,8 @@ class Dense:
 
 
 def answer(model, p, rest):
-    """Without an answer before it: from the nearest configuration, else from ever nearer to the way from rest. None without a
-    solution."""
+    """Answers without a previous answer: from the nearest configuration, else from starts ever closer to the path from rest.
+    Returns None if there is no solution."""
     for start in starts(model, p):
         reached = equilibrium.transition(model, start, p)
         if reached is not None:
@@ -163,7 +164,7 @@ def answer(model, p, rest):
 
 
 def starts(model, p, most=4):
-    """Equilibria of the model at the configurations nearest to p."""
+    """Returns equilibria of the model at the configurations nearest to p."""
     for n in np.argsort(np.linalg.norm(model.made.places - p, axis=1))[:most]:
         start = equilibrium.newton(model, model.coordinates[n], model.made.places[n])
         if start is not None:
@@ -171,7 +172,8 @@ def starts(model, p, most=4):
 
 
 def followed(model, p, rest):
-    """The force after a hand has come from the nearest configuration, with old tangents; else that of answer(); None without one."""
+    """Returns the force after a hand has moved from the nearest configuration, with old tangents, or else that of answer(); None
+    if there is none."""
     for start in starts(model, p):
         force = equilibrium.Follower(model, start).walk(p)
         if force is not None:

@@ -1,11 +1,11 @@
-"""Hyper-reduction of a reduced model: energy-conserving sampling and weighting (ECSW; Farhat et al. 2014, 2015), the method of
-SOFA's ModelOrderReduction. A few elements, with weights that are not negative, stand for all: the sampled Lagrangian is the
-weighted sum of theirs, so the force stays conservative.
+"""Hyper-reduction of a reduced model: energy-conserving sampling and weighting (ECSW; Farhat et al. 2014, 2015), as in SOFA's
+ModelOrderReduction. A few elements with non-negative weights represent all elements. The sampled Lagrangian is the weighted
+sum of theirs, so the force remains conservative.
 
-The weights are fitted (Lawson and Hanson's non-negative least squares, stopped at a tolerance) so that for each training state
-the reduced work of all elements is met: of the elastic stresses and of the pressures apart (at an equilibrium their sum is
-nothing, which no weights at all would meet), on all modes and on the tool. Training states are configurations, and what lies
-between one and the place of another, as Newton meets it."""
+The weights are fitted by Lawson and Hanson's non-negative least squares, stopped at a tolerance. For each training state, they
+must reproduce the reduced work of all elements on all modes and on the tool, separately for the elastic stresses and the
+pressures. (At an equilibrium their sum is zero, which zero weights would reproduce.) Training states are configurations, and
+states between the configuration of one place and that of another, as they occur in Newton."""
 import time
 
 import numpy as np
@@ -15,8 +15,9 @@ from peers import body, reduced
 
 
 def non_negative(A, b, tolerance, most, together=8):
-    """(columns, x > 0, |A x - b| / |b|) of few columns, the last at most `tolerance` unless no more columns help or there are
-    `most`. Active set on Gram matrices; up to `together` columns enter at once, because a pass over A is what takes time."""
+    """Returns (columns, x > 0, |A x - b| / |b|) with few columns. The error is at most `tolerance`, unless no further columns
+    help or their number is `most`. An active-set method on Gram matrices, where up to `together` columns enter at once,
+    because a pass over A takes most of the time."""
     right, b_length = (A.T @ b).astype(float), float(np.linalg.norm(b))
     chosen, x, gram = np.zeros(0, int), np.zeros(0), np.zeros((0, 0))
     residual, length, entering = b.copy(), b_length, together
@@ -36,7 +37,7 @@ def non_negative(A, b, tolerance, most, together=8):
         if shorter > (1 - 1e-6) * length:
             if entering == 1:
                 break
-            entering = 1  # one by one it cannot go round in circles (Lawson and Hanson 1974)
+            entering = 1  # one at a time, it cannot cycle (Lawson and Hanson 1974)
         else:
             entering = together
         length = min(length, shorter)
@@ -44,7 +45,7 @@ def non_negative(A, b, tolerance, most, together=8):
 
 
 def inside(chosen, x, gram, right):
-    """From x >= 0 to the least squares of columns that keep it so: those in the way are left out."""
+    """Moves from x >= 0 to the least-squares solution of columns that keeps x >= 0, by removing the columns in the way."""
     while True:
         damped = gram + 1e-10 * np.trace(gram) / len(gram) * np.eye(len(gram))
         wanted = scipy.linalg.cho_solve(scipy.linalg.cho_factor(damped), right[chosen])
@@ -58,7 +59,7 @@ def inside(chosen, x, gram, right):
 
 
 def training_states(model, count, random):
-    """(coordinates, place) of configurations, and of as many between one and a neighbour."""
+    """Returns (coordinates, place) of configurations, and of as many states between neighbours."""
     places, coordinates = model.made.places, model.coordinates
     chosen = random.permutation(len(places))[:count]
     states = [(coordinates[n], places[n]) for n in chosen]
@@ -69,7 +70,7 @@ def training_states(model, count, random):
 
 
 def element_basis(model, elements=slice(None)):
-    """The 16 nodal values of elements by (a, p): m x 16 x (k + 3)."""
+    """Returns the 16 nodal values of elements by (a, p): m x 16 x (k + 3)."""
     n, k = model.basis.shape
     both = np.zeros((n + 4, k + 3))
     both[:n, :k], both[:n, k:], both[n:n + 3, k:] = model.basis, model.made.lift, np.eye(3)
@@ -77,8 +78,8 @@ def element_basis(model, elements=slice(None)):
 
 
 def training(model, states):
-    """A and b of the fit. Rows of A: states x (elastic, of pressure) x (k + 3); columns: elements. The rows of one kind have the
-    same size."""
+    """Returns A and b of the fit. Rows of A: states x (elastic, of pressure) x (k + 3); columns: elements. Rows of one kind are
+    scaled to the same size."""
     some_body, basis = model.body, element_basis(model).astype(np.float32)
     A = np.empty((len(states), 2, basis.shape[2], len(basis)), np.float32)
     for n, (a, p) in enumerate(states):
@@ -95,8 +96,8 @@ def training(model, states):
 
 
 class Sampled(reduced.Galerkin):
-    """A reduced model whose sums run over a few elements. tolerance: of the fit of the weights; states: how many configurations
-    it is fitted to."""
+    """A reduced model that sums over a few elements. tolerance: of the fit of the weights. states: number of configurations for
+    the fit."""
 
     def __init__(self, model, tolerance, states=60, most=1500):
         began = time.process_time()
@@ -112,7 +113,7 @@ class Sampled(reduced.Galerkin):
         self.size = model.basis.shape[1]
 
     def nodal(self, a, p):
-        """Deformation gradients and pressures of the elements."""
+        """Returns deformation gradients and pressures of the elements."""
         values = (self.basis @ np.concatenate([a, p])).reshape(-1, 4, 4)
         return np.eye(3) + np.swapaxes(values[:, :, :3], 1, 2) @ self.gradients, values[:, :, 3]
 
@@ -126,18 +127,18 @@ class Sampled(reduced.Galerkin):
         return body.Assembled(float(energy.sum()), r[:k], -r[k:], tangent[:k, :k], tangent[:k, k:], tangent[k:, k:])
 
     def residual(self, a, p):
-        """As assemble, without a tangent."""
+        """Like assemble, without a tangent."""
         energy, residual, _ = body.element_sums(self.law, *self.nodal(a, p), self.gradients, self.volume, self.pressure_scale, False)
         r = residual.ravel() @ self.basis.reshape(-1, self.basis.shape[2])
         return body.Assembled(float(energy.sum()), r[:len(a)], -r[len(a):])
 
     def memory(self):
-        """Bytes that an answer of the force reads: of four corners, three displacements and a pressure by their modes and the
-        place of the tool, and what else it reads of an element; coordinates to start from."""
+        """Returns the bytes that an answer of the force reads: three displacements and a pressure of four corners by modes and
+        place, other element data, and start coordinates."""
         of_u, of_q = self.columns
         basis = 8 * len(self.elements) * (12 * (of_u + 3) + 4 * (of_q + 3))
         return basis + self.gradients.nbytes + self.volume.nbytes + self.coordinates.nbytes
 
     def memory_with_shape(self):
-        """The displacement of all nodes by their modes and the place of the tool beside it, in the precision of datasets."""
+        """Like memory(), with the displacement of all nodes by modes and place, in the precision of datasets."""
         return self.memory() + 4 * self.displacements * (self.columns[0] + 3)

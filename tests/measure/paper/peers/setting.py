@@ -1,4 +1,4 @@
-"""What all peers of one organ and tool are given, and the row of the table that each fills."""
+"""The inputs of all peers for one organ and tool, and the row of the table for each peer."""
 import dataclasses
 import resource
 import time
@@ -16,10 +16,10 @@ NOT_ASKED = dict.fromkeys(["mean", "median", "p95", "worst", "relative_p95", "in
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    nodes: int      # of the organ, about
-    patch: float    # m, that moves with the node; 0: the node alone
-    radius: float   # m, of the ball
-    divisions: int  # lattice spacings in it
+    nodes: int      # of the organ, approximately
+    patch: float    # m, radius that moves with the node; 0: the node alone
+    radius: float   # m, radius of the ball
+    divisions: int  # lattice spacings in the radius
     probes: int
 
     def organ(self):
@@ -39,23 +39,23 @@ class Case:
 
 @dataclasses.dataclass
 class Setting:
-    """A case, and what its peers read."""
+    """A case, and the inputs of its peers."""
     case: Case
     dataset: object         # record.Measured of its build
     configurations: object  # configurations.Configurations
     body: object            # body.Body
-    build_s: object         # of processor, all workers together; None where they were elsewhere
+    build_s: object         # processor time of all workers together; None if they were elsewhere
     path: list              # displacements of a hand, m, 1 mm apart, from rest
     fine: list              # likewise, 0.25 mm apart
     name: str
 
     def measure(self, record, what, make, *depends):
-        """Of a function whose result depends on the dataset and `depends`."""
+        """Measures a function whose result depends on the dataset and on `depends`."""
         return record.measure(f"{self.name} {what}", make, self.configurations.identity, *depends, command=COMMAND)
 
     def row(self, method, value, errors, configurations=None, conservative="yes", language="Python"):
-        """A row of COLUMNS. value: before_s (on top of the build), force_bytes, shape_bytes, answer_s, cold_s, any of them None
-        when it was not measured, or a word when there is none."""
+        """Returns a row of COLUMNS. value: before_s (added to the build), force_bytes, shape_bytes, answer_s, cold_s; None if not
+        measured, or a word if there is none."""
         count = len(self.configurations.place) if configurations is None else configurations
         of = lambda name, factor: value.get(name) if isinstance(value.get(name), (str, type(None))) else factor * value[name]
         build = self.build_s if count > 1 else 0
@@ -65,21 +65,21 @@ class Setting:
                 errors["relative_p95"], errors["in_target"], errors["unanswered"], conservative]
 
     def errors(self, forces):
-        """Of forces at the probes, None where there was no answer."""
+        """Returns the errors of forces at the probes; a force is None if there was no answer."""
         import numpy
         from peers import configurations
         answered = [[numpy.nan] * 3 if force is None else force for force in forces]
         return configurations.errors(numpy.array(answered, float), self.configurations.probe_force)
 
     def lengths_of_errors(self, forces):
-        """N; what was not answered is wrong without a limit."""
+        """Returns the magnitudes of the errors, N; infinite without an answer."""
         import numpy
         return [float("inf") if force is None else float(numpy.linalg.norm(numpy.subtract(force, exact)))
                 for force, exact in zip(forces, self.configurations.probe_force)]
 
 
 def cases(record):
-    """The first is what the peers were made with; nobody tuned anything for the patch."""
+    """Returns the cases. The peers were developed with the first; nothing was tuned for the patch."""
     if record.quick:
         return [Case(500, 0.0, 0.06, 3, 20)]
     return [Case(2000, 0.0, 0.06, 4, 100), Case(2000, 0.02, 0.06, 4, 100)]
@@ -91,9 +91,9 @@ def setting(record, case):
     read = configurations.read(made.value["dataset"])
     if read.unsolved or read.probes_unsolved:
         record.say(f"    {case.name()}: {read.unsolved} lattice points and {read.probes_unsolved} probes have no equilibrium, and are "
-                   "left out")
+                   "omitted")
     if not len(read.probe_place):
-        raise Incomplete(f"{case.name()}: no probe converged, there is nothing to hold answers against")
+        raise Incomplete(f"{case.name()}: no probe converged, so there is nothing to compare answers with")
     hand = lambda steps, step: references.random_paths(1, radius=0.9 * case.radius, steps=steps, step=step, seed=48)[0]
     given = Setting(case, made, read, read.body(configurations.mooney_rivlin()), build_s,
                     hand(20 if record.quick else 120, 0.001), hand(40 if record.quick else 120, 0.00025), case.name())
@@ -106,8 +106,8 @@ def setting(record, case):
 
 
 def built(record, case):
-    """(the dataset with the probes; s of processor of a build without them, of all workers together; where a part of that was
-    built earlier, the time on the wall of as many workers; None where workers were elsewhere)."""
+    """Returns (the dataset with the probes; processor seconds of a build without them, of all workers together). If a part was
+    built earlier, the seconds are elapsed time times workers; None if workers were elsewhere."""
     began, used = time.monotonic(), processor_of_children()
     alone = record.dataset(f"peers-{case.name()}-alone", case.scene(probes=False))
 
@@ -127,7 +127,8 @@ def processor_of_children():
 
 
 def agree(record, given):
-    """Whether the body in NumPy is the dataset's: how far its configurations are from equilibrium, and their forces from the body's."""
+    """Checks whether the body in NumPy is that of the dataset: how far its configurations are from equilibrium, and the
+    difference of the forces."""
     import numpy
 
     def make():
@@ -142,24 +143,24 @@ def agree(record, given):
     for name, value in measured.value.items():
         record.number(f"{given.name}/largest {name} of a configuration, in NumPy", value, "N", measured)
     if not measured.value["force"] <= 1e-3:
-        raise Incomplete(f"{given.name}: the body in NumPy answers {measured.value['force']:.3g} N beside the dataset: they are not the "
+        raise Incomplete(f"{given.name}: the body in NumPy differs from the dataset by {measured.value['force']:.3g} N: they are not the "
                          "same body")
 
 
 def larger(one, other):
-    """Not a number where one of them is none."""
+    """Returns the larger number; NaN if one of them is NaN."""
     import numpy
     return float(numpy.maximum(one, other))
 
 
 def timed(work):
-    """(what it returns, s of processor)"""
+    """Returns (the result, processor seconds)."""
     began = time.process_time()
     return work(), time.process_time() - began
 
 
 def median(values):
-    """Of numbers, those that are None left out; None without any."""
+    """Returns the median of the numbers that are not None; None if there are none."""
     import numpy
     there = [value for value in values if value is not None]
     return float(numpy.median(there)) if there else None
