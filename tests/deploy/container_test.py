@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""deploy/container/Containerfile. ctest runs each case by itself; by hand
-PALPATE_BIN_DIR=build/release/bin tests/deploy/container_test.py."""
+"""Tests deploy/container/Containerfile. ctest runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin
+tests/deploy/container_test.py."""
 import functools
 import os
 import re
@@ -19,7 +19,7 @@ def output(*words, **options):
 
 
 def stages():
-    """The commands of each stage, each on one line."""
+    """Returns the commands of each stage, each on one line."""
     with open(CONTAINERFILE, encoding="utf-8") as file:
         text = re.sub(r"\\\n", " ", re.sub(r"^#.*\n", "", file.read(), flags=re.M))
     return [re.findall(r"^.+$", stage, re.M) for stage in re.split(r"^(?=FROM )", text, flags=re.M) if stage.strip()]
@@ -32,7 +32,7 @@ def runtime_packages():
 
 
 def installed_with(packages):
-    """These packages and what they need, of this machine."""
+    """Returns these packages and their dependencies, as this machine knows them."""
     everything = {}
     for line in output("dpkg-query", "-W", "-f", "${Package}\t${Pre-Depends}, ${Depends}\t${Provides}\t${Essential}\n").splitlines():
         name, needs, provides, essential = line.split("\t")
@@ -53,10 +53,10 @@ def installed_with(packages):
 
 @functools.cache
 def libraries():
-    """What the programs of the image load here, and the package that each is of."""
+    """Returns the libraries that the programs of the image load here, with their packages."""
     said = "".join(output("ldd", os.path.join(PROGRAMS, program)) for program in ("palpate", "palpate-answers", "palpate-scheduler", "palpate-worker"))
     paths = {os.path.realpath(path) for path in re.findall(r"=> (/\S+)", said)}
-    # Packages know files by the name before or after /lib became a link to /usr/lib; of the other one dpkg knows nothing.
+    # dpkg knows a file by one name only: that before or that after /lib became a link to /usr/lib.
     names = paths | {path.removeprefix("/usr") for path in paths}
     owners = subprocess.run(["dpkg", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False).stdout
     return {path: package for package, path in re.findall(r"^([^:\s]+).*: (\S+)$", owners, re.M)}
@@ -104,7 +104,7 @@ class Container(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stdout[-1000:] + done.stderr)
 
     def testTheProgramsOfTheComponentAreThoseOfTheManifests(self):
-        """What `cmake --install --component service` brings."""
+        """Checks what `cmake --install --component service` installs."""
         cache = os.path.join(os.path.dirname(PROGRAMS), "CMakeCache.txt")
         if not os.path.exists(cache):
             self.skipTest(f"no build folder at {os.path.dirname(PROGRAMS)}: what is installed was NOT looked at")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Commands of the documentation: that their verbs, options and scripts exist; pages_run_test.py runs them.
-By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
+"""Checks that the verbs, options and scripts in commands of the docs exist; pages_run_test.py runs the commands. To run it:
+PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
 import functools
 import os
 import pathlib
@@ -14,7 +14,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 
 
 def commands():
-    """(page:line, command) of every line of code in the pages that is one, without comment, with what it continues on."""
+    """Yields (page:line, command) for every command in a code block of the pages, without comments, with its continuation lines."""
     for page in PAGES:
         fenced, pending = "", ""
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
@@ -31,7 +31,7 @@ def commands():
 
 @functools.cache
 def help_of(*verb):
-    """Of a verb, or of a verb of a verb (`key new`)."""
+    """Returns the help of a verb, or of a verb's verb (`key new`)."""
     done = subprocess.run([BIN / "palpate", *verb, "--help"], capture_output=True, text=True, check=False)
     return done.stdout if done.returncode == 0 else ""
 
@@ -52,7 +52,7 @@ class DocsCommands(unittest.TestCase):
             if not text:
                 wrong.append(f"{where}: there is no verb {words[1]}: {command}")
                 continue
-            own = words[:words.index("--")] if "--" in words else words  # behind -- they are another program's
+            own = words[:words.index("--")] if "--" in words else words  # words after -- belong to another program
             for option in re.findall(r"(?<!\S)(--[a-z][a-z-]*)", " ".join(own)):
                 if not re.search(rf"(^|[\s,]){option}\b", text):
                     wrong.append(f"{where}: palpate {words[1]} has no {option}: {command}")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Makes kubernetes-schemas.json of the swagger.json of a release of Kubernetes: the kinds that deploy/kubernetes uses, strict.
+"""Makes kubernetes-schemas.json from the swagger.json of a Kubernetes release: strict schemas of the kinds in deploy/kubernetes.
 
   extract_schemas.py swagger.json 1.20.2 > kubernetes-schemas.json
 
-The one that ships is of 1.20.2, the source that Debian 12 has (package kubernetes, api/openapi-spec/swagger.json). It is old
-on purpose: what was generally available then is so in every later release, and what is newer would not be everywhere."""
+The shipped file is from 1.20.2, whose source is in Debian 12 (package kubernetes, api/openapi-spec/swagger.json). The old release
+is deliberate: features that were stable then exist in every later release, while newer ones are not available everywhere."""
 import json
 import sys
 
@@ -13,7 +13,7 @@ VERSIONS = ("v1", "apps/v1", "networking.k8s.io/v1")
 
 
 def strict(schema):
-    """Without descriptions, and without a place for what is misspelt."""
+    """Returns a schema without descriptions that refuses unknown (misspelt) fields."""
     if schema.get("format") == "int-or-string":
         return {"type": ["integer", "string"]}
     kept = {key: schema[key] for key in ("type", "required", "enum", "$ref") if key in schema}
@@ -50,7 +50,7 @@ def main(swagger, release):
         if name not in definitions:
             definitions[name] = strict(source[name])
             wanted += referred(definitions[name])
-    # The text calls it a string and takes numbers too; its form stands in its description alone.
+    # The specification calls it a string, but numbers are valid too; only the description defines the format.
     definitions["io.k8s.apimachinery.pkg.api.resource.Quantity"] = {
         "type": ["number", "string"], "pattern": "^[+-]?[0-9]+([.][0-9]*)?([eE][+-]?[0-9]+|[numkMGTPE]|[KMGTPE]i)?$"}
     print("{" + json.dumps("from") + ": " + json.dumps(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""deploy/scenes: what docs/gallery.md shows. ctest runs each case by itself; by hand
+"""Tests the scenes of deploy/scenes that docs/gallery.md shows. ctest runs each case by itself. To run all:
 PALPATE_BIN_DIR=build/release/bin PALPATE_LONG_TESTS=1 tests/deploy/gallery_test.py."""
 import json
 import os
@@ -121,7 +121,7 @@ class GalleryRun(unittest.TestCase):
 
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds datasets: set PALPATE_LONG_TESTS=1")
 class GalleryPromise(unittest.TestCase):
-    """Whole bodies against exact solutions that were held out. tests/viewer/report has parts of the liver and the dome."""
+    """Compares whole bodies with held-out exact solutions. tests/viewer/report has parts of the liver and the dome."""
 
     def holds(self, name, kept, bound):
         with tempfile.TemporaryDirectory() as folder:

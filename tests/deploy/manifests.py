@@ -1,5 +1,5 @@
-"""Manifests of Kubernetes as kustomize would make them, and what is wrong with them: with each by the schema of its kind, with
-their ports, times and cores together, and with what a pod may do."""
+"""Builds Kubernetes manifests as kustomize would, and finds their faults: against the schema of the kind, between ports, times
+and cores, and in the permissions of pods."""
 import json
 import os
 import re
@@ -16,8 +16,8 @@ def read(path):
 
 
 def built(folder):
-    """The objects of a folder with a kustomization.yaml: as much of kustomize as ours use, without the ends of names that it
-    makes of contents. ValueError when there is more in it."""
+    """Returns the objects of a folder with a kustomization.yaml. Supports only the features of kustomize that ours use, without
+    hash suffixes. Raises ValueError for other features."""
     kustomization = yaml.safe_load(read(os.path.join(folder, "kustomization.yaml")))
     unknown = set(kustomization) - {"apiVersion", "kind", "namespace", "resources", "configMapGenerator"}
     if unknown:
@@ -61,17 +61,17 @@ def words_of(container):
 
 
 def after(option, words):
-    """The word behind an option; None without it."""
+    """Returns the word after an option; None if the option is absent."""
     return words[words.index(option) + 1] if option in words[:-1] else None
 
 
 def component(objects, name):
-    """The one workload that is the scheduler, or the worker."""
+    """Returns the workload of a component: scheduler or worker."""
     return next(w for w in workloads(objects)
                 if w["spec"]["template"]["metadata"]["labels"].get("app.kubernetes.io/component") == name)
 
 
-# ---- By the schemas ----
+# ---- Schemas ----
 
 def schema_faults(objects):
     schemas = json.loads(read(os.path.join(HERE, "kubernetes-schemas.json")))
@@ -85,10 +85,10 @@ def schema_faults(objects):
             yield f"{named(entry)}: {'/'.join(map(str, error.path))}: {error.message}"
 
 
-# ---- With each other ----
+# ---- Consistency ----
 
 def ports_in(objects):
-    """Every place that names the port of the scheduler, and what it says."""
+    """Returns every place that names the scheduler's port, with its value."""
     scheduler, worker = component(objects, "scheduler"), component(objects, "worker")
     serve, work = containers_of(scheduler)[-1], containers_of(worker)[-1]
     yield "--listen", int(after("--listen", words_of(serve)).rsplit(":", 1)[1])
@@ -115,7 +115,7 @@ def agreement_faults(objects, sources):
     host = re.fullmatch(r"tcp://([\w-]+):\d+", after("--connect", words_of(work)))
     if not host or host[1] != scheduler["spec"]["serviceName"]:
         yield "workers do not connect to the Service of the scheduler"
-    # What the programs take for themselves, from their sources: a constant that is not found fails the test.
+    # Constants of the programs, from their sources. The test fails if one is not found.
     served_build = read(os.path.join(sources, "scheduler/verbs/served_build.hpp"))
     serve_command = read(os.path.join(sources, "scheduler/verbs/serve_command.cpp"))
     drain = int(re.search(r"std::chrono::seconds drain_limit\{(\d+)\}", served_build)[1])
@@ -160,5 +160,5 @@ def privilege_faults(objects):
 
 def faults(objects, sources):
     wrong = list(schema_faults(objects))
-    # What is not even of its kind need not be looked at further.
+    # If an object does not match its schema, skip the other checks.
     return wrong or [*agreement_faults(objects, sources), *privilege_faults(objects)]

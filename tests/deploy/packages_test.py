@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""deploy/packages, manual pages, completion and the site. What the packages do in a bare Debian, deploy/demo --packages tries.
-ctest runs each case by itself; by hand PALPATE_BIN_DIR=build/release/bin tests/deploy/packages_test.py."""
+"""Tests deploy/packages, manual pages, completion and the site. deploy/demo --packages tries the packages in a bare Debian. ctest
+runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin tests/deploy/packages_test.py."""
 import gzip
 import html.parser
 import os
@@ -52,14 +52,14 @@ class Packages(unittest.TestCase):
                             "python3-palpate": ("python3/dist-packages/palpate/__init__.py", "palpate/py.typed")}.items():
             for file in (*files, f"doc/{name}/copyright", f"doc/{name}/changelog.gz"):
                 self.assertRegex(holds[name], file)
-        # Nothing lies in two of them.
+        # No file is in two packages.
         files = [line.split()[5] for text in holds.values() for line in text.splitlines() if not line.startswith("d")]
         self.assertEqual(len(files), len(set(files)))
         self.assertNotIn("__pycache__", "".join(holds.values()))
         needs = {name: output("dpkg-deb", "-f", path, "Depends") for name, path in packages.items()}
         self.assertNotRegex("".join(needs.values()), "mpi")
         self.assertIn("libmumps-seq-5.5", needs["palpate"])
-        self.assertNotRegex(needs["palpate"], "libglfw|libgl1|libopengl")  # no display but for the viewer
+        self.assertNotRegex(needs["palpate"], "libglfw|libgl1|libopengl")  # only the viewer needs a display
         self.assertNotRegex(needs["libpalpate0"], "mumps|zmq|sqlite|protobuf|glfw")
         for name in ("libpalpate-dev", "python3-palpate"):
             self.assertIn("libpalpate0 (= ", needs[name])
@@ -72,7 +72,7 @@ class Packages(unittest.TestCase):
         output(ROOT / "deploy/manual_pages", BIN, self.folder)
         pages = {path.name: gzip.open(path, "rt", encoding="utf-8").read() for path in self.folder.glob("*/*.1.gz")}
         for verb in verbs():
-            if verb == "verify":  # a program of its own
+            if verb == "verify":  # is a program of its own
                 continue
             page = pages[f"palpate-{verb}.1.gz"]
             self.assertIn(f".TH PALPATE-{verb.upper()}", page)
@@ -102,7 +102,7 @@ class Packages(unittest.TestCase):
 
 
 class Links(html.parser.HTMLParser):
-    """Where a page leads to, what it loads, and the places in it that others lead to."""
+    """The links of a page, the files that it loads, and its anchors."""
 
     def __init__(self, text):
         super().__init__()
@@ -132,7 +132,7 @@ class Site(unittest.TestCase):
         self.assertGreater(len(pages), len(list((ROOT / "docs").rglob("*.md"))))
         wrong = []
         for page, found in pages.items():
-            if page.name == "404.html":  # its links are those of a server
+            if page.name == "404.html":  # its links work only on a server
                 continue
             for link in found.links + found.loads:
                 parts = urllib.parse.urlsplit(link)

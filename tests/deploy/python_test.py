@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""deploy/python: the package for Python, on datasets that the programs build here. ctest runs each suite by itself; by hand
-PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
+"""Tests the Python package of deploy/python on datasets that the programs build here. ctest runs each suite by itself. To run
+all: PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
 import contextlib
 import copy
 import dataclasses
@@ -70,7 +70,7 @@ class PythonQueries(WithDatasets):
         np.testing.assert_allclose(tip.rest_position, (0.05, 0.05, 0.1))
         np.testing.assert_array_equal(dataset.vertices[tip.vertex], tip.rest_position)
         a, b, c = dataset.vertices[dataset.triangles].transpose(1, 0, 2)
-        self.assertAlmostEqual(np.einsum("ni,ni", a, np.cross(b, c)) / 6, 0.1 ** 3)  # the volume: normals outward
+        self.assertAlmostEqual(np.einsum("ni,ni", a, np.cross(b, c)) / 6, 0.1 ** 3)  # the volume is positive if normals point outward
         self.assertTrue(dataset.touchable.any() and not dataset.touchable.all())
         shape = dataset.shape((0, 0, -0.01), active="tip")
         np.testing.assert_allclose(shape[tip.vertex], (0, 0, -0.01), atol=1e-5)
@@ -103,7 +103,7 @@ class PythonQueries(WithDatasets):
         for thread in threads:
             thread.join()
         self.assertEqual(equal, [True] * 3)
-        # With a switch every 1000 s another thread runs only where this one gives the interpreter away: during the call.
+        # With a switch interval of 1000 s, another thread runs only while this one releases the lock: during the call.
         held, ran, interval = threading.Lock(), [], sys.getswitchinterval()
         with held:
             other = threading.Thread(target=lambda: held.acquire() and ran.append(True))
@@ -121,7 +121,7 @@ class PythonQueries(WithDatasets):
         again, expected = copy.copy(dataset), dataset.query([0, 0, -0.01], active=0).force
         ask = palpate._library.functions["query_many"]
 
-        def closing(*arguments):  # as another thread may
+        def closing(*arguments):  # another thread may close it
             dataset.close()
             again.close()
             return ask(*arguments)
@@ -134,7 +134,7 @@ class PythonQueries(WithDatasets):
     def testWhatIsAnsweredTwiceIsEqualAlsoWhereNothingIsKnown(self):
         one, other = palpate.Dataset(self.file), palpate.Dataset(self.file)
         p = [[0, 0, -0.01], [0, 0, 1]]
-        for method in ("potential", "trilinear"):  # whose energy is NaN
+        for method in ("potential", "trilinear"):  # its energy is NaN
             self.assertEqual(one.query(p, active="tip", method=method), other.query(p, active="tip", method=method))
         answers = one.query(p, active="tip")
         for different in (one.query(p[:1], active="tip"), one.query(p[::-1], active="tip"), p,
@@ -225,10 +225,10 @@ class PythonFingers(WithDatasets):
         p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.104), (0.045, 0.052, 0.1)])
         answers = dataset.query(p, at=at)
         self.assertEqual((answers.force.shape, answers.drive.shape, answers.triangle.shape), ((2, 3), (2, 3), (2,)))
-        np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest place of the surface
+        np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest place on the surface
         self.assertTrue(answers.inside.all() and (answers.force[:, 2] > 0).all())
         np.testing.assert_allclose(answers.distance, (0.004, 0), atol=1e-12)
-        away = dataset.query(p, at=1e3 * at)  # millimetres
+        away = dataset.query(p, at=1e3 * at)  # given in millimetres by mistake
         self.assertEqual(away.inside.tolist(), [False, False])
         self.assertTrue((away.distance > 50).all() and np.isfinite(away.force).all())
         said = json.loads(self.run_program("query", self.finger, "--at", *at[1], "--displacement", *p, "--json"))
@@ -302,7 +302,7 @@ class PythonContacts(WithDatasets):
             self.assertEqual(guard.limit(tool, touch, lost=True).force.tolist(), [0, 0, 0])
             guard.reset()
             wall = dataclasses.replace(contact.update([1, 1, 1]), touching=True, force=np.array([0, 0, 0.02]))
-            for _ in range(1000):  # faded in
+            for _ in range(1000):  # until the force has faded in
                 given = guard.limit([1, 1, 1], wall)
             np.testing.assert_allclose(given.force, [0, 0, 0.02], atol=1e-9)
             deep = contact.update(tool)
@@ -394,7 +394,7 @@ class PythonPackage(WithDatasets):
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*" + text)
         other = self.folder / "arm.so"
-        other.write_bytes(LIBRARY.read_bytes()[:18] + b"\xb7\0" + LIBRARY.read_bytes()[20:])  # of AArch64, its header says
+        other.write_bytes(LIBRARY.read_bytes()[:18] + b"\xb7\0" + LIBRARY.read_bytes()[20:])  # its header names AArch64
         done = self.run_python("-c", "import palpate", PALPATE_LIBRARY=str(other))
         self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*arm.so.*Install libpalpate0")
 

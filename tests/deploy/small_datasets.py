@@ -1,4 +1,4 @@
-"""Small datasets that the programs build here, for tests of what reads them from Python."""
+"""Small datasets that the programs build here, for tests of Python code that reads them."""
 import os
 import pathlib
 import subprocess
@@ -18,12 +18,12 @@ sys.path[:0] = [str(PACKAGE), str(ROOT / "tests" / "support")]
 try:
     import h5py
     from kuhn_box import box, write_gmsh
-    # Its run-time must be loaded first: it ends Python where it is not.
+    # The sanitizer's run-time must be loaded first, or it ends Python.
     if any(name in LIBRARY.read_bytes() for name in (b"__asan_init", b"__tsan_init")):
         raise ImportError(f"NOT TESTED: {LIBRARY} has a sanitizer in it")
     import palpate
     missing = ""
-except (ImportError, OSError) as error:  # NumPy and h5py are among the packages of the tests
+except (ImportError, OSError) as error:  # deploy/install-packages --tests installs NumPy and h5py
     palpate, missing = None, str(error)
 
 SCENE = """name = "{name}"
@@ -55,7 +55,7 @@ radius = 0.02
 
 
 class WithDatasets(unittest.TestCase):
-    """A cube of 10 cm, touched at "tip" and "rim": `file`, in `folder`."""
+    """Has a dataset `file` in `folder`: a cube of 10 cm with active nodes "tip" and "rim"."""
 
     @classmethod
     def setUpClass(cls):

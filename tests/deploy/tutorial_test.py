@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The tutorials, command by command: docs/tutorial.md as it stands with PALPATE_LONG_TESTS (ten minutes), else with a coarser
-mesh. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
+"""Runs docs/tutorial.md command by command: as it is with PALPATE_LONG_TESTS (ten minutes), otherwise with a coarser mesh. To run
+it: PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
 import os
 import pathlib
 import re
@@ -12,12 +12,12 @@ import unittest
 
 from small_datasets import BIN, ENVIRONMENT, LIBRARY, ROOT, missing, palpate
 
-SOME_POINTS_FAILED = 3  # of a build, which the page says
+SOME_POINTS_FAILED = 3  # exit code of a build, which the page mentions
 
 
 class FirstPages(unittest.TestCase):
-    def follow(self, made, *pages):
-        """Runs the blocks of shell and Python of pages, and writes their scenes and programs, in an empty folder."""
+    def follow(self, page, made):
+        """Runs the blocks of shell and Python of a page, and writes its scene, in an empty folder."""
         if palpate is None:
             self.skipTest(missing)
         if shutil.which("gmsh") is None:
@@ -37,7 +37,7 @@ class FirstPages(unittest.TestCase):
                     name = re.search(r'^name = "(.*)"|^/\* (\w+)\.c:', text, re.M)
                     pathlib.Path(folder, f"{name[1] or name[2]}.{language}").write_text(text, encoding="utf-8")
                     continue
-                # As if it were installed.
+                # Use the sources like an installation.
                 text = text.replace("/usr/share/palpate/scenes", str(ROOT / "deploy/scenes"))
                 text = text.replace("/usr/share/doc/palpate/examples", str(ROOT / "deploy/examples"))
                 for step in text.splitlines() if language == "sh" else [text]:

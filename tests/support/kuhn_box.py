@@ -5,7 +5,7 @@ import numpy as np
 
 
 def box(cells=(3, 2, 2), size=0.02):
-    """points (m) and tetrahedra (Kuhn's six to a cube) of a box of cubes of `size`."""
+    """Returns points (m) and tetrahedra of a box of cubes of `size`, with Kuhn's six tetrahedra per cube."""
     n = np.array(cells) + 1
     points = size * np.array(list(np.ndindex(*n)), float)
     tetrahedra = []

@@ -1,4 +1,4 @@
-"""A screen of its own for a program that draws."""
+"""A virtual screen for a program that draws."""
 import contextlib
 import os
 import subprocess
@@ -6,10 +6,10 @@ import subprocess
 
 @contextlib.contextmanager
 def virtual_screen():
-    """The environment of a program that draws: an Xvfb on a display that it chooses, and OpenGL in software.
+    """Yields the environment of a program that draws: an Xvfb on a free display, and OpenGL in software.
 
-    It keeps its state between clients (-noreset). xvfb-run's does not: it starts over when the last client leaves, and
-    refuses the next one meanwhile, of which ParaView died in 3 of 16 runs. OSError where Xvfb (Debian: xvfb) is not
+    The server keeps its state between clients (-noreset). That of xvfb-run restarts when the last client leaves, and refuses
+    the next client meanwhile, which made ParaView fail in 3 of 16 runs. Raises OSError if Xvfb (Debian: xvfb) is not
     installed or does not start.
     """
     command = ["Xvfb", "-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp", "-noreset"]

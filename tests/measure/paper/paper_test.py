@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""tests/measure/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand
+"""Tests tests/measure/paper: what it keeps, and what it refuses. ctest runs each case by itself. To run all:
 PALPATE_BIN_DIR=build/release/bin tests/measure/paper/paper_test.py."""
 import collections
 import functools
@@ -53,7 +53,7 @@ class Paper(unittest.TestCase):
         record.target = "test"
         return record
 
-    # What is measured is kept
+    # Measurements are kept
 
     def testWhatWasMeasuredIsNotMeasuredAgain(self):
         made = []
@@ -174,7 +174,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         with self.assertRaisesRegex(NotMeasured, "another was not begun in the hours that were given"):
             record.measure("another", lambda: 8)
 
-    # How long builds take
+    # Times of builds
 
     def built(self, again=False, scene=None, **options):
         """Seven configurations of a body that takes no time; `again`: though it was measured."""
@@ -228,7 +228,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):
             needed("no_such_package_anywhere")
 
-    # Nothing is drawn of data that are not there
+    # No figure is drawn without data
 
     def testAFigureWithAHoleIsNotDrawn(self):
         with self.assertRaisesRegex(Incomplete, r"hole: no value of force \(N\)"):

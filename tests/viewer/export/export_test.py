@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""palpate export, read back as its users do: by VTK, meshio and ParaView, held against the numbers of the dataset. ctest
-runs each case by itself; by hand PALPATE_BIN_DIR=build/release/bin tests/viewer/export/export_test.py."""
+"""Tests palpate export by reading the files as users do, with VTK, meshio and ParaView, and compares them with the dataset. ctest
+runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin tests/viewer/export/export_test.py."""
 import csv
 import itertools
 import json
@@ -23,7 +23,7 @@ try:
     import h5py
     import numpy as np
     from kuhn_box import box, write_gmsh
-except ImportError:  # among the packages of the tests
+except ImportError:  # deploy/install-packages --tests installs them
     h5py = np = None
 try:
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -69,7 +69,7 @@ displacement = "{stored}"
 """
 
 
-# The top of a box of smaller cubes, which a finger touches.
+# A finger touches the top of a box of smaller cubes.
 FINGER_SCENE = """mesh = "box.msh"
 [material]
 law = "mooney-rivlin"
@@ -91,7 +91,7 @@ displacement = "all"
 
 
 class VtkGrid:
-    """A grid as VTK has it: points, cells (one row each), cell_type, and arrays by name."""
+    """A grid as VTK reads it: points, cells (one row each), cell_type, and arrays by name."""
 
     def __init__(self, file):
         reader = vtkXMLUnstructuredGridReader()
@@ -109,7 +109,7 @@ class VtkGrid:
 
 
 class MeshioGrid:
-    """The same by meshio."""
+    """A grid as meshio reads it."""
 
     TYPES = {"triangle": 5, "tetra": 10, "tetra10": 24}
 
@@ -122,7 +122,7 @@ class MeshioGrid:
 
 
 def slopes(x):
-    """Of the ten quadratic shape functions by the barycentric coordinates, at x."""
+    """Returns the derivatives of the ten quadratic shape functions by the barycentric coordinates, at x."""
     rows = np.zeros((10, 4))
     for n in range(4):
         rows[n, n] = 4 * x[n] - 1
@@ -132,7 +132,8 @@ def slopes(x):
 
 
 def places_of_solver():
-    """Barycentric coordinates where the solver looks at det F of a quadratic element: Stroud's rule T3:5-1 and nodes."""
+    """Returns the barycentric coordinates at which the solver checks det F of a quadratic element: Stroud's rule T3:5-1, and
+    nodes."""
     root = np.sqrt(15)
     a, b, c = (7 + root) / 34, (7 - root) / 34, (5 - root) / 20
     orbits = [(0.25,) * 4, (a, a, a, 1 - 3 * a), (b, b, b, 1 - 3 * b), (c, c, 0.5 - c, 0.5 - c), (1, 0, 0, 0),
@@ -141,14 +142,14 @@ def places_of_solver():
 
 
 def jacobian(nodes, x):
-    """d position / d (barycentric coordinates 1 to 3) of an element with 4 or 10 nodes, at x: 3 x 3."""
+    """Returns d position / d (barycentric coordinates 1 to 3) of an element with 4 or 10 nodes at x, 3 x 3."""
     rows = slopes(x) if len(nodes) == 10 else np.eye(4)
     by_coordinate = nodes.T @ rows
     return by_coordinate[:, 1:] - by_coordinate[:, :1]
 
 
 def det_F(rest, moved, places):
-    """F is the Jacobian of the deformed element times the inverse of that at rest: the smallest of its determinants."""
+    """Returns the smallest determinant of F, the Jacobian of the deformed element times the inverse of that at rest."""
     return min(np.linalg.det(jacobian(moved, x) @ np.linalg.inv(jacobian(rest, x))) for x in places)
 
 
@@ -174,7 +175,7 @@ class ExportedBox(unittest.TestCase):
         return self.folder / name
 
     def row(self, *point):
-        """Of a lattice point, in /points."""
+        """Returns the row of a lattice point in /points."""
         (row,) = np.flatnonzero((self.dataset["points/ijk"][:] == np.multiply(
             point, int(self.dataset["points"].attrs["divisions"]))).all(axis=1))
         return row
@@ -183,7 +184,7 @@ class ExportedBox(unittest.TestCase):
         return self.dataset["points/" + name][row]
 
     def holds(self, grid, row):
-        """A grid has the configuration of a row of /points, in all that it tells."""
+        """Checks that a grid has the configuration of a row of /points, in all its data."""
         mesh, stored = self.dataset["mesh"], self.dataset["mesh/stored_nodes"][:]
         np.testing.assert_array_equal(grid.points, mesh["points"][:][stored])
         np.testing.assert_array_equal(grid.point["displacement"], self.of_point("displacement", row))
@@ -198,7 +199,7 @@ class ExportedBox(unittest.TestCase):
         self.assertEqual(grid.field["inside"].item(), 1)
 
     def holds_volume(self, grid, row):
-        """Its elements are those of the mesh, of positive volume, with the det F of the definition."""
+        """Checks that the elements are those of the mesh, with positive volume and the defined det F."""
         mesh = self.dataset["mesh"]
         tetrahedra = mesh["tetrahedra"][:]
         np.testing.assert_array_equal(grid.cells[:, :4], tetrahedra)
@@ -379,7 +380,7 @@ class ExportedBody(ExportedBox):
         self.assertEqual([line["inside"] for line in lines], ["1"] * 5 + ["0"] * 2)
 
 
-# What a person does in ParaView; prints what it found.
+# Does what a user does in ParaView, and prints the results.
 PARAVIEW = """
 import sys
 from paraview import simple

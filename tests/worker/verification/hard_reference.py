@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Forces of the rigid pushes of worker/verification/hard.cpp by GetFEM, an independent library (python3-getfem).
+"""Computes forces of the rigid pushes in worker/verification/hard.cpp by GetFEM, an independent library (python3-getfem).
 
     tests/worker/verification/hard_reference.py [NAME...]
 
-Meshes, laws, constraint and tool are written here anew. Prints the force in newtons of each case, and Newton iterations.
+Implements meshes, laws, constraint and tool separately. Prints the force of each case in newtons, and the Newton iterations.
 """
 import itertools
 import sys
@@ -17,8 +17,8 @@ VENANT = "lambda_/2*sqr(Trace(E)) + G*Norm_sqr(E)"
 
 
 def fibres_along(a):
-    """The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)): GetFEM does
-    not derive a positive part twice."""
+    """Returns the variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)). GetFEM cannot
+    differentiate a positive part twice."""
     stretched = f"(kappa*Norm_sqr(F)+(1-3*kappa)*Norm_sqr(F*{a}))"
     E = f"pos_part(pow(Det(F),-2/3)*{stretched}-1)"
     return (f"k1*{E}*exp(k2*sqr({E}))*pow(Det(F),-2/3)*(2*kappa*(F:Grad_Test_u)"
@@ -26,7 +26,7 @@ def fibres_along(a):
 
 
 def box(size, cells):
-    """Nodes and tetrahedra of a box, each brick cut along its diagonal into six."""
+    """Returns nodes and tetrahedra of a box; each brick is cut along its diagonal into six."""
     cells = np.array(cells)
     number = np.arange(np.prod(cells + 1)).reshape(cells + 1, order="F")
     places = np.stack(np.unravel_index(np.arange(number.size), cells + 1, order="F"), 1)
@@ -48,7 +48,7 @@ class Push:
             self.mesh.add_convex(shape, points[element].T)
         middles = points[tetrahedra].mean(1)
         parts = np.zeros(len(middles), int) if stiff is None else stiff(middles).astype(int)
-        # GetFEM numbers elements as they were added.
+        # GetFEM numbers elements in the order of their addition.
         for part in range(parts.max() + 1):
             self.mesh.set_region(part + 1, np.array([np.where(parts == part)[0], -np.ones((parts == part).sum())], int))
         self.kept = []
@@ -103,7 +103,7 @@ STEP = 0.5e-3  # m
 
 
 def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, step=STEP):
-    """Soft tissue without fibres; `taper`: how wide the top is, of the bottom."""
+    """Soft tissue without fibres. taper: width of the top relative to the bottom."""
     points, tetrahedra = box(size, cells)
     share = 1 - (1 - taper) * points[:, 2:] / size[2]
     points[:, :2] = np.array(size[:2]) / 2 + share * (points[:, :2] - np.array(size[:2]) / 2)
@@ -113,7 +113,7 @@ def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, st
 
 
 def fibres(mu, k1, k2, depth, kappa=0, angle=None, step=STEP):
-    """One family along x, or two at `angle` degrees from x to both sides."""
+    """One family of fibres along x, or two families at `angle` degrees to both sides of x."""
     push = Push(*box((0.04,) * 3, (4, 4, 4)))
     turned = np.radians(angle or 0)
     families = ["a"] if angle is None else ["a", "b"]
