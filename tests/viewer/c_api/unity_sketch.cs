@@ -1,5 +1,5 @@
-// What of Unity the sketches in deploy/examples/unity need, and a program that runs the haptic loop on a dataset of a body
-// whose active node 0, "tip", is the corner (0.1, 0.1, 0.1) m of a cube, and the component on one whose top a finger touches:
+// Replaces the parts of Unity that the sketches in deploy/examples/unity use. Runs the haptic loop on DATASET.h5, whose active
+// node 0, "tip", is the corner (0.1, 0.1, 0.1) m of a cube, and the component on FINGER.h5, a cube whose top a finger touches:
 //
 //   unity_sketch.exe DATASET.h5 FINGER.h5
 using System;
@@ -74,7 +74,7 @@ static class Program {
     Console.WriteLine("query tip " + Words(displacement) + " force " + Words(sample.Force));
   }
 
-  /// The surface in the buffers of the caller, and its shape while the hand presses.
+  /// Checks the surface in the caller's buffers, and its shape while the hand presses.
   private static bool Press(string file, DatasetHandle dataset) {
     var info = DatasetInfo.Create();
     Native.Check(Native.palpate_dataset_describe(dataset, ref info));
@@ -102,8 +102,8 @@ static class Program {
     typeof(PalpateOrgan).GetMethod(message, BindingFlags.Instance | BindingFlags.NonPublic).Invoke(organ, null);
   }
 
-  /// As the engine of Unity does: the tool comes down on the middle of the top. Whether its normals, which are
-  /// Vector3.Cross of the edges, point out of the cube.
+  /// Runs the component like Unity's engine, with a tool that comes down on the middle of the top. Checks that the normals, which
+  /// are Vector3.Cross of the edges, point out of the cube.
   private static void Component(string file) {
     var organ = new PalpateOrgan { dataset = file, tool = new UnityEngine.Transform() };
     Send(organ, "OnEnable");

@@ -38,8 +38,8 @@ static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
 }
 
 #ifdef HANGS_PRESSING
-/* Once started comes from above a cube of 100 mm, presses 4 mm deep, and never answers again until
- * it is released. */
+/* HANGS_PRESSING: once started, the device comes from above a cube of 100 mm, presses 4 mm deep, and
+ * then does not answer until it is released. */
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   const struct timespec moment = {0, 1000000};
   const int depth = 400, read = atomic_fetch_add(&device->reads, atomic_load(&device->started));
@@ -54,7 +54,7 @@ static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   return PALPATE_DEVICE_OK;
 }
 #else
-/* HANGS: the device never answers, until it is halted. */
+/* HANGS: the device does not answer until it is halted. */
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   const struct timespec moment = {0, 1000000};
   (void)state;
@@ -73,7 +73,7 @@ static void halt(palpate_device* device, int32_t halted) {
   atomic_store(&device->halted, halted);
 }
 
-/* What the hand feels, N, and what a test wants to know besides. */
+/* The force on the hand, N, and other values for tests. */
 PALPATE_DEVICE_EXPORT double broken_device_force(void);
 double broken_device_force(void) { return atomic_load(&the_device.halted) ? 0 : the_device.force; }
 PALPATE_DEVICE_EXPORT double broken_device_force_at_hang(void);
