@@ -38,8 +38,8 @@ static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
 }
 
 #ifdef HANGS_PRESSING
-/* HANGS_PRESSING: once started, the device comes from above a cube of 100 mm, presses 4 mm deep, and
- * then does not answer until it is released. */
+/* HANGS_PRESSING: once started, the device comes from above a cube of 100 mm, presses 4 mm deep,
+ * and then does not answer until it is released. */
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   const struct timespec moment = {0, 1000000};
   const int depth = 400, read = atomic_fetch_add(&device->reads, atomic_load(&device->started));
