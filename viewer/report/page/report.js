@@ -500,7 +500,7 @@ function bodyKey(scale, hasMarks) {
 const axisNames = ["x", "y", "z"];
 const onMillimetres = ([ways, forces]) => ways.map((way, n) => [millimetres(way), forces[n]]);
 const exactMarks = {
-  unseen: (points) => marksOnly("exact, not seen", looks.unseen, points),
+  unseen: (points) => marksOnly("exact, held out", looks.unseen, points),
   solved: (points) => marksOnly("exact, solved", looks.solved, points),
 };
 
@@ -614,7 +614,7 @@ function areaMaps({ probes, median, largest }) {
     : "This dataset has no probes to compare the bound with.";
   return [["median", median], ["largest", largest]].map(([which, values]) => figure({
     panels: bodyPanels({ values, marks, scale, meaning: "share of the force (1 is all)" }),
-    caption: `The organ with its error, ${which}: the ${which} error bound at the centroid of each
+    caption: `Error on the organ, ${which}: the ${which} error bound at the centroid of each
 triangle, as a share of the force. It is taken over five depths up to ${deepest} mm and five
 directions within 45 degrees of the inward normal, for forces up to
 ${brief(drawings.max_force, 3)} N. Colours are logarithmic, views orthographic.
@@ -635,7 +635,7 @@ function areaContent(area, drawn) {
 }
 
 const areasSection = () => ({
-  id: "areas", heading: "Over the surface",
+  id: "areas", heading: "Accuracy over the surface",
   how: `Error bound of the energy over the finger's whole area, as a share of the force. A small
 force counts as the force at which the allowed error equals the floor. Displacements are within 45
 degrees of the inward normal, forces at most the largest of the scene. Discs show errors at probes:
@@ -883,7 +883,7 @@ function organFigure(which, word, scale) {
     note: `${report.nodes[n].name}: ${number(node[which])} N` })).filter((mark) => mark.at);
   return figure({
     panels: bodyPanels({ values, marks, scale, meaning: "error bound (N)" }),
-    caption: `The organ with its error, ${word}: each active node is coloured by the ${word} error
+    caption: `Error on the organ, ${word}: each active node is coloured by the ${word} error
 bound of ${method} over its workspace ball, in newtons, on ${shownLattice.label}. A triangle between
 three active nodes has their mean. Colours are logarithmic, views orthographic.`,
   });
@@ -894,7 +894,7 @@ function organSection() {
   // Both maps use one scale, so that they can be compared.
   const scale = colourScale(bounds, "newtons", "active node, coloured by its bound");
   return {
-    id: "organ", heading: "Where on the organ the error is",
+    id: "organ", heading: "Error on the organ",
     how: `The surface of ${drawings.mesh} at rest, from three sides.`,
     content: bounds.some(isNumber)
       ? [organFigure("mean_bound", "mean", scale), organFigure("largest_bound", "largest", scale)]
@@ -1022,7 +1022,7 @@ function mapsSection() {
     .flatMap(({ bound, errors }) => [...bound, ...errors.map(({ error }) => error)]);
   const scale = colourScale(values, "newtons");
   return {
-    id: "maps", heading: "Where in the ball the error is",
+    id: "maps", heading: "Error in the workspace ball",
     how: `Colour: the error bound of ${method} at each displacement in three planes through the rest
 position (axes in mm, lattice of ${shownLattice.label}). A disc lighter than its surroundings marks
 an error above the bound. White: no bound.${pictured()}`,
@@ -1160,7 +1160,7 @@ const comparedAxes = ({ name }, { axes }) => figure({
   panels: axes.map(comparedAxis),
   caption: `Force at ${name} along the same displacements in both datasets: the force of the tissue
 on the tool along the direction of motion, in newtons, against the displacement in mm, through rest.
-Curves are ${report.method}; marks are exact: solved equilibria. A curve ends where its dataset
+Curves are by ${report.method}; marks are exact: solved equilibria. A curve ends where its dataset
 gives no answer.`,
 });
 
