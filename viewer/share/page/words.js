@@ -14,7 +14,7 @@ class Words {
   rest() {
     const how = this.byFinger ?
         'with a finger; the slider sets the depth. Two fingers turn it and zoom.' :
-        'with the mouse; the wheel sets the depth. Beside it, drag to turn, wheel to zoom.';
+        'with the mouse; the wheel sets the depth. Beside it, drag to turn and scroll to zoom.';
     this.say(`Press the organ ${this.spot || 'anywhere'} ${how}`);
   }
   pressed(byMouse) {
