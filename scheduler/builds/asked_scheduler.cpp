@@ -27,17 +27,16 @@ std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
 }  // namespace
 
 void Asked::addTo(CLI::App& app) {
-  app.add_option("WHERE", where, "Scheduler, tcp://HOST:PORT, or a state directory")
+  app.add_option("WHERE", where, "Scheduler (tcp://HOST:PORT) or state directory")
       ->capture_default_str();
-  keys.addTo(app, "Ask without a key, of a scheduler that asks for none");
+  keys.addTo(app, "Connect without a key, to a scheduler that requires none");
 }
 
 NotListening::NotListening(const std::string& directory, const std::string& process)
-    : Error(
-          ExitCode::failed,
-          fmt::format("{}: process {} is starting there: it reads what is recorded, and cannot be "
-                      "asked yet; ask again in a while",
-                      directory, process)) {}
+    : Error(ExitCode::failed,
+            fmt::format("{}: process {} is starting there; it is still reading the recorded "
+                        "results and cannot answer yet; ask again later",
+                        directory, process)) {}
 
 std::optional<Reachable> schedulerOf(const Asked& asked) {
   const std::string& where = asked.where;
@@ -93,14 +92,14 @@ wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   question.mutable_status_request();
   const wire::Message answer = ask(scheduler, question);
   if (!answer.has_status_reply())
-    throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+    throw failure("{}: the program that answers there is not a Palpate scheduler", endpoint);
   wire::Status status = statusFromJson(answer.status_reply().json());
   if (endpoint == where) return status;
   if (const auto build = buildIn(where); build && build->hex() != status.build())
     throw failure(
-        "{}: a scheduler of another build (scene \"{}\", build {}) answers at {}, "
-        "where the one that works in this directory (build {}, process {}) should: "
-        "end the wrong one, and start this one again at an endpoint of its own",
+        "{}: a scheduler of another build (scene \"{}\", build {}) answers at {}, in place of the "
+        "scheduler of this directory (build {}, process {}): end the wrong one, and start this one "
+        "again at an endpoint of its own",
         where, status.scene(), status.build().substr(0, 12), endpoint, build->shortHex(),
         StateDirectory::holder(where).value_or("ended"));
   return status;
@@ -149,7 +148,7 @@ std::optional<wire::Message> order(const Asked& asked, const wire::Message& what
   if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
   wire::Message said = ask(*scheduler, what);
   if (said.body_case() == answer) return said;
-  throw failure("{}: what answers there is not a Palpate scheduler of this version",
+  throw failure("{}: the program that answers there is not a Palpate scheduler of this version",
                 scheduler->endpoint);
 }
 

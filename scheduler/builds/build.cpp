@@ -12,7 +12,7 @@ JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, s
   const Lattice& positions = plans[space].positions();
   auto record = find({static_cast<std::uint32_t>(space), positions.point(point),
                       positions.point(plans[space].points().parent(point))});
-  PALPATE_ASSERT(record, "a plan moves on with recorded results only");
+  PALPATE_ASSERT(record, "plans advance only with recorded results");
   return std::move(*record);
 }
 
@@ -26,7 +26,7 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
       store_(directory_, problem_, segment_bytes),
       coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {
   PALPATE_ASSERT(coordinator_.plans().size() == problem_.active.size(),
-                 "what is recorded names spaces by their numbers in the scene");
+                 "recorded results name spaces by their numbers in the scene");
 }
 
 /// Checks the kernels before any worker is admitted.
@@ -35,8 +35,8 @@ const CoordinatorSettings& Build::checked(const CoordinatorSettings& settings) c
   if (settings.kernel_family.empty() || begun_with.empty() || settings.kernel_family == begun_with)
     return settings;
   throw badInput(
-      "{}: this build was begun with the {} kernels, and --kernels asks for {}: leave that out, or "
-      "use another --state directory",
+      "{}: this build began with the {} kernels, but --kernels asks for {}: omit --kernels, or use "
+      "another --state directory",
       directory_.path().string(), begun_with, settings.kernel_family);
 }
 
@@ -57,7 +57,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool re
   } catch (const Error& error) {
     // A file that is open for writing may be intact, so do not advise --replace.
     if (!replace && hdf5::isOpenForWriting(file)) throw;
-    what = fmt::format("exists and is not a usable dataset ({})", error.what());
+    what = fmt::format("exists, but is not a usable dataset ({})", error.what());
   }
   if (!replace) throw badInput("{}: {}: give another -o, or --replace", file.string(), what);
   return false;

@@ -27,7 +27,7 @@ void keepAs(const std::filesystem::path& from, const std::filesystem::path& to) 
   std::error_code error;
   std::filesystem::rename(from, to, error);
   if (error)
-    throw failure("{}: cannot be renamed to {}: {}; give another -o", from.string(), to.string(),
+    throw failure("{}: cannot rename to {}: {}; give another -o", from.string(), to.string(),
                   error.message());
 }
 
@@ -63,7 +63,7 @@ void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
     const std::filesystem::path dataset = linkTarget(out);
     aside = nameAside(dataset, *of_dataset);
     keepAs(dataset, aside);
-    kept = fmt::format("the dataset of before is {} now", aside.string());
+    kept = fmt::format("the previous dataset is now {}", aside.string());
   }
   if (state == out.string() + ".state" &&
       std::filesystem::exists(StateDirectory::databaseIn(state))) {
@@ -73,11 +73,11 @@ void setAsideWhatIsOfAnotherScene(const std::filesystem::path& out,
       if (aside.empty() || of_state != of_dataset || linkTarget(out) != out)
         aside = nameAside(out, *of_state);
       keepAs(state, aside.string() + ".state");
-      kept += fmt::format("{}its work {}.state (the old scene goes on with -o {})",
+      kept += fmt::format("{}the previous state directory is now {}.state (old scene: -o {})",
                           kept.empty() ? "" : ", ", aside.string(), aside.string());
     }
   }
-  if (!kept.empty()) spdlog::info("scene or mesh have changed: {}", kept);
+  if (!kept.empty()) spdlog::info("the scene or its mesh has changed: {}", kept);
 }
 
 }  // namespace palpate

@@ -19,14 +19,14 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
     found_ = replayJournal(directory_, problem_, tables_->build().build, liars,
                            tables_->progress().value_or(Progress()).recorded);
     for (const std::string& damage : found_->recorded.damage)
-      spdlog::warn("{}; what was recorded there will be computed again", damage);
+      spdlog::warn("{}; the results recorded there will be computed again", damage);
     // A scheduler stores a check in the tables before its result enters the journal. Tables opened
     // after the journal was read therefore hold every check of the results found, and every
     // exclusion made meanwhile.
     tables_.emplace(directory_);
   } while (tables_->keptOut() != liars);
   PALPATE_ASSERT(plans().size() == problem_.active.size(),
-                 "what is recorded names spaces by their numbers in the scene");
+                 "recorded results name spaces by their numbers in the scene");
 }
 
 bool RecordedBuild::complete() {
@@ -41,7 +41,7 @@ std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {
 
 SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
   if (kernelFamily().empty())
-    throw failure("{}: nothing is recorded there yet", directory_.string());
+    throw failure("{}: no result is recorded there yet", directory_.string());
   return sealPlans(
       file, problem_, plans(), kernelFamily(), [&](const ResultKey& key) { return find(key); },
       !complete());

@@ -54,7 +54,7 @@ void EventLog::add(const Event& event) {
   if (lost_ > 0 && waiting_.empty())
     waiting_ = Event("left_out").with("events", lost_).line(now) + '\n';
   const std::string line = event.line(now);
-  PALPATE_ASSERT(line.find('\n') == std::string::npos, "readers take each line for an event");
+  PALPATE_ASSERT(line.find('\n') == std::string::npos, "readers treat each line as one event");
   waiting_ += line + '\n';
   ++lines_;
   if (waiting_.size() >= most_waiting) flush();
@@ -118,7 +118,7 @@ bool EventLog::writeWaiting() {
 void EventLog::lose(const std::string& why) {
   lost_ += lines_;
   if (std::exchange(told_, true)) return;
-  spdlog::warn("{}: events cannot be kept ({}); the build goes on without them",
+  spdlog::warn("{}: cannot write events ({}); the build continues without them",
                directory_.string(), why);
 }
 

@@ -27,7 +27,7 @@ std::uint64_t readLines(const std::filesystem::path& path, std::uint64_t offset,
                         const std::function<void(std::string_view line)>& take) {
   std::ifstream file(path, std::ios::binary);
   if (!file && std::filesystem::exists(path))
-    throw failure("{}: cannot be read: {}", path.string(), errnoText());
+    throw failure("{}: cannot read: {}", path.string(), errnoText());
   file.seekg(static_cast<std::streamoff>(offset));
   // Skip a partial line at the end of the file.
   for (std::string line; std::getline(file, line) && !file.eof();) {

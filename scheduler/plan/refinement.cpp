@@ -238,10 +238,10 @@ class CellInspection {
 
 Refinement nextRefinement(const SpaceTable& space, const Scene& scene) {
   if (!scene.accuracy.adaptive())
-    throw failure("active node {}: a scene without accuracy.force_error has nothing to refine",
+    throw failure("active node {}: cannot refine a scene without accuracy.force_error",
                   space.patch.name);
   if (space.lattice.divisions() != lattice_divisions)
-    throw failure("active node {}: its lattice has {} divisions where a refined one has {}",
+    throw failure("active node {}: its lattice has {} divisions, but refinement needs {}",
                   space.patch.name, space.lattice.divisions(), lattice_divisions);
   return CellInspection(space, scene).refine();
 }

@@ -81,11 +81,11 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       points_(positions_.size()),
       frontier_({positions_, points_}, maxAttempts(problem.active[space])),
       may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].probe) {
-  PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
+  PALPATE_ASSERT(space < problem.active.size(), "a plan belongs to one active node");
 }
 
 std::optional<Transition> SpacePlan::find(const ResultKey& key) const {
-  PALPATE_ASSERT(key.space == space_, "a transition is looked for in the plan of its space");
+  PALPATE_ASSERT(key.space == space_, "a plan contains only transitions of its own space");
   const auto target = positions_.indexOf(key.target), parent = positions_.indexOf(key.parent);
   return target && parent ? std::optional(Transition{*target, *parent}) : std::nullopt;
 }
@@ -118,7 +118,7 @@ bool SpacePlan::isRecorded(const Transition& transition) const {
 }
 
 std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
-  PALPATE_ASSERT(isOpen(transition), "what is recorded says itself how it was solved");
+  PALPATE_ASSERT(isOpen(transition), "a recorded result contains its own number of steps");
   if (stage_ == Stage::branches) return steps_of_retry;
   if (stage_ != Stage::probes || !problem_->active[space_].probe) return 1;
   const double distance = positions_.displacement(transition.target).norm();
@@ -134,7 +134,7 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
                        const ContentId& fields) {
   if (!isOpen(transition))
     throw failure(
-        "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
+        "space {}: transition to point {} from point {} is recorded but was not requested", space_,
         transition.target, transition.parent);
   // Record failed retries of solved points too, because they say something about the branch.
   if (!outcome.converged())
@@ -170,7 +170,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
 }
 
 void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent) {
-  PALPATE_ASSERT(!pursuits_.contains(target), "a point is pursued once in a stage");
+  PALPATE_ASSERT(!pursuits_.contains(target), "a point is pursued only once per stage");
   if (parents.empty()) return giveUp(target);
   ready_.push_back({target, parents.front()});
   pursuits_[target] = {std::move(parents), 0, every_parent};
@@ -191,7 +191,7 @@ std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
   points_.add();
   PALPATE_ASSERT(positions_.size() == points_.size(),
-                 "a position and what is known of it have one number");
+                 "a position and its record have the same number");
   return positions_.size() - 1;
 }
 
@@ -223,7 +223,7 @@ void SpacePlan::advanceStage() {
   ++stages_begun_;
   switch (stage_) {
     case Stage::lattice:
-      PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");
+      PALPATE_ASSERT(frontier_.complete(), "a lattice without open transitions is complete");
       for (std::int32_t n = 0; n < size(); ++n)
         if (points_.tag(n) == Tag::unknown) giveUp(n);
       stage_ = Stage::branches;

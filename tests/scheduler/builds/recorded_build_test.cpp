@@ -93,7 +93,7 @@ TEST_F(RecordedBuildTest, SealsAtAnyTimeWhatIsComputedByThen) {
 
 TEST_F(RecordedBuildTest, HasNothingToSealBeforeTheFirstResult) {
   test::expectError(ExitCode::failed, [&] { RecordedBuild(state).seal(out); },
-                    {"state", "nothing is recorded there yet"});
+                    {"state", "no result is recorded there yet"});
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
@@ -130,7 +130,7 @@ TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
   liar.reason = "a test";
   world.build().keepOut({liar});
   test::expectError(ExitCode::failed, [&] { RecordedBuild(state).seal(out); },
-                    {"nothing is recorded there yet"});
+                    {"no result is recorded there yet"});
 }
 
 TEST_F(RecordedBuildTest, TellsHowFarItIsWithoutReadingTheJournalAndFromThatWhereNothingIsSaid) {

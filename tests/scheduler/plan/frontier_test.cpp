@@ -253,9 +253,9 @@ TEST(Frontier, RefusesWhatWasNotAskedFor) {
                     [&] {
                       front.record({3, 0}, 1);
                     },
-                    {"point 3", "not asked for"});
+                    {"point 3", "not requested"});
   front.record({0, 0}, 0);
-  test::expectError(ExitCode::failed, [&] { front.record({0, 0}, 0); }, {"not asked for"});
+  test::expectError(ExitCode::failed, [&] { front.record({0, 0}, 0); }, {"not requested"});
 }
 
 }  // namespace

@@ -315,7 +315,7 @@ TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {
                     [&] {
                       plan.record({5, 1}, failed(), {});
                     },
-                    {"point 5", "not asked for"});
+                    {"point 5", "not requested"});
 }
 
 }  // namespace
