@@ -13,8 +13,8 @@ std::optional<wire::Status> FleetWatch::look() {
     wire::Status status = statusAt(options_.asked);
     if (status.state() == "stopped")
       throw failure(
-          "{}: no scheduler is working there now: start palpate serve again, or, when it moved, "
-          "this command with its new place",
+          "{}: no scheduler is running there: start palpate serve again, or, if it moved, run this "
+          "command with its new address",
           options_.asked.where);
     heard_ = Clock::now();
     answered_ = true;
@@ -32,7 +32,7 @@ std::optional<wire::Status> FleetWatch::look() {
 
 int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   PALPATE_ASSERT(view.queued >= 0 && view.running >= 0 && limits.transitions_each > 0,
-                 "counts of jobs, and a command line that was checked");
+                 "job counts are not negative, and the command line was checked");
   std::int64_t worth = view.hands_out ? view.ready / limits.transitions_each : 0;
   // One ready transition, as at the start of a build, needs a worker too.
   if (view.hands_out && view.ready > 0) worth = std::max<std::int64_t>(worth, 1);
@@ -42,7 +42,7 @@ int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   const int more = std::min(missing, std::max(0, limits.most_queued - view.queued));
   PALPATE_ASSERT(
       more + view.running + view.queued <= std::max(limits.most, view.running + view.queued),
-      "an engine is asked for no more workers than it may be");
+      "no more workers are requested than the limit allows");
   return more;
 }
 

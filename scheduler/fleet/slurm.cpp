@@ -41,7 +41,7 @@ std::string orders(const std::vector<std::string>& words, const std::string& inp
   if (ran.exit_code == 0) return std::move(ran.out);
   const std::string said = printable(ran.err.empty() ? ran.out : ran.err, longest_reason);
   throw Error(words[0] == "sbatch" && isLasting(ran) ? ExitCode::usage : ExitCode::failed,
-              fmt::format("{} says no (exit code {}): {}", words[0], ran.exit_code, said));
+              fmt::format("{} failed (exit code {}): {}", words[0], ran.exit_code, said));
 }
 
 /// Quotes a word for the shell.
@@ -164,7 +164,7 @@ SlurmJobs SlurmJobs::parsed(const std::string& text, const std::string& endpoint
 }
 
 std::string Slurm::script(int workers, const std::set<std::string>& but_on) const {
-  PALPATE_ASSERT(workers > 0, "nobody asks for none");
+  PALPATE_ASSERT(workers > 0, "a script starts at least one worker");
   std::string text = "#!/bin/sh\n";
   const auto option = [&](const std::string& words) { text += "#SBATCH " + words + '\n'; };
   option("--job-name=" + options_.name);

@@ -53,9 +53,9 @@ std::string lastLineOf(const std::string& path) {
 
 /// Says where the log is, and quotes its last line.
 std::string wroteOf(const std::string& log) {
-  if (log == "/dev/null") return "--log FILE keeps what they write";
+  if (log == "/dev/null") return "use --log FILE to keep their output";
   const std::string line = lastLineOf(log);
-  return line.empty() ? log + " may tell more" : fmt::format("{} ends with: {}", log, line);
+  return line.empty() ? "see " + log : fmt::format("{} ends with: {}", log, line);
 }
 
 std::string nameOf(const Launches::Ended& end) {
@@ -77,7 +77,7 @@ ExitCode SlurmFleet::run() {
     if (interrupted()) return leave();
     if (status && status->state() == "complete") return finish("the build is complete");
     if (!status && watch_.gaveUp()) {
-      finish("the scheduler does not answer any more");
+      finish("the scheduler no longer answers");
       return ExitCode::failed;
     }
     turn(status);
@@ -99,12 +99,12 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   // Keep running and queued jobs, because the scheduler may soon be back.
   if (!status) return tell(jobs, 0, "the scheduler does not answer");
   const int more = moreFor(jobs, *status);
-  tell(jobs, more, fmt::format("{} transitions could be solved now", status->ready()));
+  tell(jobs, more, fmt::format("{} transitions are ready", status->ready()));
   if (options_.dry_run) return;
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {
     const std::vector<std::string> ids = idsOf(jobs.queued);
-    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "workers that run stay");
+    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "running workers stay");
     engine_.cancel({ids.end() + more, ids.end()});
   }
 } catch (const Error& error) {
@@ -126,7 +126,7 @@ void SlurmFleet::submit(int more) try {
 } catch (const Error& error) {
   if (endsIt(error)) throw;
   refused_.failed(Clock::now());
-  spdlog::warn("{}; it is asked again in {} s", error.what(), refused_.pause().count());
+  spdlog::warn("{}; trying again in {} s", error.what(), refused_.pause().count());
 }
 
 int SlurmFleet::moreFor(const SlurmJobs& jobs, const wire::Status& status) {
@@ -147,9 +147,9 @@ bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
                        status.seconds() >= static_cast<double>(long_unheard.count());
   if (unheard && !told_unheard_)
     spdlog::warn(
-        "jobs run for a minute, and the scheduler has heard of no worker: nothing more is asked "
-        "for. Can their nodes reach {} (--connect, a firewall), and are their keys let in (palpate "
-        "key)? {}",
+        "jobs have run for a minute, but no worker has connected to the scheduler; no more jobs "
+        "are submitted. Can their nodes reach {} (--connect, firewall)? Are their keys allowed "
+        "(palpate key)? {}",
         options_.endpoint, wroteOf(engine_.logOf(std::ranges::find_if(jobs.running, isOld)->id)));
   told_unheard_ = unheard;
   return unheard;
@@ -160,8 +160,8 @@ bool SlurmFleet::isUnheard(const SlurmJobs& jobs, const wire::Status& status) {
 bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
   std::vector<std::string> ids = jobs.elsewhere;
   if (!ids.empty())
-    spdlog::warn("{} jobs look for the scheduler elsewhere than at {}: they are cancelled",
-                 ids.size(), options_.endpoint);
+    spdlog::warn("{} jobs connect to another endpoint than {} and are cancelled", ids.size(),
+                 options_.endpoint);
   // A queued job keeps the list of excluded nodes with which it was submitted.
   if (nodes_changed || launches_.mostUnproven(Clock::now()) == 0)
     std::ranges::copy(idsOf(jobs.queued), std::back_inserter(ids));
@@ -171,11 +171,11 @@ bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
 
 void SlurmFleet::tell(const SlurmJobs& jobs, int more, const std::string& why) {
   const std::string text =
-      fmt::format("{} workers run, {} are queued{}; {}: {}", jobs.running.size(),
+      fmt::format("{} workers running, {} queued{}; {}: {}", jobs.running.size(),
                   jobs.queued.size(), reasonsOf(jobs), why,
                   more > 0   ? fmt::format("{} more", more)
-                  : more < 0 ? fmt::format("{} queued ones are not needed", -more)
-                             : "as they are");
+                  : more < 0 ? fmt::format("{} queued not needed", -more)
+                             : "no change");
   if (options_.dry_run)
     fmt::print("{}\n{}", text,
                more > 0 ? engine_.script(std::min(more, 1000), launches_.badNodes()) : "");
@@ -190,19 +190,19 @@ void SlurmFleet::tellLaunches(const Launches::Change& change) {
     const auto last =
         std::ranges::find(failures.rbegin(), failures.rend(), node, &Launches::Ended::node);
     spdlog::warn(
-        "node {} is left out (sbatch --exclude): jobs fail there within {} s of their start while "
-        "others work elsewhere{}. When it is mended, start this command again",
+        "node {} is excluded (sbatch --exclude): jobs fail there within {} s of their start, but "
+        "run on other nodes{}. After its repair, start this command again",
         node, Launches::early.count(),
-        last == failures.rend()
-            ? ""
-            : fmt::format(", the last {}; {}", nameOf(*last), wroteOf(engine_.logOf(last->id))));
+        last == failures.rend() ? ""
+                                : fmt::format("; last failure: {}; {}", nameOf(*last),
+                                              wroteOf(engine_.logOf(last->id))));
   }
   if (!change.held || failures.empty()) return;
   std::vector<std::string> names;
   for (const Launches::Ended& end : failures) names.push_back(nameOf(end));
   spdlog::warn(
-      "jobs fail within {} s of their start, the last: {}. No more are asked for but one at a "
-      "time, in {} s, then later and later, until one lives. {}",
+      "jobs fail within {} s of their start, the last ones: {}. The next job is submitted alone, "
+      "in {} s; the intervals grow until a job survives. {}",
       Launches::early.count(), fmt::join(names, ", "), launches_.pause().count(),
       wroteOf(engine_.logOf(failures.back().id)));
 }
@@ -217,16 +217,16 @@ void SlurmFleet::end() {
       const SlurmJobs jobs = engine_.jobs();
       const std::size_t count = jobs.queued.size() + jobs.running.size() + jobs.elsewhere.size();
       if (count == 0) return;
-      left = fmt::format("{} jobs of {} are not gone yet", count, options_.slurm.name);
+      left = fmt::format("{} jobs of {} have not ended yet", count, options_.slurm.name);
     } catch (const Error& error) {
       refused = error.exitCode() == ExitCode::usage;
       left = error.what();
     }
     if (refused || interrupted() || Clock::now() > until)
       throw Error(refused ? ExitCode::usage : ExitCode::failed,
-                  fmt::format("{}: jobs may be left; when Slurm answers: scancel --me --name={}",
-                              left, options_.slurm.name));
-    if (left != told) spdlog::warn("{}; they are cancelled again until they are", left);
+                  fmt::format("{}: jobs may be left; later run scancel --me --name={}", left,
+                              options_.slurm.name));
+    if (left != told) spdlog::warn("{}; cancelling again", left);
     told = left;
     std::this_thread::sleep_for(seconds(1));
   }
@@ -240,8 +240,8 @@ ExitCode SlurmFleet::finish(const char* why) {
 
 ExitCode SlurmFleet::leave() const {
   fmt::print(
-      "stopped; the jobs of {} go on, and leave when they have nothing to do for {} s. The same "
-      "command goes on with them, with --cancel it ends them.\n",
+      "stopped; the jobs of {} continue, and each worker leaves after {} s without work. The same "
+      "command takes over the jobs; with --cancel it ends them.\n",
       options_.slurm.name, options_.leave_idle_s);
   return ExitCode::interrupted;
 }

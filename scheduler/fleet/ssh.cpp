@@ -26,12 +26,12 @@ HostWords parsed(const std::string& host) {
   if (const auto colon = host.rfind(':'); colon != std::string::npos) {
     const std::string number = host.substr(colon + 1);
     if (numberIn<int>(number).value_or(0) < 1)
-      throw badInput("{}: behind the colon stands the number of workers", host);
+      throw badInput("{}: give a number of workers, at least 1, after the colon", host);
     words = {host.substr(0, colon), number};
   }
   // Refuse a name that begins with a dash, because ssh would take it as an option.
   if (words.name.empty() || words.name.front() == '-')
-    throw badInput("\"{}\" is no machine: give HOST, USER@HOST or HOST:WORKERS", host);
+    throw badInput("\"{}\" is not a machine: give HOST, USER@HOST or HOST:WORKERS", host);
   return words;
 }
 
@@ -48,8 +48,8 @@ std::vector<std::string> wordsFor(const SshOptions& options, const std::string& 
 
 /// Returns the likely cause of an exit code, as a prefix for the log.
 const char* meaningOf(const std::string& how) {
-  if (how == "exit code 255") return "it does not get through; ";
-  if (how == "exit code 127") return "--program is not there, or a library of it; ";
+  if (how == "exit code 255") return "ssh cannot connect; ";
+  if (how == "exit code 127") return "--program or one of its libraries is missing; ";
   return "";
 }
 
@@ -76,14 +76,14 @@ void SshHosts::keep(Time now) {
       if (host.done) continue;
       if (now - host.begun > long_enough) host.retry.succeeded();
       host.retry.failed(now);
-      spdlog::warn("{}: ssh ended with {} ({}its words are above); again in {} s", host.name,
-                   ended.how, meaningOf(ended.how), host.retry.pause().count());
+      spdlog::warn("{}: ssh ended with {} ({}see its messages above); trying again in {} s",
+                   host.name, ended.how, meaningOf(ended.how), host.retry.pause().count());
     }
     if (host.connection.running() > 0 || host.done || !host.retry.over(now)) continue;
-    PALPATE_ASSERT(host.connection.running() == 0, "a machine has one connection");
+    PALPATE_ASSERT(host.connection.running() == 0, "a machine has at most one connection");
     host.connection.start();
     host.begun = now;
-    spdlog::info("{}: workers are started", host.name);
+    spdlog::info("{}: starting workers", host.name);
   }
 }
 

@@ -31,7 +31,7 @@ constexpr int seconds_to_deliver = 25;
 wire::Status meet(FleetOptions& options) {
   const auto status = FleetWatch(options).look();
   if (!status && interrupted()) throw Error(ExitCode::interrupted, "interrupted");
-  if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
+  if (!status) throw failure("{}: does not answer, see above", options.asked.where);
   // A complete build needs no workers, and its scheduler may be gone.
   if (status->state() == "complete") return *status;
   if (options.endpoint.empty()) {
@@ -40,7 +40,7 @@ wire::Status meet(FleetOptions& options) {
   }
   checkEndpoint(options.endpoint);
   if (isOnThisMachineOnly(options.endpoint))
-    spdlog::warn("{} is reached from this machine alone: give --connect if workers run elsewhere",
+    spdlog::warn("{} is local to this machine: give --connect if workers run elsewhere",
                  options.endpoint);
   return *status;
 }
@@ -94,7 +94,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     hosts.keep(now);
     if (interrupted()) {
       hosts.terminate(grace);
-      fmt::print("stopped, with the workers there; the build goes on with others\n");
+      fmt::print("stopped; these workers were ended, and the build continues with others\n");
       return ExitCode::interrupted;
     }
     if (hosts.done()) break;
@@ -104,7 +104,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
       if (status && status->state() == "complete") break;
       if (!status && watch.gaveUp()) {
         hosts.terminate(grace);
-        throw failure("{}: does not answer any more; the workers are ended", options.asked.where);
+        throw failure("{}: no longer answers; the workers were ended", options.asked.where);
       }
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -141,7 +141,7 @@ ExitCode runSsh(SshFleetOptions& options) {
 void addTo(CLI::App& app, FleetOptions& options) {
   options.asked.addTo(app);
   app.add_option("--connect", options.endpoint,
-                 "The scheduler as nodes reach it, tcp://HOST:PORT [where it is asked]");
+                 "Scheduler address for workers, tcp://HOST:PORT [that of WHERE]");
   app.add_option("--every", options.every_s, "Seconds between two queries of the scheduler")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
@@ -149,23 +149,22 @@ void addTo(CLI::App& app, FleetOptions& options) {
                  "End all workers after this many seconds without an answer")
       ->check(CLI::Range(1, 7 * 24 * 3600))
       ->capture_default_str();
-  app.add_flag("--dry-run", options.dry_run, "Say what would be done, and do nothing");
+  app.add_flag("--dry-run", options.dry_run, "Print what would be done, and do nothing");
 }
 
 void addTo(CLI::App& app, SlurmFleetOptions& options) {
   addTo(app, static_cast<FleetOptions&>(options));
-  app.add_option("--most", options.limits.most, "Workers at most, one core each")
+  app.add_option("--most", options.limits.most, "Maximum number of workers, one core each")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--backlog", options.limits.most_queued,
-                 "Largest number of workers queued at once")
+  app.add_option("--backlog", options.limits.most_queued, "Maximum number of queued workers")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--each", options.limits.transitions_each,
                  "Request one more worker for every N ready transitions")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--minutes", options.slurm.minutes, "Time limit of each job")
+  app.add_option("--minutes", options.slurm.minutes, "Time limit of each job, minutes")
       ->check(CLI::Range(1, 60 * 24 * 30))
       ->capture_default_str();
   app.add_option("--leave-idle", options.leave_idle_s,
@@ -173,30 +172,29 @@ void addTo(CLI::App& app, SlurmFleetOptions& options) {
       ->check(CLI::Range(1, 24 * 3600))
       ->capture_default_str();
   app.add_option("--constraint", options.slurm.constraint,
-                 "Features of nodes, as sbatch takes them");
-  app.add_option("--log", options.slurm.log, "Where workers write, as sbatch --output")
+                 "Required features of nodes, as for sbatch");
+  app.add_option("--log", options.slurm.log, "Output file of the workers, as for sbatch")
       ->capture_default_str();
   app.add_flag("--cancel", options.cancel, "End all jobs of this build");
   app.add_option("SBATCH", options.slurm.more,
-                 "Options of sbatch, behind --: -- --partition=short --account=me");
+                 "Options for sbatch, after --: -- --partition=short --account=me");
   app.footer(
-      "Runs until the build is complete, and then leaves no job behind. It remembers nothing: end\n"
-      "it and start it again as you like, also while the scheduler is restarted.");
+      "Runs until the build is complete, and then leaves no job behind. You can end it and start\n"
+      "it again at any time, also while the scheduler restarts: it stores nothing.");
 }
 
 void addTo(CLI::App& app, SshFleetOptions& options) {
   addTo(app, static_cast<FleetOptions&>(options));
   app.add_option("--hosts", options.hosts,
-                 "Machines as ssh takes them, HOST or USER@HOST; HOST:N for N workers instead of "
-                 "one a core")
+                 "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]")
       ->required();
-  app.add_option("--program", options.program, "palpate-worker, as a shell there finds it")
+  app.add_option("--program", options.program, "Path or name of palpate-worker on the machines")
       ->capture_default_str();
-  app.add_option("SSH", options.ssh.more, "Options of ssh, behind --: -- -p 2222 -i KEY");
+  app.add_option("SSH", options.ssh.more, "Options for ssh, after --: -- -p 2222 -i KEY");
   app.footer(
-      "Runs until the build is complete or it is interrupted, and then no worker is left. A\n"
-      "machine that cannot be reached is tried again. ssh must ask nothing: give it keys, and\n"
-      "know the hosts.");
+      "Runs until the build is complete or you interrupt it, and then leaves no worker behind.\n"
+      "Machines that cannot be reached are tried again. ssh must not ask questions: set up keys,\n"
+      "and accept the host keys of the machines beforehand.");
 }
 
 template <class Options, ExitCode run(Options&)>
@@ -210,8 +208,8 @@ void addEngine(CLI::App& app, const char* name, const char* what,
 
 std::function<ExitCode()> prepareFleet(CLI::App& app) {
   const auto chosen = std::make_shared<std::function<ExitCode()>>();
-  addEngine<SlurmFleetOptions, runSlurm>(app, "slurm", "Workers as array jobs of Slurm", chosen);
-  addEngine<SshFleetOptions, runSsh>(app, "ssh", "Workers on machines that ssh reaches", chosen);
+  addEngine<SlurmFleetOptions, runSlurm>(app, "slurm", "Start workers as jobs of Slurm", chosen);
+  addEngine<SshFleetOptions, runSsh>(app, "ssh", "Start workers on other machines by ssh", chosen);
   app.require_subcommand(1);
   return [chosen] { return (*chosen)(); };
 }

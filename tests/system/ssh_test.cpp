@@ -82,7 +82,7 @@ TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("nobody"));
   EXPECT_TRUE(test::says(
-      *fleet, "exit code 255 (it does not get through; its words are above); again in 5 s"))
+      *fleet, "exit code 255 (ssh cannot connect; see its messages above); trying again in 5 s"))
       << fleet->output();
   EXPECT_THAT(fleet->output(), HasSubstr("Host key verification failed"));
   EXPECT_EQ(fleet->stop(SIGTERM), 130);
