@@ -96,7 +96,7 @@ void Chronicle::failed(const ResultKey& key, const Failure& failure,
 
 void Chronicle::setAside(const ResultKey& key, int deaths) {
   spdlog::error(
-      "{}: {} workers ended while they solved it; it is set aside, and the rest goes on without it",
+      "{}: {} workers died on this transition; it is set aside, and the build continues without it",
       textOf(key), deaths);
   add(of("set_aside", key).with("deaths", deaths));
 }
@@ -112,15 +112,15 @@ void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
 }
 
 void Chronicle::paused(bool paused) {
-  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
+  spdlog::info(paused ? "paused: no work is handed out until palpate resume" : "resumed");
   add(paused ? Event("paused") : Event("resumed"));
 }
 
 void Chronicle::disputed(const ResultKey& key, const wire::Provenance& one,
                          const wire::Provenance& other) {
   if (!mayTell()) return;
-  spdlog::error("{}: {} found other bits than {}: others are asked who is right", textOf(key),
-                nameOf(other), nameOf(one));
+  spdlog::error("{}: the results of {} and {} differ; further workers solve the transition",
+                textOf(key), nameOf(other), nameOf(one));
   add(of("disputed", key)
           .with("worker", shortIdOf(one.worker()))
           .with("host", one.host())
@@ -129,7 +129,7 @@ void Chronicle::disputed(const ResultKey& key, const wire::Provenance& one,
 }
 
 void Chronicle::keptOut(const KeptOut& liar) {
-  spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
+  spdlog::error("{}: this {} is excluded: {}; all its results are computed again", nameOf(liar.who),
                 name(liar.kind), liar.reason);
   Event event = Event("kept_out")
                     .with("kind", name(liar.kind))
@@ -155,8 +155,8 @@ bool Chronicle::mayTell() {
   const auto left_out = budget_.spend(clock_);
   if (left_out.value_or(0) > 0) {
     spdlog::warn(
-        "workers come, go or are refused faster than anybody reads: {} lines about them "
-        "were left out; palpate status says how many are here, were refused or lost",
+        "too many workers join, leave or are refused: {} log lines about them were omitted; "
+        "palpate status shows the numbers",
         *left_out);
     add(Event("left_out").with("events", *left_out));
   }
@@ -166,7 +166,7 @@ bool Chronicle::mayTell() {
 bool Chronicle::mayLog() {
   const auto left_out = lines_.spend(clock_);
   if (left_out.value_or(0) > 0)
-    spdlog::warn("{} lines about connections and about idle or overdue workers were left out",
+    spdlog::warn("{} log lines about connections and about idle or overdue workers were omitted",
                  *left_out);
   return left_out.has_value();
 }

@@ -57,7 +57,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
       return;
     case wire::Message::kHeartbeat: return workers_.heartbeat(*worker, message.heartbeat());
     case wire::Message::kGoodbye: return workers_.goodbye(*worker, message.goodbye());
-    default: workers_.badMessage(peer, "workers do not send that");
+    default: workers_.badMessage(peer, "workers do not send messages of this kind");
   }
 }
 
@@ -105,8 +105,8 @@ void Coordinator::noteOwnGap(Time now) {
   const auto gap = now - std::exchange(last_turn_, now);
   if (gap < state_.settings.own_gap || workers_.registry.all().empty()) return;
   spdlog::warn(
-      "this scheduler did nothing for {:.0f} s (stopped, suspended, or without processor "
-      "time): no worker is blamed for the silence",
+      "this scheduler did nothing for {:.0f} s (stopped, suspended, or without processor time); "
+      "this time does not count as silence of its workers",
       std::chrono::duration<double>(gap).count());
   workers_.forgiveGap(gap);
   seconds_.forgiveGap(gap);
@@ -156,7 +156,7 @@ void Coordinator::goOn() {
   seconds_.forgetUnneeded();
   if (seconds_.left() > 0) return;
   PALPATE_ASSERT(state_.group.size() == 0 && workers_.leases.empty(),
-                 "a complete plan waits for no result, and nobody solves for it");
+                 "complete plans wait for no result, and no lease is open");
   state_.complete = true;
   state_.chronicle.completed(intake_.recorded(),
                              std::chrono::duration<double>(state_.now - state_.started).count());

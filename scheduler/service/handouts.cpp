@@ -90,7 +90,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   job.set_start_id(is_check ? checks.startOf(first).id : startIdOf(plan, *plan.find(first)));
   for (const ResultKey& key : handout.targets) {
     PALPATE_ASSERT(key.space == first.space && key.parent == first.parent,
-                   "a job's targets have one start");
+                   "all targets of a job have the same start");
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(key.target);
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));

@@ -38,7 +38,7 @@ bool Intake::take(Worker& worker, Incoming& incoming) {
     // If the secret was lost with the tables, this also concerns honest results that were leased
     // under it. They are solved again.
     refuseUnwanted(worker, message);
-    return drop("a result that it was not asked for");
+    return drop("a result that was not requested");
   }
   if (ResultGroup::Member* waiting = state_.group.find(key))
     takeAgain(worker, *waiting, message);
@@ -64,8 +64,8 @@ bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   wire::Result first;
   if (const auto recorded = state_.store.find(keyOf(message))) {
     const bool readable = first.ParseFromString(recorded->header);
-    PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
-    PALPATE_ASSERT(keyOf(first) == keyOf(message), "it is recorded under what it is of");
+    PALPATE_ASSERT(readable, "the record was readable at the start, or this process wrote it");
+    PALPATE_ASSERT(keyOf(first) == keyOf(message), "a result is recorded under its own key");
     if (message.start_id() == first.start_id()) {
       state_.acknowledge(worker.peer, message);
       return seconds_.compare(worker, first, message);
@@ -139,7 +139,7 @@ void Intake::commit() {
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;
-    PALPATE_ASSERT(state_.store.knows(key), "what is acknowledged is recorded");
+    PALPATE_ASSERT(state_.store.knows(key), "a result is recorded before its acknowledgement");
     for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result);
     SpacePlan& plan = state_.plans[key.space];
     plan.record(*plan.find(key), outcome, fieldsOf(member.result));

@@ -95,7 +95,7 @@ std::int32_t People::retryFailed(const std::string& cause) {
   if (failed.empty()) return 0;
   state_.store.drop(failed);
   state_.chronicle.retried(std::ssize(failed), cause);
-  spdlog::warn("{} attempts that failed with {} are tried again, as an operator asked",
+  spdlog::warn("{} attempts that failed with {} are repeated, as an operator requested",
                failed.size(), cause);
   state_.turns_since_retry = 0;
   return static_cast<std::int32_t>(failed.size());
@@ -109,7 +109,7 @@ std::string People::prioritize(const std::string& name, std::int32_t priority) {
     if (row == name) workers_.leases.setPriority(space, priority);
   }
   if (!names.contains(name))
-    return fmt::format("no space is called {}: they are {}", printable(name),
+    return fmt::format("no space named {}; spaces: {}", printable(name),
                        printable(fmt::format("{}", fmt::join(names, ", ")), 500));
   priorities_[name] = priority;
   recent_status_.clear();

@@ -31,11 +31,11 @@ bool isPlausible(const Cost& cost) {
 
 std::string objectionToFailure(const Failure& failure, const Mesh& mesh) {
   if (!(failure.step_reached >= 0 && failure.step_reached <= 1))
-    return "a failure with an impossible step";
+    return "a failure whose step is not between 0 and 1";
   if (failure.element < -1 || failure.element >= std::ssize(mesh.tetrahedra))
     return "a failure in an element that does not exist";
   if (failure.negative_pivots < 0 || failure.expected_negative_pivots < 0)
-    return "a failure with an impossible inertia";
+    return "a failure with a negative number of pivots";
   return "";
 }
 
@@ -74,7 +74,7 @@ ResultCheck::ResultCheck(const Problem& problem, const ContentId& build)
 ResultCheck::Judged ResultCheck::judge(const wire::Result& result, const std::string& payload,
                                        const std::string& kernel_family) const {
   std::optional<Outcome> outcome = fromWire(result);
-  if (!outcome) return {"a result that makes no sense", {}};
+  if (!outcome) return {"an invalid result", {}};
   std::string objection = objectionTo(result, *outcome, payload, kernel_family);
   return {std::move(objection), std::move(*outcome)};
 }
@@ -84,8 +84,8 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
                                      const std::string& kernel_family) const {
   if (result.build() != build_.bytes()) return "a result of another build";
   if (result.payload_bytes() != payload.size())
-    return "a result whose payload has another length than it says";
-  if (result.kernel_family() != kernel_family) return "a result of other kernels than its worker's";
+    return "a result whose payload differs in length from its header";
+  if (result.kernel_family() != kernel_family) return "a result of another kernel family";
   if (result.space() >= problem_->active.size()) return "a result of a space that does not exist";
   if (!isPlausible(outcome.cost)) return "a result with impossible costs";
   if (!outcome.converged()) {
@@ -94,7 +94,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
     return objectionToFailure(outcome.failure(), problem_->mesh);
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
-    return "a result whose payload has another content id";
+    return "a result whose payload does not match its content id";
   try {
     return objectionTo(
         result, outcome,
@@ -113,10 +113,10 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (scene.workspace.reject_inverted && !(e.min_det_F > 0)) return "an inverted element";
   const double force_scale = e.force.norm() + e.stiffness.norm() * diameter_;
   if (!(residual >= 0 && residual <= largest_residual * force_scale))
-    return "a residual that is no equilibrium's";
+    return "a residual that is invalid or too large for an equilibrium";
   if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
     return "derivatives that are not symmetric";
-  if (hasDrive(e) && !patch.finger) return "a drive of what is no finger";
+  if (hasDrive(e) && !patch.finger) return "a drive although the tool is not a finger";
   for (const std::int32_t node : problem_->fixed)
     if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";
 
@@ -132,11 +132,11 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
                                                  return isThere(displacementOf(fields, node));
                                                })
                          : isThere(displacementOf(fields, patch));
-  if (!there) return "a tool that is elsewhere";
+  if (!there) return "a tool that is not at the target";
   // An origin that was solved from a neighbour is at rest only up to rounding.
   if (fromWire(result.target()) != fromWire(result.parent())) return "";
-  if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a rest that is none";
-  return holdsBack(e.stiffness) ? "" : "a rest that is not stable";
+  if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a nonzero rest state";
+  return holdsBack(e.stiffness) ? "" : "an unstable rest state";
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {

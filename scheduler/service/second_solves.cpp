@@ -62,7 +62,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   }
   wire::Result first;
   if (!record || !first.ParseFromString(record->header)) return false;
-  PALPATE_ASSERT(keyOf(first) == key, "a result is recorded under what it is of");
+  PALPATE_ASSERT(keyOf(first) == key, "a result is recorded under its own key");
   SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
   if (first.has_start_parent()) start.solved_by = solverOfStart(first);
   checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);
@@ -123,8 +123,8 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
   // Keep the check in the tables. It covers the result that is computed again. Also, if this
   // process is killed before the wrong workers are excluded, the check lets them be found once
   // more.
-  findLiars(*verdict, fmt::format("its result of {} differs from what {} others found", textOf(key),
-                                  verdict->right.size()));
+  findLiars(*verdict, fmt::format("its result of {} differs from that of {} other workers",
+                                  textOf(key), verdict->right.size()));
   return false;
 }
 
@@ -143,7 +143,7 @@ void SecondSolves::differs(const Worker& worker, const wire::Result& first,
 }
 
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
-  const std::string reason = fmt::format("it gave two results of {}", textOf(keyOf(result)));
+  const std::string reason = fmt::format("it gave differing results of {}", textOf(keyOf(result)));
   // Count the rest of its machine as right, so that at first only this process is excluded: other
   // workers on the machine, or with the key, may not be involved.
   wire::Provenance neighbour = worker.provenance;

@@ -52,7 +52,7 @@ Next Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   using Clock = std::chrono::steady_clock;
   const auto until_deadline =
       std::chrono::ceil<std::chrono::milliseconds>(coordinator.nextDeadline() - Clock::now());
-  PALPATE_ASSERT(longest.count() >= 0, "poll() takes less than 0 for ever");
+  PALPATE_ASSERT(longest.count() >= 0, "poll() treats a negative time as infinite");
   waitForMessages(socket_, std::clamp(until_deadline, std::chrono::milliseconds(0), longest));
   return exchange(coordinator, *this, Clock::now());
 }
@@ -71,10 +71,10 @@ std::string Server::refusalOf(const Incoming& incoming) {
   if (!zap_handler_) return "";
   const auto wanted = roleFor(incoming.message);
   const Roles roles = zap_handler_->rolesOf(incoming.key);
-  if (roles == Roles::none) return "its key is not let in any more";
+  if (roles == Roles::none) return "this key is no longer allowed";
   if (!wanted || include(roles, *wanted)) return "";
   return fmt::format(
-      "its key has the role {}, and this needs {}: palpate key allow, where the server runs",
+      "this key has the role {}, but this needs {}: run palpate key allow where the server runs",
       wordsOf(roles), wordsOf(*wanted));
 }
 

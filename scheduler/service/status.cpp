@@ -153,7 +153,7 @@ void Pace::note(Time now, std::int64_t found) {
 }
 
 double Pace::perSecond(Time now, std::int64_t found) const {
-  PALPATE_ASSERT(!samples_.empty(), "the newest sample is never thrown away");
+  PALPATE_ASSERT(!samples_.empty(), "the newest sample is never removed");
   const double elapsed = std::chrono::duration<double>(now - samples_.front().when).count();
   return elapsed > 0 ? static_cast<double>(found - samples_.front().found) / elapsed : 0;
 }
@@ -166,7 +166,7 @@ std::string toJson(const google::protobuf::Message& message) {
   std::string json;
   if (const auto result = google::protobuf::util::MessageToJsonString(message, &json, options);
       !result.ok())
-    throw failure("a {} cannot be written as JSON: {}", message.GetTypeName(), result.ToString());
+    throw failure("cannot write a {} as JSON: {}", message.GetTypeName(), result.ToString());
   return json;
 }
 
@@ -213,7 +213,7 @@ wire::Status statusFromJson(const std::string& json) {
     throw failure("the answer is not a status: {}", result.ToString());
   discardUnknownFields(status);
   if (!countsMakeSense(status))
-    throw failure("the answer is not a status: its numbers of points are impossible");
+    throw failure("the answer is not a status: its numbers of points are inconsistent");
   return status;
 }
 

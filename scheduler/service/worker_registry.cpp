@@ -67,29 +67,29 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
                                         const std::optional<PublicKey>& key) const {
   if (hello.protocol() != protocol_version)
     return fmt::format(
-        "this scheduler speaks protocol {}, the worker protocol {}: "
-        "install the same Palpate on both",
+        "this scheduler speaks protocol {}, the worker protocol {}: install the same version of "
+        "Palpate on both",
         protocol_version, hello.protocol());
   // Results of two builds of the program may differ in the last bits.
   if (!isSameBuild(hello.version(), buildName()))
     return fmt::format(
-        "this scheduler is palpate {}, the worker palpate {}: "
-        "results of two builds may differ, so install the same on both",
+        "this scheduler is palpate {}, the worker palpate {}: their results may differ, so install "
+        "the same program on both",
         buildName(), printable(hello.version()));
   if (hello.worker().empty() || hello.worker().size() > longest_id)
     return "its id is missing or too long";
-  if (hello.kernel_family().empty()) return "it does not say which kernel family it uses";
+  if (hello.kernel_family().empty()) return "it names no kernel family";
   if (hello.kernel_family() != printable(hello.kernel_family(), longest_family))
     return "the name of its kernel family is too long, or not printable";
   if (workers_.size() >= most_workers && !workers_.contains(hello.worker()))
-    return fmt::format("{} workers are here already, which is all that a scheduler serves",
+    return fmt::format("{} workers are connected already, the maximum for a scheduler",
                        most_workers);
   const wire::Provenance who = provenanceOf(hello.worker(), printable(hello.host()), key);
   for (const KeptOut& liar : kept_out_)
     if (liar.covers(who))
       return fmt::format(
-          "this {} is kept out of this build, because {}: see that it computes as the others do "
-          "(palpate verify), and let it work in another build",
+          "this {} is excluded from this build because {}: check the machine with palpate verify "
+          "before it works on another build",
           name(liar.kind), liar.reason);
   if (wouldChangeKernels(hello)) return "";
   return objectionToKernels(hello.kernel_family());
@@ -103,10 +103,10 @@ bool WorkerRegistry::wouldChangeKernels(const wire::Hello& hello) const {
 std::string WorkerRegistry::objectionToKernels(const std::string& family) const {
   if (kernel_family_.empty() || family == kernel_family_) return "";
   return fmt::format(
-      "this build is computed with the {} kernels, the worker has {} and no others (its CPU, or "
-      "PALPATE_KERNELS or OPENBLAS_CORETYPE, see docs/solver.md), and the last bits would depend "
-      "on who solved what: use machines that run {}, or begin the build anew with --kernels that "
-      "all run",
+      "this build uses the {} kernels, but the worker has only the {} kernels (because of its CPU, "
+      "PALPATE_KERNELS or OPENBLAS_CORETYPE, see docs/solver.md), and mixed kernels would make the "
+      "last bits irreproducible: use machines that support {}, or start a new build with --kernels "
+      "that all machines support",
       kernel_family_, family, kernel_family_);
 }
 
@@ -114,7 +114,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
                               const std::optional<PublicKey>& key, Time now) {
   const Worker* before = ofPeer(peer);
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
-                 "a peer is one worker: the one it was has been removed");
+                 "the earlier worker of a peer has been removed");
   // A worker that reconnects comes from another peer; its old peer is then unknown.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
@@ -135,7 +135,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 }
 
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
-  PALPATE_ASSERT(workers_.contains(worker.id), "a worker goes once");
+  PALPATE_ASSERT(workers_.contains(worker.id), "a worker is removed only once");
   // Keep a row of the worker: otherwise the tables would show it at work until it comes back.
   if (worker.results > 0 || std::ssize(departed_) < Tables::most_idle_departed)
     departed_.push_back(rowOf(worker, state, now));

@@ -46,7 +46,7 @@ bool Workers::hello(const Incoming& incoming) {
     return false;
   }
   if (registry.wouldChangeKernels(hello)) {
-    state_.chronicle.info("worker {} on {} is asked to take the {} kernels instead of {}",
+    state_.chronicle.info("worker {} on {} is asked to use the {} kernels instead of {}",
                           hello.pid(), printable(hello.host()), registry.kernelFamily(),
                           hello.kernel_family());
     state_.send(peer).mutable_use_kernels()->set_kernel_family(registry.kernelFamily());
@@ -189,9 +189,8 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn(
-        "worker {} on {} does not solve what it was given: it is handed out again", worker.pid,
-        worker.host);
+    state_.chronicle.warn("worker {} on {} does not solve its targets; they are handed out again",
+                          worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
     leases.giveBack(id);
@@ -238,7 +237,7 @@ void Workers::unreachable(const std::string& peer) {
   if (worker == nullptr) return;
   // The worker has probably left as it was told. Its goodbye may still lie unread.
   if (state_.everybodyIsToLeave() && leases.leasedTo(worker->id) == 0) {
-    state_.chronicle.left(*worker, "it was told to");
+    state_.chronicle.left(*worker, "it was told to leave");
     return lose(*worker);
   }
   state_.chronicle.lost(*worker, "unreachable", leases.leasedTo(worker->id));
@@ -265,7 +264,7 @@ void Workers::processEnded(const std::string& worker_id) {
 void Workers::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases.blame(suspects)) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
-    PALPATE_ASSERT(transition, "a plan asks for transitions between its own points");
+    PALPATE_ASSERT(transition, "plans request only transitions between their own points");
     state_.tables.writeLosses({key.space, *transition}, losses);
     if (losses.deaths == deaths_before_aside) state_.chronicle.setAside(key, losses.deaths);
   }
@@ -279,7 +278,7 @@ void Workers::addReady(const std::vector<ResultKey>& keys) {
   for (const ResultKey& key : keys) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
     PALPATE_ASSERT(transition && state_.plans[key.space].isOpen(*transition),
-                   "what is handed out is what a plan waits for");
+                   "only open transitions of a plan are handed out");
     const auto known = losses_.find({key.space, *transition});
     leases.add(key, known == losses_.end() ? Losses() : known->second);
   }
@@ -296,7 +295,7 @@ void Workers::badMessage(const std::string& peer, const std::string& why) {
   if (const Worker* worker = registry.ofPeer(peer))
     spdlog::warn("a message from worker {} on {} was dropped: {}", worker->pid, worker->host, why);
   else
-    spdlog::warn("a message from a stranger was dropped: {}", why);
+    spdlog::warn("a message from an unknown peer was dropped: {}", why);
 }
 
 }  // namespace palpate

@@ -70,7 +70,7 @@ TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
   // It may have finished before.
   EXPECT_THAT(worker->wait(), testing::AnyOf(0, 1)) << worker->output();
   EXPECT_THAT(worker->output(),
-              testing::AnyOf(HasSubstr("not let in any more"), HasSubstr("no more work")));
+              testing::AnyOf(HasSubstr("no longer allowed"), HasSubstr("no more work")));
 }
 
 TEST_F(KeysTest, OfABuildAreItsOwnAndItsStateDirectoryKnowsThem) {

@@ -71,7 +71,7 @@ TEST_F(CoordinatorTest, HandsOutASpaceOfHigherPriorityFirstAndStillAfterARestart
   EXPECT_EQ(prioritize(world, second, 1), "");
   EXPECT_THAT(
       prioritize(world, "nobody", 1),
-      testing::AllOf(testing::HasSubstr("no space is called nobody"), testing::HasSubstr(second)));
+      testing::AllOf(testing::HasSubstr("no space named nobody"), testing::HasSubstr(second)));
   world.join("a", 1);
   const auto first = world.takeJobs("a");
   ASSERT_EQ(first.size(), 1u);

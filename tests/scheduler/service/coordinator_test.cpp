@@ -327,7 +327,7 @@ TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
   }
   test::expectError(ExitCode::failed,
                     [&] { Build(world.problem, world.directory / "stray", world.now); },
-                    {"nobody asked for", "another version"});
+                    {"did not request", "another version"});
 }
 
 /// Whatever of a journal is damaged, what is left of it is used, and the dataset is the same.

@@ -46,7 +46,7 @@ TEST_F(CoordinatorTest, WhoSaysHelloForEverFillsNeitherTheLogNorTheTables) {
   }
   spdlog::set_default_logger(before);
   EXPECT_LT(log.str().size(), 200'000u);
-  EXPECT_THAT(log.str(), testing::HasSubstr("lines about them were left out"));
+  EXPECT_THAT(log.str(), testing::HasSubstr("log lines about them were omitted"));
   EXPECT_THAT(log.str(), testing::Not(testing::HasSubstr("\x1b")));
   EXPECT_LE(world.coordinator().workers(), WorkerRegistry::most_workers);
   EXPECT_LE(StoredTables(world.directory / "state").servers().size(),
@@ -103,8 +103,8 @@ TEST_F(ChosenKernelsTest, DecideBeforeAnybodySolvedAnything) {
   const auto refused = world.take("a", Message::kRefused);
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_THAT(refused[0].refused().reason(),
-              testing::AllOf(testing::HasSubstr("with the avx2/Haswell kernels"),
-                             testing::HasSubstr("the worker has baseline and no others")));
+              testing::AllOf(testing::HasSubstr("uses the avx2/Haswell kernels"),
+                             testing::HasSubstr("the worker has only the baseline kernels")));
   EXPECT_EQ(world.coordinator().status(world.now).kernel_family(), "avx2/Haswell");
 }
 
@@ -113,7 +113,7 @@ TEST_F(ChosenKernelsTest, MustBeThoseThatTheBuildWasBegunWith) {
   world.solveOrigins();
   world.restart();
   test::expectBadInput([&] { world.restartWith(chosen("avx2/Haswell")); },
-                       {"begun with the baseline kernels", "--kernels asks for avx2/Haswell"});
+                       {"began with the baseline kernels", "--kernels asks for avx2/Haswell"});
 }
 
 TEST_F(CoordinatorTest, RemembersTheKernelFamilyOfRecordedResults) {

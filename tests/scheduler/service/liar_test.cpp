@@ -108,7 +108,7 @@ TEST_F(LiarTest, ALieOfAnyKindIsFoundAndAllOfItsWorkerComputedAgain) {
     EXPECT_EQ(status.kept_out(0).kind(), "machine");
     EXPECT_EQ(status.kept_out(0).host(), "machine-b");
     EXPECT_THAT(world.joinFrom("machine-b", "b again"),
-                testing::HasSubstr("kept out of this build"));
+                testing::HasSubstr("excluded from this build"));
     EXPECT_EQ(world.joinFrom("machine-a", "a again"), "");
   }
 }
@@ -147,7 +147,7 @@ TEST_F(LiarTest, ARestartOfTheSchedulerForgetsNoCheckAndNobodyWhoIsKeptOut) {
   world.finishWhateverComes();
   EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1);
   world.restart();
-  EXPECT_THAT(world.joinFrom("machine-b", "b"), testing::HasSubstr("kept out"));
+  EXPECT_THAT(world.joinFrom("machine-b", "b"), testing::HasSubstr("excluded"));
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 

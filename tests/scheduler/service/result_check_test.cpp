@@ -63,7 +63,7 @@ TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
   refuses(there, "drive", [](Outcome& o) { o.configuration().equilibrium.drive[0] = 1; });
   refuses(there, "fixed node",
           [&](Outcome& o) { o.configuration().fields.displacement[held] = 1e-9F; });
-  refuses(there, "elsewhere",
+  refuses(there, "not at the target",
           [&](Outcome& o) { o.configuration().fields.displacement[tool] += 1e-3F; });
   refuses(there, "costs", [](Outcome& o) { o.cost.factorizations = -1; });
   refuses(there, "costs", [](Outcome& o) { o.cost.seconds = std::nan(""); });
@@ -73,7 +73,7 @@ TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
   refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.force[0] = 1e-300; });
   refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.energy = 1e-300; });
   refuses({}, "rest", [](Outcome& o) { o.configuration().fields.displacement.back() = 1e-30F; });
-  refuses({}, "not stable", [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; });
+  refuses({}, "unstable", [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; });
 }
 
 TEST(ResultCheck, RefusesFailuresThatCannotBe) {

@@ -221,7 +221,7 @@ TEST_F(KeyedServerTest, AWorkerWhoseKeyIsWithdrawnIsSentAwayAndItsWorkHandedOutA
     answer = answerTo(worker, message);
     std::this_thread::sleep_for(10ms);
   }
-  EXPECT_NE(answer.refused().reason().find("not let in any more"), std::string::npos);
+  EXPECT_NE(answer.refused().reason().find("no longer allowed"), std::string::npos);
   EXPECT_EQ(build.coordinator().workers(), 0U);
   zmq::socket_t other = connectAs(keys);
   ASSERT_TRUE(answerTo(other, test::helloOf("other")).has_welcome());
