@@ -35,7 +35,7 @@ class Inspector {
     readTables();
     readJournal();
     if (found_.segments == 0 && found_.tables != Inspection::TableState::whole)
-      throw badInput("{}: is not a state directory of Palpate: there is no journal in it, and {}",
+      throw badInput("{}: is not a state directory of Palpate: it has no journal, and {}",
                      directory_.string(),
                      found_.tables_text.empty() ? "no state.db" : found_.tables_text);
     if (!found_.problem) salvageProblem();
@@ -68,7 +68,7 @@ class Inspector {
         throw DamagedDatabase(file, error.what());
       }
       if (problemId(*problem) != build.build)
-        throw DamagedDatabase(file, "the problem in them is not that of their build id");
+        throw DamagedDatabase(file, "its problem does not match its build id");
       found_.build = build.build;
       found_.scene_name = build.scene_name;
       found_.problem = std::move(problem);
@@ -121,7 +121,7 @@ class Inspector {
     wire::Result header;
     if (!header.ParseFromArray(header_bytes.data(), static_cast<int>(header_bytes.size())) ||
         !fromWire(header))
-      return add(found_.damage, "a result that makes no sense", std::nullopt);
+      return add(found_.damage, "an invalid result", std::nullopt);
     const ResultKey key = keyOf(header);
     if (!found_.build) found_.build = ContentId::fromBytes(header.build());
     if (!found_.build || header.build() != found_.build->bytes())
@@ -142,10 +142,10 @@ class Inspector {
   /// is wrong with them, or an empty string.
   std::string objectionToFields(const wire::Result& result, const std::string& payload) const {
     if (payload.size() != result.payload_bytes())
-      return "its payload has another length than its header says";
+      return "its payload differs in length from its header";
     if (!result.has_equilibrium()) return "";
     if (ContentId::of(payload).bytes() != result.fields_id())
-      return "its payload has another content id than its header says";
+      return "its payload does not match the content id in its header";
     if (!found_.problem) return "";
     try {
       NodalFields::decode(payload, found_.problem->mesh.nodes.size(),
@@ -208,8 +208,8 @@ class Inspector {
 void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {
   if (found.foreign.empty()) return;
   throw failure(
-      "{}: {} record(s) are of another build (the first: {}); nothing was changed: "
-      "put the segments of the other build elsewhere, or remove those that are not needed",
+      "{}: {} record(s) belong to another build (the first: {}); nothing was changed: move the "
+      "segments of the other build elsewhere, or remove the segments that you do not need",
       held.path().string(), found.foreign.size(), found.foreign.front().text);
 }
 
@@ -241,7 +241,7 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   std::vector<std::string> done;
   Journal journal(held.path(), found.end);
   if (found.unfinished > 0)
-    done.push_back(fmt::format("{} bytes behind the last record cut off", found.unfinished));
+    done.push_back(fmt::format("{} bytes after the last record removed", found.unfinished));
   journal.fillMissing();
   for (const JournalDamage& damage : found.damage)
     if (damage.where.length > 0) journal.drop(damage.where);
@@ -251,15 +251,15 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   const std::filesystem::path tables = held.database();
   if (found.tables == TableState::damaged) {
     putTablesAside(held);
-    done.push_back(fmt::format("{0} put aside as {0}.damaged", tables.string()));
+    done.push_back(fmt::format("{0} renamed to {0}.damaged", tables.string()));
   }
   const bool outdated =
       found.tables != TableState::whole || found.lost_results > 0 || !found.damage.empty();
   if (!outdated || !found.problem) return done;
   Tables(held, *found.problem).forgetProgress();
-  if (found.tables != TableState::whole) done.push_back(fmt::format("{} made", tables.string()));
+  if (found.tables != TableState::whole) done.push_back(fmt::format("{} created", tables.string()));
   if (found.lost_results > 0)
-    done.push_back(fmt::format("{} lost result(s) not counted any more", found.lost_results));
+    done.push_back(fmt::format("{} lost result(s) no longer counted", found.lost_results));
   return done;
 }
 

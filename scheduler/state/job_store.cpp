@@ -21,7 +21,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
       kernel_family_(found_.kernel_family) {
   journal_.dropAll(std::exchange(found_.recorded.torn, {}));
   for (const std::string& damage : found_.recorded.damage)
-    spdlog::warn("{}; what was recorded there is computed again", damage);
+    spdlog::warn("{}; the results recorded there are computed again", damage);
   dropWhatLiarsGave();
 }
 
@@ -30,7 +30,7 @@ void JobStore::dropWhatLiarsGave() {
   if (theirs.empty()) return;
   drop(theirs);
   found_.recorded.damage.push_back(
-      fmt::format("{} results are of workers that are kept out", theirs.size()));
+      fmt::format("{} results came from excluded workers", theirs.size()));
 }
 
 void JobStore::drop(const JournalPosition& damaged) {
@@ -44,7 +44,7 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
   std::vector<JournalPosition> positions;
   for (const ResultKey& key : keys) {
     const auto where = found_.recorded.where.find(key);
-    PALPATE_ASSERT(where != found_.recorded.where.end(), "what is dropped was recorded");
+    PALPATE_ASSERT(where != found_.recorded.where.end(), "only recorded results are dropped");
     positions.push_back(where->second);
     found_.recorded.where.erase(where);
   }
@@ -53,8 +53,8 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
 
 void JobStore::append(const wire::Result& header, std::string_view payload) {
   const ResultKey key = keyOf(header);
-  PALPATE_ASSERT(!knows(key), "the first result of a transition is the recorded one");
-  PALPATE_ASSERT(header.lease().empty(), "a lease is its worker's, and not recorded");
+  PALPATE_ASSERT(!knows(key), "only the first result of a transition is recorded");
+  PALPATE_ASSERT(header.lease().empty(), "leases are not recorded");
   appended_.emplace_back(key, journal_.append(header.SerializeAsString(), payload));
   kernel_family_ = header.kernel_family();
 }
@@ -63,7 +63,7 @@ void JobStore::commit() {
   journal_.sync();
   for (const auto& [key, where] : appended_) {
     const bool fresh = found_.recorded.where.emplace(key, where).second;
-    PALPATE_ASSERT(fresh, "a transition is in a group once");
+    PALPATE_ASSERT(fresh, "a group has only one result per transition");
   }
   appended_.clear();
 }

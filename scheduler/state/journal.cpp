@@ -37,7 +37,7 @@ struct Head {
     return sizeof(Head) + std::uint64_t{header_bytes} + payload_bytes;
   }
 };
-static_assert(sizeof(Head) == 20, "as docs/internals/state.md says it");
+static_assert(sizeof(Head) == 20, "docs/state.md states this size");
 
 std::uint32_t crcOf(std::string_view bytes, uLong before = 0) {
   return static_cast<std::uint32_t>(
@@ -70,7 +70,7 @@ class SegmentFile {
       : path_(std::move(path)), number_(number), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
     struct stat info {};
     if (file_ && fstat(file_.get(), &info) != 0)
-      throw failure("{}: cannot look at: {}", path_.string(), errnoText());
+      throw failure("{}: cannot stat: {}", path_.string(), errnoText());
     if (!file_ && errno != ENOENT)
       throw failure("{}: cannot open: {}", path_.string(), errnoText());
     bytes_ = file_ ? static_cast<std::uint64_t>(info.st_size) : 0;
@@ -224,14 +224,14 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
   };
   const auto stretch = [&](std::uint64_t from, std::uint64_t to) {
     if (isMarked(file, from, to))
-      gap(Kind::dropped, from, to, "too little for a record, which was dropped");
+      gap(Kind::dropped, from, to, "too short for a record; dropped earlier");
     else
       gap(Kind::damaged, from, to, no_record);
   };
   if (file.isOlder())
     throw badInput(
-        "{}: was written by an older Palpate, whose records this one cannot read: go on with that "
-        "one, or use another --state directory",
+        "{}: was written by an older Palpate, whose records this version cannot read: continue "
+        "with the older version, or use another --state directory",
         file.path().string());
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
@@ -248,7 +248,7 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
     } else {
       if (at > behind_last) stretch(behind_last, at);
       if (head.is(Head::dropped))
-        gap(Kind::dropped, at, next, "a damaged record, which was dropped");
+        gap(Kind::dropped, at, next, "a damaged record, dropped earlier");
       else
         visit({number, at, next - at}, header);
       behind_last = next;
@@ -257,7 +257,7 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
   }
   if (!last && behind_last < file.size()) stretch(behind_last, file.size());
   // An empty segment before the last one stands in for a missing segment.
-  if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "a segment that was missing");
+  if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "empty in place of a missing segment");
   found.end = {number, behind_last};
   // Torn records behind the last whole record need not be dropped: their bytes are cut off.
   std::erase_if(found.torn,
@@ -345,7 +345,7 @@ JournalRecord JournalReader::read(const JournalPosition& position) const {
   if (!file.exists()) throw damaged("the file is missing");
   if (!record || !record->first.is(Head::whole)) throw damaged("its head or its header");
   const Head& head = record->first;
-  if (head.recordBytes() != position.length) throw damaged("another one lies there");
+  if (head.recordBytes() != position.length) throw damaged("another record is there");
   std::string payload =
       file.read(position.offset + sizeof head + head.header_bytes, head.payload_bytes);
   if (payload.size() != head.payload_bytes || crcOf(payload) != head.payload_crc)
@@ -382,7 +382,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
     sync();
     // The sync above is needed now, because later syncs reach only the open segment.
     if (end_.segment == most_segments)
-      throw failure("{}: there is no number for another segment: use another --state directory",
+      throw failure("{}: the journal cannot have another segment: use another --state directory",
                     segmentPath(end_.segment).string());
     ++end_.segment;
     closed_bytes_ += end_.offset;
@@ -418,8 +418,8 @@ void Journal::sync() {
   // would see them too and rely on them, so they are cut off.
   const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
   throw failure(
-      "{}: fdatasync: {}: the disk does not keep what is written; nothing since the last "
-      "acknowledgement counts{}",
+      "{}: fdatasync: {}: the disk does not store the data; results since the last acknowledgement "
+      "are not recorded{}",
       segmentPath(end_.segment).string(), reason,
       cut_off ? "" : fmt::format(" (cut the file to {} bytes before you start again)", synced_));
 }
@@ -451,7 +451,7 @@ void Journal::dropIn(std::uint32_t segment, std::span<const JournalPosition> pos
                     position.offset, errnoText());
   }
   if (fdatasync(file.get()) != 0)
-    throw failure("{}: cannot sync what was marked in it: {}", path.string(), errnoText());
+    throw failure("{}: cannot sync the marks of dropped records: {}", path.string(), errnoText());
 }
 
 void Journal::fillMissing() {
@@ -459,7 +459,7 @@ void Journal::fillMissing() {
   for (std::uint32_t segment = 1; segment < present_.back(); ++segment) {
     const std::filesystem::path path = segmentPath(segment);
     const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
-    if (!file) throw failure("{}: cannot make: {}", path.string(), errnoText());
+    if (!file) throw failure("{}: cannot create: {}", path.string(), errnoText());
   }
   syncFolder(directory_);
   present_ = segmentsIn(directory_);
@@ -468,15 +468,15 @@ void Journal::fillMissing() {
 void Journal::checkPresence() const {
   struct stat mine {};
   if (fstat(file_.get(), &mine) != 0)
-    throw failure("{}: cannot look at: {}", segmentPath(end_.segment).string(), errnoText());
+    throw failure("{}: cannot stat: {}", segmentPath(end_.segment).string(), errnoText());
   for (const std::uint32_t segment : present_) {
     struct stat info {};
     const std::filesystem::path path = segmentPath(segment);
     const bool there = stat(path.c_str(), &info) == 0;
     if (there && (segment != end_.segment || info.st_ino == mine.st_ino)) continue;
     throw failure(
-        "{}: was {} while this scheduler works with it: put it back, or start again, and what was "
-        "in it is computed anew",
+        "{}: was {} while this scheduler was using it: put it back, or start again to compute its "
+        "results again",
         path.string(), there ? "replaced" : "removed");
   }
 }
@@ -501,10 +501,11 @@ void Journal::syncOthers() const {
 }
 
 void Journal::writePending() {
-  PALPATE_ASSERT(pending_.size() <= end_.offset, "it lies before the end, in one segment");
+  PALPATE_ASSERT(pending_.size() <= end_.offset,
+                 "pending bytes are before the end, in one segment");
   if (!writeAt(file_.get(), end_.offset - pending_.size(), pending_))
     throw failure(
-        "{}: cannot write: {}: make room and start again; everything acknowledged is kept",
+        "{}: cannot write: {}: make room and start again; all acknowledged results are kept",
         segmentPath(end_.segment).string(), errnoText());
   pending_.clear();
 }

@@ -21,7 +21,7 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
     if (gap.kind != JournalGap::Kind::dropped || ++dropped <= most_told)
       damage.push_back(std::move(gap.text));
   if (dropped > most_told)
-    damage.push_back(fmt::format("{} more records, which were dropped", dropped - most_told));
+    damage.push_back(fmt::format("{} more records, dropped earlier", dropped - most_told));
   return damage;
 }
 
@@ -40,7 +40,7 @@ std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expecte
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
   PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition),
-                 "a result is found by the transition that it is of");
+                 "a result is found by its own transition");
   if (result.start_id() != startIdOf(plan, transition)) return false;
   plan.record(transition, outcome, fieldsOf(result));
   return true;
@@ -70,8 +70,8 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
     if (!outcome) {
       // The checksum is right, so another version of the program wrote the record, or this version
       // has a bug.
-      senseless.push_back(fmt::format("segment {}, byte {}: a result that makes no sense",
-                                      where.segment, where.offset));
+      senseless.push_back(
+          fmt::format("segment {}, byte {}: an invalid result", where.segment, where.offset));
       return;
     }
     if (result.build() != build.bytes())
@@ -94,12 +94,12 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
 std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key) {
   const auto position = where.find(key);
-  PALPATE_ASSERT(position != where.end(), "callers know that it is recorded");
+  PALPATE_ASSERT(position != where.end(), "callers pass only recorded keys");
   try {
     wire::Result result;
     if (result.ParseFromString(journal.readHeader(position->second))) return result;
   } catch (const DamagedRecord& damage) {
-    spdlog::warn("{}: it is computed again", damage.what());
+    spdlog::warn("{}; its result is computed again", damage.what());
   }
   return std::nullopt;
 }
@@ -108,7 +108,7 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   // The origin is its own parent: it is solved from the rest state, which has no id.
   if (transition.target == transition.parent) return "";
   PALPATE_ASSERT(isSolved(plan.points().tag(transition.parent)),
-                 "a plan asks for transitions from solved points only");
+                 "plans request transitions only from solved points");
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
@@ -147,7 +147,7 @@ void Replay::finish(const ReadUnclaimed& read) {
   for (SpacePlan& plan : plans) {
     append(settled, settle(plan, unclaimed, read));
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
-                   "a plan that asks for nothing has nothing left to do");
+                   "an incomplete plan has open transitions");
   }
 }
 
@@ -185,9 +185,9 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
 void refuseUnclaimed(const UnclaimedResults& unclaimed) {
   if (unclaimed.empty()) return;
   throw failure(
-      "the state directory holds {} results that nobody asked for (the first: {}): another version "
-      "of palpate began it, which asked for others; go on with that one, or remove the directory "
-      "to compute everything again",
+      "the state directory holds {} results that this version of palpate did not request (the "
+      "first: {}): another version began the build; continue with that version, or remove the "
+      "directory to compute everything again",
       unclaimed.size(), textOf(*unclaimed.begin()));
 }
 

@@ -6,12 +6,12 @@
 namespace palpate {
 
 void ResultGroup::add(const ResultKey& key, Member member, Time now) {
-  PALPATE_ASSERT(key == keyOf(member.result), "a result is filed under what it is of");
+  PALPATE_ASSERT(key == keyOf(member.result), "a result is filed under its own key");
   PALPATE_ASSERT(member.payload.size() == member.result.payload_bytes(),
-                 "the check of a result compares them before it is taken");
+                 "ResultCheck has compared the lengths");
   bytes_ += member.payload.size();
   const bool fresh = members_.try_emplace(key, std::move(member)).second;
-  PALPATE_ASSERT(fresh, "a second result of a transition is a duplicate of the first");
+  PALPATE_ASSERT(fresh, "a second result of a transition counts as a duplicate");
   if (!since_) since_ = now;
 }
 

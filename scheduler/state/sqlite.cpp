@@ -29,8 +29,8 @@ std::string untouched(const std::filesystem::path& file) {
   const std::string index = file.string() + "-shm";
   if (!std::filesystem::exists(index))
     throw failure(
-        "{}: its log was copied without {}, and would be passed over: make an empty file of that "
-        "name",
+        "{}: its log was copied without {}, so SQLite would ignore the log: create an empty file "
+        "of that name",
         file.string(), index);
   return uri + "?readonly_shm=1";
 }
@@ -58,7 +58,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
 Database::~Database() {
   // The handle of a moved-from object is null, which SQLite accepts.
   if (sqlite3_close(handle_) != SQLITE_OK)
-    spdlog::warn("{}: statements were still open when it was closed", file_.string());
+    spdlog::warn("{}: closed while statements were open", file_.string());
 }
 
 void Database::execute(const std::string& sql) {
@@ -72,13 +72,13 @@ void Database::fail(const std::string& doing) const {
   // If there is no room for the index of its log, SQLite reports an input/output error.
   if (sqlite3_errcode(handle_) == SQLITE_FULL || sqlite3_system_errno(handle_) == ENOSPC)
     throw failure(
-        "{}: the disk is full: make room and start again; everything acknowledged is kept",
+        "{}: the disk is full: make room and start again; all acknowledged results are kept",
         file_.string());
   if (const int code = sqlite3_errcode(handle_); code == SQLITE_CORRUPT || code == SQLITE_NOTADB)
     throw DamagedDatabase(file_, sqlite3_errmsg(handle_));
   const bool of_the_disk = (sqlite3_errcode(handle_) & 0xff) == SQLITE_IOERR;
   throw failure("{}: {} ({}){}", file_.string(), sqlite3_errmsg(handle_), doing,
-                of_the_disk ? ": check the disk, and the limit of file sizes (ulimit -f)" : "");
+                of_the_disk ? ": check the disk and the file size limit (ulimit -f)" : "");
 }
 
 Statement::Statement(Database& database, const std::string& sql) : database_(&database) {
@@ -126,7 +126,7 @@ bool Statement::step() {
 
 void Statement::finish() {
   const bool row = step();
-  PALPATE_ASSERT(!row, "only statements without rows are run");
+  PALPATE_ASSERT(!row, "statements that are run return no rows");
   reset();
 }
 

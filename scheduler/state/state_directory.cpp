@@ -19,11 +19,11 @@ namespace {
 void refuseNetworkFileSystem(const std::filesystem::path& path) {
   struct statfs info {};
   if (statfs(path.c_str(), &info) != 0)
-    throw failure("{}: cannot look at the file system: {}", path.string(), errnoText());
+    throw failure("{}: cannot determine the file system: {}", path.string(), errnoText());
   if (const char* name = networkFileSystem(info.f_type))
     throw badInput(
-        "{}: is on {}, where the state database would not survive: "
-        "give --state a directory on a local disk (the dataset itself may lie anywhere)",
+        "{}: is on {}, which is not safe for the state database: choose a --state directory on a "
+        "local disk (the dataset itself may be anywhere)",
         path.string(), name);
 }
 
@@ -91,11 +91,11 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   const bool made = std::filesystem::create_directory(path, error);
   if (error == std::errc::no_such_file_or_directory)
     throw failure(
-        "{}: cannot make this state directory: there is no folder {} to make it in: "
-        "make that first, or give another --state",
+        "{}: cannot create this state directory, because there is no folder {}: create the folder "
+        "first, or choose another --state",
         path.string(), above.string());
   if (error)
-    throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
+    throw failure("{}: cannot create this state directory: {}", path.string(), error.message());
   if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path);
@@ -120,13 +120,13 @@ void StateDirectory::checkPresence() const {
   struct stat held {};
   struct stat there {};
   if (fstat(lock_.get(), &held) != 0)
-    throw failure("{}: cannot look at: {}", path_.string(), errnoText());
+    throw failure("{}: cannot stat: {}", path_.string(), errnoText());
   if (stat(path_.c_str(), &there) == 0 && there.st_ino == held.st_ino &&
       there.st_dev == held.st_dev)
     return;
   throw failure(
-      "{}: was removed or replaced while this scheduler works in it: nothing more can be kept; put "
-      "it back and start again, or start with another --state",
+      "{}: was removed or replaced while this scheduler was using it, so no more results can be "
+      "stored: put it back and start again, or start with another --state",
       path_.string());
 }
 

@@ -96,19 +96,18 @@ void checkVersion(Database& database) {
   const std::string maker = makerOf(database);
   if (pragma(database, "application_id") != application_id) {
     if (maker.starts_with("palpate "))
-      throw DamagedDatabase(database.file(), "made by " + maker + ", and marked as another's");
-    throw badInput("{}: is a database, but not one of Palpate's", file);
+      throw DamagedDatabase(database.file(), "created by " + maker + ", but marked as foreign");
+    throw badInput("{}: is a database of another program", file);
   }
   const std::int64_t found = pragma(database, "user_version");
   if (found != StoredTables::schema_version && maker == thisProgram())
     throw DamagedDatabase(database.file(),
-                          fmt::format("made by this program, and of state version {}", found));
+                          fmt::format("created by this program, but with state version {}", found));
   const std::string_view age = found > StoredTables::schema_version ? "newer" : "older";
   if (found != StoredTables::schema_version)
     throw badInput(
-        "{}: was made by {} {} Palpate (state version {}, "
-        "this is palpate {} with state version {}): go on with the {} one, "
-        "or use another --state directory",
+        "{}: was created by {} {} Palpate (state version {}; this is palpate {} with state version "
+        "{}): continue with the {} version, or use another --state directory",
         file, age == "older" ? "an" : "a", age, found, version(), StoredTables::schema_version,
         age);
 }
@@ -116,8 +115,8 @@ void checkVersion(Database& database) {
 std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
   std::filesystem::path file = StateDirectory::databaseIn(directory);
   if (!std::filesystem::exists(file))
-    throw badInput("{}: is not a state directory of Palpate: there is no {} in it",
-                   directory.string(), file.filename().string());
+    throw badInput("{}: is not a state directory of Palpate: it has no {}", directory.string(),
+                   file.filename().string());
   return file;
 }
 
@@ -137,13 +136,13 @@ void checkPages(Database& database, const ContentId& wanted) {
   // SQLite considers a database read-only because of a byte in its header. The file itself is
   // writable, so this byte must be damaged.
   if (database.isReadOnly())
-    throw DamagedDatabase(database.file(), "it says that nobody may write");
+    throw DamagedDatabase(database.file(), "its header says that it is read-only");
   if (isEmpty(database)) return;
   checkVersion(database);
   const auto build = ContentId::fromHex(meta(database, "build"));
-  if (!build) throw DamagedDatabase(database.file(), "no build id in it");
+  if (!build) throw DamagedDatabase(database.file(), "it has no build id");
   if (*build != wanted && !problemOf({*build, "", meta(database, "problem")}))
-    throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
+    throw DamagedDatabase(database.file(), "its build id does not match its problem");
 }
 
 /// Opens the tables in the directory for writing. Damaged tables are first renamed, because the
@@ -160,7 +159,7 @@ Database openForWriting(const StateDirectory& directory, const ContentId& wanted
     return database;
   } catch (const DamagedDatabase& damage) {
     if (!std::filesystem::exists(directory.path() / "segment-000001.dat")) throw;
-    spdlog::warn("{}: put aside as {}.damaged and made anew: nothing of a build rests on it",
+    spdlog::warn("{}; it is renamed to {}.damaged and created again, and no result is lost",
                  damage.what(), file.string());
     putTablesAside(directory);
   }
@@ -185,7 +184,7 @@ void putTablesAside(const StateDirectory& directory) {
   std::filesystem::rename(file, file + ".damaged", error);
   for (const char* part : {"-wal", "-shm"})
     if (!error) std::filesystem::remove(file + part, error);
-  if (error) throw failure("{0}: cannot be put aside as {0}.damaged: {1}", file, error.message());
+  if (error) throw failure("{0}: cannot rename to {0}.damaged: {1}", file, error.message());
 }
 
 StoredTables::StoredTables(const std::filesystem::path& directory, Database::Access access)
@@ -199,7 +198,7 @@ StoredTables::StoredTables(const std::filesystem::path& directory, Database::Acc
 void StoredTables::readBuild() {
   checkVersion(database_);
   const auto build = ContentId::fromHex(meta(database_, "build"));
-  if (!build) throw DamagedDatabase(database_.file(), "no build id in it");
+  if (!build) throw DamagedDatabase(database_.file(), "it has no build id");
   build_ = {*build, meta(database_, "scene_name"), meta(database_, "problem")};
 }
 

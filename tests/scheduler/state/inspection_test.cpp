@@ -96,7 +96,7 @@ const ResultKey first_step{0, {1, 0, 0}, {0, 0, 0}};
 TEST_F(InspectionTest, TablesThatCannotBePutAsideAreAnError) {
   damageRows();
   fs::create_directory(database.string() + ".damaged");
-  test::expectError(ExitCode::failed, [&] { mend(); }, {"state.db", "put aside"});
+  test::expectError(ExitCode::failed, [&] { mend(); }, {"state.db", "cannot rename"});
 }
 
 TEST_F(InspectionTest, FindsAFinishedBuildWhole) {
@@ -276,7 +276,7 @@ TEST_F(InspectionTest, ARecordThatLiesAboutItsFieldsIsDamaged) {
   ASSERT_THAT(found.damage, SizeIs(2));
   EXPECT_EQ(found.damage[0].where, where);
   EXPECT_THAT(found.damage[0].text, HasSubstr("content id"));
-  EXPECT_THAT(found.damage[1].text, HasSubstr("makes no sense"));
+  EXPECT_THAT(found.damage[1].text, HasSubstr("invalid result"));
   repair(held, found);
   EXPECT_TRUE(inspect(held).whole()) << describe(inspect(held), state);
 }
@@ -309,7 +309,7 @@ TEST_F(InspectionTest, TellsThatASchedulerWorksThere) {
   const Inspection found = look();
   EXPECT_EQ(found.scheduler, std::to_string(getpid()));
   EXPECT_TRUE(found.whole()) << "its tables are those of another moment";
-  EXPECT_THAT(describe(found, state), HasSubstr("works there"));
+  EXPECT_THAT(describe(found, state), HasSubstr("is running there"));
 }
 
 TEST_F(InspectionTest, RefusesWhatIsNoStateDirectory) {

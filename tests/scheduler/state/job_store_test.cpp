@@ -282,7 +282,7 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   alter("UPDATE meta SET value = 'palpate 0.0.1' WHERE key = 'made_by'");
   alter("PRAGMA user_version = 2");
   test::expectBadInput([&] { open(StateDirectory(state)); },
-                       {"an older Palpate", "version 2", "go on with the older one"});
+                       {"an older Palpate", "version 2", "continue with the older version"});
   test::expectBadInput([&] { const StoredTables tables{state}; }, {"an older Palpate"});
   // Before there was a release.
   alter("UPDATE meta SET value = 'palpate 0.1.0' WHERE key = 'made_by'");
@@ -292,9 +292,9 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"newer Palpate", "99"});
   alter("PRAGMA application_id = 1");
   alter("UPDATE meta SET value = 'somebody' WHERE key = 'made_by'");
-  test::expectBadInput([&] { open(StateDirectory(state)); }, {"not one of Palpate's"});
+  test::expectBadInput([&] { open(StateDirectory(state)); }, {"database of another program"});
   alter("DROP TABLE meta");
-  test::expectBadInput([&] { open(StateDirectory(state)); }, {"not one of Palpate's"});
+  test::expectBadInput([&] { open(StateDirectory(state)); }, {"database of another program"});
 }
 
 /// As a power cut leaves one of which nothing but the first page was on disk.
@@ -411,7 +411,7 @@ TEST(StateDirectory, NoticesThatItWasRemovedOrReplaced) {
 TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
   test::TemporaryDirectory directory;
   test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "typo/state/"); },
-                    {(directory / "typo").string() + " to make it in", "--state"});
+                    {(directory / "typo").string() + ": create", "--state"});
   EXPECT_FALSE(std::filesystem::exists(directory / "typo"));
 }
 

@@ -283,7 +283,7 @@ TEST_F(JournalTest, EmptyFilesMarkThatSegmentsWereMissing) {
     Journal journal = open(10);
     journal.fillMissing();
     journal.checkPresence();
-    EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000001.dat"), HasSubstr("was missing")));
+    EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000001.dat"), HasSubstr("missing segment")));
     EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::dropped);
     EXPECT_THAT(headers(), ElementsAre("three"));
   }
@@ -335,7 +335,7 @@ TEST_F(JournalTest, AFullDiskIsAnErrorThatSaysWhatToDo) {
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   journal.append("h", std::string(10000, 'x'));
   test::expectError(ExitCode::failed, [&] { journal.sync(); },
-                    {"segment-000001.dat", "cannot write", "everything acknowledged is kept"});
+                    {"segment-000001.dat", "cannot write", "all acknowledged results are kept"});
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
 }
