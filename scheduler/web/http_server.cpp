@@ -148,12 +148,12 @@ struct HttpServer::Parts {
 
   /// Returns the reason to refuse this request; empty if it is allowed.
   std::string objectionTo(const httplib::Request& request) const {
-    if (request.method != "GET") return "only GET is answered here";
+    if (request.method != "GET") return "only GET requests are answered";
     if (address.isLoopback() && !namesLoopback(nameIn(request.get_header_value("Host"))))
-      return "this is answered to who asks for localhost alone";
+      return "only requests for localhost are answered";
     const std::string site = request.get_header_value("Sec-Fetch-Site");
     if (!site.empty() && site != "same-origin" && site != "none")
-      return "this is not answered for pages of others";
+      return "requests from pages of other sites are refused";
     return "";
   }
   void limit();
@@ -185,7 +185,7 @@ void HttpServer::Parts::limit() {
         return httplib::Server::HandlerResponse::Handled;
       });
   server.set_error_handler([](const httplib::Request&, httplib::Response& response) {
-    if (response.body.empty()) fill(response, httpError(response.status, "there is nothing here"));
+    if (response.body.empty()) fill(response, httpError(response.status, "no such page"));
   });
 }
 
@@ -205,8 +205,8 @@ void HttpServer::Parts::bind(const char* option) {
   else if (!server.bind_to_port(address.host, address.port))
     address.port = -1;
   if (address.port > 0) return;
-  throw failure("{} {}: cannot listen there: {}: give another address or port", option, asked,
-                errno == 0 ? "it is none of this machine" : errnoText());
+  throw failure("{} {}: cannot listen: {}: give another address or port", option, asked,
+                errno == 0 ? "the address does not belong to this machine" : errnoText());
 }
 
 HttpServer::HttpServer(const HttpAddress& address,

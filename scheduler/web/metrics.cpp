@@ -35,49 +35,49 @@ struct Gauge {
 /// palpate_NAME_total; a missing counter is 0.
 constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
-     {"lost_workers", "Workers that went without a word."},
+     {"lost_workers", "Workers that left without a goodbye."},
      {"refused_workers", "Workers that were refused."},
-     {"duplicate_results", "Results that were recorded already."},
-     {"divergent_results", "Second results with other bits: a machine computes wrongly."},
-     {"unwanted_results", "Results that nobody asked for."},
-     {"bad_messages", "Messages that were dropped."},
-     {"checked_results", "Results that others confirmed or refuted."},
-     {"unchecked_results", "Checks that were given up for want of another machine."},
+     {"duplicate_results", "Results that arrived after their transition was recorded."},
+     {"divergent_results", "Second results with different bits: a machine computes wrongly."},
+     {"unwanted_results", "Results that the scheduler did not request."},
+     {"bad_messages", "Invalid messages, which were dropped."},
+     {"checked_results", "Results that other workers confirmed or refuted."},
+     {"unchecked_results", "Checks that were given up because no other machine was available."},
      {"wrong_results", "Workers, machines or keys excluded because a result was wrong."},
-     {"overdue_targets", "Targets that were given to others while somebody held them."},
-     {"closed_connections", "Connections that were closed because they cost too much."},
-     {"unread_answers", "Questions left unanswered because answers lay unread."}});
+     {"overdue_targets", "Overdue targets that were also given to another worker."},
+     {"closed_connections", "Connections closed because of too large or too many messages."},
+     {"unread_answers", "Requests not answered because earlier answers were not read."}});
 
 std::vector<Gauge> gaugesOf(const wire::Status& status, double age) {
   const auto ifKnown = [](bool known, double value) {
     return known ? std::optional(value) : std::nullopt;
   };
   return {
-      {"palpate_paused", "1 while nothing is handed out, as an operator asked.",
+      {"palpate_paused", "1 while an operator has paused the build.",
        static_cast<double>(status.paused())},
-      {"palpate_run_seconds", "Since this run of the scheduler began.", status.seconds()},
+      {"palpate_run_seconds", "Seconds since this run of the scheduler began.", status.seconds()},
       {"palpate_status_age_seconds",
-       "Since the scheduler said all this: it grows while it reads or seals.", age},
+       "Age of these values; grows while the scheduler reads or seals.", age},
       {"palpate_journal_bytes", "Size of the journal.",
        static_cast<double>(status.journal_bytes())},
-      {"palpate_disk_free_bytes", "What the disk of the state directory has left.",
+      {"palpate_disk_free_bytes", "Free space on the disk of the state directory.",
        static_cast<double>(status.disk_free_bytes())},
-      {"palpate_ready_transitions", "Size of the frontier: what could be solved now.",
-       status.ready()},
-      {"palpate_configurations_per_second", "Equilibria found per second, of two minutes.",
+      {"palpate_ready_transitions", "Number of ready transitions.", status.ready()},
+      {"palpate_configurations_per_second",
+       "Equilibria found per second, averaged over two minutes.",
        status.configurations_per_second()},
-      {"palpate_eta_seconds", "Time left, where it can be told.",
+      {"palpate_eta_seconds", "Estimated time left; absent if unknown.",
        ifKnown(status.has_eta_seconds(), status.eta_seconds())},
-      {"palpate_eta_low_seconds", "The time left is expected above this.",
+      {"palpate_eta_low_seconds", "Lower estimate of the time left.",
        ifKnown(status.has_eta_low_seconds(), status.eta_low_seconds())},
-      {"palpate_eta_high_seconds", "The time left is expected below this.",
+      {"palpate_eta_high_seconds", "Upper estimate of the time left.",
        ifKnown(status.has_eta_high_seconds(), status.eta_high_seconds())},
-      {"palpate_set_aside_transitions", "Transitions that workers ended on.", status.set_aside()},
+      {"palpate_set_aside_transitions", "Transitions that wait for palpate retry.",
+       status.set_aside()},
       {"palpate_open_checks", "Results that other workers are to solve again.",
        status.checks_open()},
-      {"palpate_disputed_results", "Results that two workers found differently.",
-       status.disputed()},
-      {"palpate_kept_out", "Workers, machines and keys whose results were wrong.",
+      {"palpate_disputed_results", "Results about which two workers disagree.", status.disputed()},
+      {"palpate_kept_out", "Workers, machines and keys excluded because of wrong results.",
        status.kept_out_size()}};
 }
 
@@ -143,11 +143,11 @@ std::string metricsOf(const wire::Status& status, double age) {
                         {"version", version()},
                         {"kernel_family", status.kernel_family()}};
   std::string text =
-      metric("palpate_info", "gauge", "1; its labels say which build this is.",
+      metric("palpate_info", "gauge", "Always 1; the labels identify the build.",
              Series{{build, 1}}) +
-      metric("palpate_state", "gauge", "1 for the state the scheduler is in.", states) +
+      metric("palpate_state", "gauge", "1 for the current state of the scheduler.", states) +
       metric("palpate_points", "gauge", "Lattice points by space and tag.", pointsOf(status)) +
-      metric("palpate_spaces", "gauge", "Spaces by the stage they are in.", stages) +
+      metric("palpate_spaces", "gauge", "Spaces by stage.", stages) +
       metric("palpate_workers", "gauge", "Workers by host and state.", workers) +
       metric("palpate_failed_attempts", "gauge", "Transitions that failed, by cause.",
              byCause(status.failed_attempts())) +
