@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   const std::array verbs = {build_verb,   serve_verb,  status_verb,      stop_verb,     fleet_verb,
                             seal_verb,    pause_verb,  resume_verb,      priority_verb, retry_verb,
                             explain_verb, events_verb, check_state_verb, key_verb};
-  return runProgram(argc, argv,
-                    "Palpate scheduler: decides what is solved next and keeps what workers answer",
-                    verbs);
+  return runProgram(
+      argc, argv,
+      "Palpate scheduler: chooses the next transitions to solve and stores their results", verbs);
 }

@@ -59,7 +59,7 @@ On several machines
   resume   Continue a paused build
   seal     Write a dataset of the results so far, while the build continues
   priority Compute one space before others
-  retry    Try transitions again that ended workers or failed with a given cause
+  retry    Retry transitions that are set aside or failed with a given cause
   explain  Show how a lattice point was reached, or why it failed
   events   Print the events of a build: failures, workers, stages
   key      Make a key; allow other machines and people, or withdraw their keys

@@ -45,8 +45,8 @@ class LocalWorkers : public Crew {
     joined_ = joined_ || coordinator_.workers() > 0;
     if (!joined_ && Clock::now() - started_ > first_word_limit)
       throw failure(
-          "no worker said a word within {} min: see whether palpate-worker kernels answers on this "
-          "machine, and raise limits of memory (ulimit -v)",
+          "no worker has connected within {} min: test whether palpate-worker kernels works on "
+          "this machine, and raise memory limits (ulimit -v)",
           first_word_limit.count());
     for (const WorkerPool::Ended& ended : pool_.reap())
       if (!coordinator_.complete() && !coordinator_.stopping()) replace(ended);
@@ -64,11 +64,11 @@ class LocalWorkers : public Crew {
     coordinator_.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
     if (++deaths_ >= (joined_ ? deaths_without_progress : deaths_at_the_start))
       throw failure(
-          "{} workers in a row ended before they finished anything, the last with {}: "
-          "see their messages above; the same command goes on from what is recorded",
+          "{} workers in a row ended without a result, the last with {}: see their messages above; "
+          "the same command continues from the recorded results",
           deaths_, ended.how);
     spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-    PALPATE_ASSERT(pool_.running() < workers_, "a worker is started in the place of another");
+    PALPATE_ASSERT(pool_.running() < workers_, "a worker is started only in place of an ended one");
     pool_.start();
   }
 
@@ -88,9 +88,9 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
                  "Worker processes, one core each [number of cores]")
       ->check(CLI::Range(1, 4096));
   app.footer(
-      "Interrupt it whenever you like: the same command goes on where it was.\n"
-      "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
-      "130 interrupted.");
+      "You can interrupt a build at any time; the same command continues it.\n"
+      "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, 130 "
+      "interrupted.");
   return [options] {
     Serving serving;
     serving.endpoint = "tcp://127.0.0.1:*";

@@ -34,21 +34,20 @@ ExitCode checkState(const CheckStateOptions& options) {
 
 std::function<ExitCode()> prepareCheckState(CLI::App& app) {
   auto options = std::make_shared<CheckStateOptions>();
-  app.add_option("DIRECTORY", options->directory, "A state directory (docs/internals/state.md)")
-      ->required();
+  app.add_option("DIRECTORY", options->directory, "State directory (docs/state.md)")->required();
   app.add_flag("--repair", options->repair,
-               "Drop what is damaged and make damaged tables again; no scheduler may work there");
-  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+               "Drop damaged records and rebuild damaged tables; no scheduler may run");
+  app.add_flag("--json", options->json, "Print one JSON object (docs/commands.md)");
   app.footer(
-      "Changes nothing without --repair. Of a scene, a TOML file, `palpate check` tells what it\n"
-      "amounts to.\n"
+      "Changes nothing without --repair. For a scene (a TOML file), `palpate check` prints a "
+      "summary.\n"
       "Exit codes: 0 whole, 1 damaged, 2 not a state directory.");
   return [options] { return checkState(*options); };
 }
 
 }  // namespace
 
-const Verb check_state_verb = {"check", "Whether a state directory is whole; repair it",
+const Verb check_state_verb = {"check", "Check a state directory for damage; repair it",
                                prepareCheckState};
 
 }  // namespace palpate

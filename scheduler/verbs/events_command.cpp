@@ -40,7 +40,7 @@ ExitCode showEvents(const EventsOptions& options) {
   // Refuse anything that is not a state directory: it has no events and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
-    throw badInput("\"{}\" is no state directory: that is OUT.h5.state, or what --state said",
+    throw badInput("\"{}\" is not a state directory: give OUT.h5.state or that of --state",
                    options.state);
   EventReader reader(options.state, {options.words.begin(), options.words.end()});
   showPast(reader, options.last);
@@ -57,11 +57,11 @@ ExitCode showEvents(const EventsOptions& options) {
 
 std::function<ExitCode()> prepareEvents(CLI::App& app) {
   auto options = std::make_shared<EventsOptions>();
-  app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
+  app.add_option("STATE", options->state, "State directory, with or without a running scheduler")
       ->required();
   app.add_flag("-f,--follow", options->follow, "Continue with new events until interrupted");
   app.add_option("--last", options->last, "Print the last N events")->type_name("N");
-  app.add_option("--event", options->words, "Only these, separated by commas (docs/commands.md)")
+  app.add_option("--event", options->words, "Print only these events (docs/commands.md)")
       ->delimiter(',')
       ->type_name("WORD,...")
       ->check(CLI::IsMember(std::vector<std::string>(event_words.begin(), event_words.end())));

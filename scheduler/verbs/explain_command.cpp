@@ -29,19 +29,18 @@ ExitCode explainPoint(const ExplainOptions& options) {
 
 std::function<ExitCode()> prepareExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
-  app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
+  app.add_option("WHERE", options->where, "Dataset (OUT.h5) or state directory")->required();
   app.add_option("--active", options->active,
-                 "Name of the active node, area or site; may be left out where there is one");
-  app.add_option("--at", options->at,
-                 "For a finger's surface: the site nearest to this place, metres")
+                 "Name of the active node, area or site [the only one]");
+  app.add_option("--at", options->at, "For an area: use the site nearest to this place, metres")
       ->expected(3);
-  app.add_option("I", options->point[0],
-                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
-                 "refined points have fractions")
+  app.add_option(
+         "I", options->point[0],
+         "Lattice coordinates of the point, in spacings; those of refined points have fractions")
       ->required();
   app.add_option("J", options->point[1])->required();
   app.add_option("K", options->point[2])->required();
-  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+  app.add_flag("--json", options->json, "Print one JSON object (docs/commands.md)");
   return [options] { return explainPoint(*options); };
 }
 

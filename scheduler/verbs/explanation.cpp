@@ -36,7 +36,7 @@ std::string textOf(const wire::Explanation& e) {
     text +=
         fmt::format("  from {}: {}\n", pointText(fromWire(t.parent()), e.divisions()), t.text());
   if (e.path_size() > 0 || e.attempts_size() > 0) return text;
-  text += e.cause().empty() ? "no transition to it was tried yet: the build has not come so far"
+  text += e.cause().empty() ? "no transition to it has been tried yet"
                             : describe(Failure{.cause = Cause::unreachable});
   text += '\n';
   return text;
@@ -53,9 +53,9 @@ const SpaceTable& KnownSpaces::named(const std::string& active,
   if (exact != spaces.end() && !place) return *exact;
   const ActiveChoice choice = chooseActive(scene, active);
   requirePlace(choice, place.has_value());
-  PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "the tables are those of the scene");
+  PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "the tables belong to the scene");
   if (!place) return spaces[choice.spaces.front()];
-  if (!place->allFinite()) throw badInput("--at: a place has three finite numbers, metres");
+  if (!place->allFinite()) throw badInput("--at: give three finite numbers, metres");
   return spaces[*std::ranges::min_element(choice.spaces, {}, [&](std::size_t site) {
     PALPATE_ASSERT(spaces[site].patch.finger, "the tables are in the order of their scene");
     return (spaces[site].patch.finger->center - *place).squaredNorm();

@@ -39,8 +39,8 @@ std::string journalText(const Inspection& found) {
                         counted(found.dropped.size(), "damaged place"));
   if (found.unfinished > 0 && !found.scheduler)
     text += fmt::format(
-        "           note: {} behind the last record, as a crash leaves them; "
-        "the next start cuts them off\n",
+        "           note: {} after the last record, as after a crash; the next start removes "
+        "them\n",
         counted(found.unfinished, "byte"));
   return text;
 }
@@ -49,9 +49,9 @@ std::string tablesText(const Inspection& found) {
   using TableState = Inspection::TableState;
   if (found.tables == TableState::damaged)
     return fmt::format("tables     {}; {}\n", found.tables_text,
-                       "nothing of a build rests on them, they can be made again");
+                       "no result depends on them; they can be created again");
   if (found.tables == TableState::missing)
-    return "tables     none; the next start of the build makes them from the journal\n";
+    return "tables     none; the next start of the build creates them from the journal\n";
   return "tables     whole\n";
 }
 
@@ -69,23 +69,23 @@ std::string costText(const Inspection& found) {
                        points.empty() ? "" : ": ", fmt::join(points, ", "));
   }
   if (found.spare > 0)
-    text += fmt::format("           {} nobody asks for {}\n", counted(found.spare, "result"),
-                        found.damage.empty() && found.dropped.empty()
-                            ? "although nothing is lost: another version of palpate began this "
-                              "directory; go on with that one"
-                            : "before what was lost is there again");
+    text += fmt::format(
+        "           {} not needed{}\n", counted(found.spare, "result"),
+        found.damage.empty() && found.dropped.empty()
+            ? ", although nothing is lost: another version of palpate began this build; use that"
+            : " until the lost results are computed again");
   return text;
 }
 
 std::string verdictText(const Inspection& found, const std::filesystem::path& directory) {
-  if (found.whole()) return "whole: the next start of the build goes on from all of it\n";
+  if (found.whole()) return "whole: the next start of the build continues from all results\n";
   if (!found.foreign.empty())
-    return "damaged: records of several builds; put the segments of the other build elsewhere\n";
+    return "damaged: records of several builds; move the segments of the other build elsewhere\n";
   if (found.scheduler)
-    return "damaged: the scheduler that works there drops what it meets, and computes it again\n";
+    return "damaged: the running scheduler drops bad records and computes their results again\n";
   return fmt::format(
-      "damaged: the next start of the build computes again what is lost; palpate check {} --repair "
-      "drops what is damaged now\n",
+      "damaged: the next start of the build computes the lost results again; palpate check {} "
+      "--repair drops the damaged records now\n",
       shellWord(directory.string()));
 }
 
@@ -111,11 +111,11 @@ std::string describe(const Inspection& found, const std::filesystem::path& direc
   text += found.scene_name.empty() ? "scene unknown" : "scene " + found.scene_name;
   text += fmt::format(", build {}\n", found.build ? found.build->shortHex() : "unknown");
   if (found.scheduler)
-    text += fmt::format("           process {} works there: what it wrote until now was read\n",
+    text += fmt::format("           process {} is running there; its later results were not read\n",
                         *found.scheduler);
   text += journalText(found) + tablesText(found) + costText(found);
   for (const std::string& file : found.leftovers)
-    text += fmt::format("leftover   {}: nobody needs it, it may be removed\n", file);
+    text += fmt::format("leftover   {}: not needed, can be removed\n", file);
   return text + verdictText(found, directory);
 }
 

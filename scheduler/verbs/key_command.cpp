@@ -19,13 +19,14 @@ struct KeyOrder {
 
 PublicKey writtenKey(const std::string& hex) {
   if (const auto key = PublicKey::fromHex(hex)) return *key;
-  throw badInput("\"{}\" is no key: 64 hexadecimal digits, as palpate key show prints them", hex);
+  throw badInput("\"{}\" is not a key of 64 hexadecimal digits, as palpate key show prints it",
+                 hex);
 }
 
 ExitCode makeNew(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   if (folder.hasOwn() && !order.replace)
-    throw badInput("{}: there is a key already; --replace makes another, which nobody knows yet",
+    throw badInput("{}: a key exists already; --replace creates another, which no server knows yet",
                    folder.path().string());
   const KeyPair own = order.replace ? folder.replaceOwn() : folder.ownOrNew();
   fmt::print("{}\n", own.open().hex());
@@ -34,27 +35,28 @@ ExitCode makeNew(const KeyOrder& order) {
 
 ExitCode show(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
-  fmt::print("{} own key, in {}\n", folder.own().open().hex(), folder.path().string());
+  fmt::print("{} your key, in {}\n", folder.own().open().hex(), folder.path().string());
   for (const AllowedKey& key : folder.allowed())
-    fmt::print("{} let in as {}: {}\n", key.key.hex(), wordsOf(key.roles), key.name);
+    fmt::print("{} allowed as {}: {}\n", key.key.hex(), wordsOf(key.roles), key.name);
   for (const auto& [endpoint, key] : folder.servers())
-    fmt::print("{} of the server at {}\n", key.hex(), endpoint);
+    fmt::print("{} key of the server at {}\n", key.hex(), endpoint);
   return ExitCode::done;
 }
 
 ExitCode allow(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   folder.allow({writtenKey(order.key), rolesOf(order.roles), order.name});
-  fmt::print("let in by servers with the keys in {}, running ones too\n", folder.path().string());
+  fmt::print("allowed by servers with the keys in {}, including running ones\n",
+             folder.path().string());
   return ExitCode::done;
 }
 
 ExitCode withdraw(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   if (!folder.withdraw(order.key))
-    throw badInput("{}: there is no \"{}\" (palpate key show lists who is)",
+    throw badInput("{}: no key \"{}\"; palpate key show lists the keys",
                    folder.allowedFile().string(), order.key);
-  fmt::print("not let in any more; running servers send its holder away within a second\n");
+  fmt::print("no longer allowed; running servers disconnect its holder within a second\n");
   return ExitCode::done;
 }
 
@@ -62,8 +64,8 @@ ExitCode trust(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   if (order.endpoint != "*") checkEndpoint(order.endpoint);
   folder.trust(writtenKey(order.key), order.endpoint);
-  fmt::print("known as the key of {}\n",
-             order.endpoint == "*" ? "every server without a line of its own" : order.endpoint);
+  fmt::print("trusted as the key of {}\n",
+             order.endpoint == "*" ? "every server without a key of its own" : order.endpoint);
   return ExitCode::done;
 }
 
@@ -82,34 +84,34 @@ CLI::App& declare(CLI::App& app, const Order& order, const char* name, const cha
 
 std::function<ExitCode()> prepareKey(CLI::App& app) {
   const auto order = std::make_shared<KeyOrder>();
-  declare(app, order, "new", "Make the own key; prints what others may know of it", makeNew)
+  declare(app, order, "new", "Create your key pair and print the public key", makeNew)
       .add_flag("--replace", order->replace, "Replace the existing key pair");
   declare(app, order, "show", "Print your public key, the allowed keys and the known servers",
           show);
   CLI::App& allowed = declare(app, order, "allow", "Allow the holder of a key to connect", allow);
-  allowed.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
+  allowed.add_option("KEY", order->key, "Key (64 digits) that palpate key show prints there")
       ->required();
   allowed
-      .add_option("ROLES", order->roles, "worker, observer, operator, or several: worker,observer")
+      .add_option("ROLES", order->roles, "worker, observer, operator, or several (worker,observer)")
       ->required();
-  allowed.add_option("NAME", order->name, "For people");
+  allowed.add_option("NAME", order->name, "Name of the key, for people");
   declare(app, order, "withdraw", "Withdraw the permission of a key", withdraw)
-      .add_option("KEY", order->key, "Its digits, or its name")
+      .add_option("KEY", order->key, "Digits or name of the key")
       ->required();
   CLI::App& trusted = declare(app, order, "trust", "Record the public key of a server", trust);
-  trusted.add_option("KEY", order->key, "64 digits, as palpate key show prints them over there")
+  trusted.add_option("KEY", order->key, "Key (64 digits) that palpate key show prints there")
       ->required();
-  trusted.add_option("--at", order->endpoint, "Of the server at this endpoint [of every server]");
+  trusted.add_option("--at", order->endpoint, "Endpoint of the server [every server]");
   app.require_subcommand(1);
   app.footer(
-      "The own key is let in by the own servers and known to the own clients: machines that share\n"
-      "this folder need no more. docs/security.md sets up others in ten minutes.");
+      "Servers and clients that share this folder accept each other without further setup.\n"
+      "docs/security.md describes the setup of other machines.");
   return [order] { return order->run(*order); };
 }
 
 }  // namespace
 
-const Verb key_verb = {"key", "Keys: make one, let others in, withdraw them, know servers",
+const Verb key_verb = {"key", "Make a key; allow other machines and people, or withdraw their keys",
                        prepareKey};
 
 }  // namespace palpate

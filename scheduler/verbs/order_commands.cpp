@@ -17,8 +17,8 @@ ExitCode stop(const Asked& asked) {
   wire::Message question;
   question.mutable_stop_request();
   if (!order(asked, question, wire::Message::kStopReply))
-    throw failure("{}: no scheduler is working there now", asked.where);
-  fmt::print("{}: stopping; the same command goes on from what is recorded\n", asked.where);
+    throw failure("{}: no scheduler is running there", asked.where);
+  fmt::print("{}: stopping; the same command continues from the recorded results\n", asked.where);
   return ExitCode::done;
 }
 
@@ -40,8 +40,8 @@ ExitCode setPaused(const Asked& asked, bool paused) {
     Tables(StateDirectory(asked.where)).writePaused(paused);
   }
   fmt::print("{}: {}{}\n", asked.where, works ? "" : "the next build there ",
-             !paused ? "goes on"
-             : works ? "paused; workers finish what they hold and wait for palpate resume"
+             !paused ? "continues"
+             : works ? "paused; workers finish their assigned work and wait for palpate resume"
                      : "waits for palpate resume");
   return ExitCode::done;
 }
@@ -50,7 +50,7 @@ template <bool paused>
 std::function<ExitCode()> preparePause(CLI::App& app) {
   auto asked = std::make_shared<Asked>();
   asked->addTo(app);
-  app.footer("What is paused stays so over restarts of the scheduler.");
+  app.footer("A pause survives restarts of the scheduler.");
   return [asked] { return setPaused(*asked, paused); };
 }
 
@@ -68,7 +68,7 @@ void setStoredPriority(const PriorityOptions& options) {
   const wire::Status status = progressIn(options.asked.where);
   for (const wire::SpaceStatus& row : status.spaces()) names.push_back(row.name());
   if (std::ranges::find(names, options.space) == names.end())
-    throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
+    throw badInput("{}: no space named {}; spaces: {}", options.asked.where, options.space,
                    fmt::join(names, ", "));
   Tables(StateDirectory(options.asked.where)).writePriority(options.space, options.priority);
 }
@@ -90,11 +90,11 @@ ExitCode setPriority(const PriorityOptions& options) {
 std::function<ExitCode()> preparePriority(CLI::App& app) {
   auto options = std::make_shared<PriorityOptions>();
   options->asked.addTo(app);
-  app.add_option("SPACE", options->space, "An active node, as status names it")->required();
+  app.add_option("SPACE", options->space, "Name of the space, as status prints it")->required();
   app.add_option("PRIORITY", options->priority,
-                 "Spaces of higher priority are computed first; 0 at the start")
+                 "Priority, initially 0; spaces with a higher priority are computed first")
       ->required();
-  app.footer("The dataset is the same whatever is computed first.");
+  app.footer("Priorities do not change the dataset.");
   return [options] { return setPriority(*options); };
 }
 
@@ -139,12 +139,10 @@ std::function<ExitCode()> prepareRetry(CLI::App& app) {
   auto options = std::make_shared<RetryOptions>();
   options->asked.addTo(app);
   app.add_option("--failed", options->failed,
-                 "Instead, all attempts that failed with this cause: they end the same way, unless "
-                 "the machines were to blame (memory)")
+                 "Repeat attempts that failed with this cause; useful if a machine was at fault")
       ->check(CLI::IsMember(namesOfCauses()));
   app.footer(
-      "A transition is set aside after five workers ended while they solved it; the rest of the\n"
-      "build goes on without it.");
+      "A transition is set aside after five workers died on it; the build continues without it.");
   return [options] { return retry(*options); };
 }
 
@@ -158,10 +156,10 @@ const Verb resume_verb = {"resume", "Continue a paused build", preparePause<fals
 const Verb priority_verb = {"priority", "Compute one space before others", preparePriority};
 
 const Verb retry_verb = {
-    "retry", "Try transitions again that ended workers or failed with a given cause", prepareRetry};
+    "retry", "Retry transitions that are set aside or failed with a given cause", prepareRetry};
 
 const Verb stop_verb = {
-    "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",
+    "stop", "Let workers finish their solves, then end the build; it can continue later",
     prepareStop};
 
 }  // namespace palpate

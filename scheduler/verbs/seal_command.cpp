@@ -16,7 +16,7 @@ namespace {
 const char* whatIsMissing(const SpaceRowsList& spaces) {
   for (const auto& space : spaces)
     for (std::int32_t n = 0; n < space->points(); ++n)
-      if (space->tag(n) == Tag::unknown) return "where points are unknown it gives no force";
+      if (space->tag(n) == Tag::unknown) return "it gives no force where points are unknown";
   return "some of its points may still be solved again";
 }
 
@@ -28,7 +28,7 @@ struct SealOptions {
 ExitCode sealNow(const SealOptions& options) {
   RecordedBuild build(options.state);
   if (isSealed(options.out, build.problem(), options.replace)) {
-    fmt::print("{}: is already the whole dataset of this build; nothing to do\n", options.out);
+    fmt::print("{}: is already the complete dataset of this build; nothing to do\n", options.out);
     return ExitCode::done;
   }
   refuseUnwritable(options.out, "-o");
@@ -41,14 +41,13 @@ ExitCode sealNow(const SealOptions& options) {
 
 std::function<ExitCode()> prepareSeal(CLI::App& app) {
   auto options = std::make_shared<SealOptions>();
-  app.add_option("STATE", options->state, "State directory, whether a scheduler works in it or not")
+  app.add_option("STATE", options->state, "State directory, with or without a running scheduler")
       ->required();
-  app.add_option("-o,--output", options->out, "Dataset to make")->required();
-  app.add_flag("--replace", options->replace, "Replace OUTPUT when it holds something else");
+  app.add_option("-o,--output", options->out, "Dataset to write")->required();
+  app.add_flag("--replace", options->replace, "Replace OUTPUT if it holds something else");
   app.footer(
-      "Before the build is done the dataset is partial, and says so: it can be touched and\n"
-      "queried where points are solved. Its results may still have to be checked by other "
-      "workers.");
+      "Until the build is complete, the dataset is partial, and marked as such: you can touch and\n"
+      "query it where points are solved. Other workers may still check its results.");
   return [options] { return sealNow(*options); };
 }
 

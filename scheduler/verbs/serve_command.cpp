@@ -18,7 +18,7 @@ namespace {
 /// turns run meanwhile.
 constexpr std::chrono::hours longest_pause{1};
 /// Status text before a build restarts from its records.
-constexpr const char* going_over = "going over what is recorded";
+constexpr const char* going_over = "reading the recorded results again";
 
 struct ServeOptions {
   BuildOrder order;
@@ -63,7 +63,7 @@ ExitCode serve(const ServeOptions& options) {
   checkEndpoint(options.endpoint);
   ServedPages pages(options.pages, options.order.state);
   ServiceManager manager;
-  manager.mayTake(longest_pause, "reading what is recorded");
+  manager.mayTake(longest_pause, "reading the recorded results");
   Serving serving;
   serving.endpoint = options.endpoint;
   serving.keys = options.keys.keys();
@@ -82,23 +82,21 @@ ExitCode serve(const ServeOptions& options) {
 std::function<ExitCode()> prepareServe(CLI::App& app) {
   auto options = std::make_shared<ServeOptions>();
   options->order.addTo(app);
-  app.get_option("--state")->required()->description(
-      "Directory for unfinished work, on a local disk");
-  app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
+  app.get_option("--state")->required()->description("State directory, on a local disk");
+  app.add_option("--listen", options->endpoint, "Endpoint for workers, tcp://HOST:PORT")
       ->capture_default_str();
   options->order.spot_checks_percent = 100 * SpotCheckSettings{}.share;
   app.add_option("--spot-checks", options->order.spot_checks_percent,
-                 "Percent of the results that another machine solves again; 0: none")
+                 "Percentage of the results that another machine solves again")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
-  options->keys.addTo(app,
-                      "Ask for no keys: whoever reaches the port takes and delivers work, and "
-                      "stops the build");
+  options->keys.addTo(
+      app, "Require no keys: anyone who reaches the port can deliver results and stop the build");
   options->pages.addTo(app);
   app.footer(
-      "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
-      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
-      "3 done but some points failed, 130 interrupted.");
+      "Ends when the dataset is sealed or the build is stopped; the same command then continues.\n"
+      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, 3 done but some points "
+      "failed, 130 interrupted.");
   return [options] { return serve(*options); };
 }
 

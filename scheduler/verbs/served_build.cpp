@@ -93,19 +93,18 @@ std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
 /// it.
 void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) {
   if (!coordinator.stuck())
-    return tellOrLog(
-        "stopped; everything finished is kept in {}. The same command goes on from there.", state);
+    return tellOrLog("stopped; all results are kept in {}. The same command continues from there.",
+                     state);
   if (coordinator.disputedCount() > 0)
     tellOrLog(
-        "not sealed: of {} result(s) workers found different bits (see above), and there is no "
-        "other worker to say who is right. The same command again asks more of them; use a third "
-        "machine where you can.",
+        "not sealed: workers disagree about {} result(s) (see above), and no other worker can "
+        "decide. The same command solves them again; if possible, add a third machine.",
         coordinator.disputedCount());
   if (coordinator.asideCount() > 0)
     tellOrLog(
-        "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
-        "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the "
-        "same command again try them anew.",
+        "not sealed: {} transition(s) are set aside because workers died on them, and everything "
+        "else is computed (see above, and palpate status {}). After you remove the reason, run "
+        "palpate retry {} and the same command again.",
         coordinator.asideCount(), shellWord(state), shellWord(state));
 }
 
@@ -127,11 +126,11 @@ std::string chosenKernels(const std::string& kernels) {
     if (name(family) != kernels) continue;
     // docs/evaluation.md gives the measured factors.
     constexpr std::array who = {
-        "every worker may come; those with AVX2 or more take about 1.3 times as long as they could",
-        "workers without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as they "
-        "could",
-        "workers without AVX-512 are refused"};
-    spdlog::info("computed with the {} kernels: {}", arithmeticOf(family),
+        "all machines can join; those with AVX2 or more take about 1.3 times as long as otherwise",
+        "machines without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as "
+        "otherwise",
+        "machines without AVX-512 are refused"};
+    spdlog::info("using the {} kernels: {}", arithmeticOf(family),
                  who[static_cast<std::size_t>(family)]);
     return arithmeticOf(family);
   }
@@ -152,7 +151,7 @@ void allowAsManyPeers() {
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
   limit.rlim_cur = limit.rlim_max;
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0)
-    spdlog::warn("more than {} workers may not find room: {}", limit.rlim_cur, errnoText());
+    spdlog::warn("cannot raise the limit of open files to {}: {}", limit.rlim_cur, errnoText());
 }
 
 Event startedEvent(Build& build) {
@@ -221,7 +220,7 @@ class ServedBuild {
       }
       build.keepOut(coordinator.liars());
     } catch (const DamagedRecord& damage) {
-      spdlog::warn("{}: it is dropped, and computed again", damage.what());
+      spdlog::warn("{}; it is dropped, and its result computed again", damage.what());
       events_.add(Event("damaged").with("text", damage.what()));
       build.drop(damage);
     } catch (const std::exception& error) {
@@ -250,10 +249,9 @@ class ServedBuild {
   std::unique_ptr<Server> open(zmq::context_t& context, Build& build) {
     const Coordinator& coordinator = build.coordinator();
     if (coordinator.found() > 0)
-      spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state_);
+      spdlog::info("continuing from {} results recorded in {}", coordinator.found(), state_);
     if (coordinator.paused())
-      spdlog::warn("paused by an operator: nothing is computed before palpate resume {}",
-                   shellWord(state_));
+      spdlog::warn("paused by an operator; to continue, run palpate resume {}", shellWord(state_));
     allowAsManyPeers();
     if (serving_.own_keys) {
       serving_.keys = KeyFolder(build.directory().keys());
@@ -278,7 +276,7 @@ class ServedBuild {
       progress.show(coordinator);
       if (interrupted()) coordinator.stop(Clock::now());
     }
-    PALPATE_ASSERT(coordinator.next() != Next::go_on, "a turn ends early only to begin anew");
+    PALPATE_ASSERT(coordinator.next() != Next::go_on, "a turn ends early only before a restart");
     if (coordinator.next() == Next::stuck) coordinator.dismiss();
     progress.end();
   }
@@ -312,7 +310,7 @@ class ServedBuild {
   }
 
   ExitCode sealed(const SpaceRowsList& rows, const std::string& how) const {
-    PALPATE_ASSERT(!rows.empty(), "a scene has something to touch, and each of it a space");
+    PALPATE_ASSERT(!rows.empty(), "a scene has at least one space");
     fmt::print("{}\n{}: {}\nnext: palpate query {} {}\n", summaryOf(rows, problem_.scene),
                out_.string(), how, shellWord(out_.string()),
                exampleOf(rows.front()->patch(), problem_.scene));
@@ -332,21 +330,18 @@ class ServedBuild {
 }  // namespace
 
 void BuildOrder::addTo(CLI::App& app) {
-  app.add_option("SCENE", scene, "The scene, a TOML file (docs/scene.md)")
+  app.add_option("SCENE", scene, "Scene, a TOML file (docs/scene.md)")
       ->required()
       ->type_name("FILE");
   app.add_option("-o,--output", out,
-                 "Dataset to make [the scene's name with .h5, in the current directory]");
-  app.add_option("--state", state, "Directory for unfinished work, on a local disk [OUTPUT.state]");
-  app.add_flag("--replace", replace, "Replace OUTPUT when it holds something else");
-  app.add_option(
-         "--hung-after", hung_after_s,
-         "A worker whose solve takes longer than so many seconds ends, and another is asked "
-         "[30 times the longest so far, 120 at least]")
+                 "Dataset to write [the scene's name with .h5, in the current directory]");
+  app.add_option("--state", state, "State directory, on a local disk [OUTPUT.state]");
+  app.add_flag("--replace", replace, "Replace OUTPUT if it holds something else");
+  app.add_option("--hung-after", hung_after_s,
+                 "Time limit of a solve in seconds; then its worker ends and another one takes "
+                 "over [30 times the longest solve so far, at least 120]")
       ->check(CLI::Range(1U, 7U * 24 * 3600));
-  app.add_option("--kernels", kernels,
-                 "Instruction set that all workers compute with, newer machines too [that of the "
-                 "first result]")
+  app.add_option("--kernels", kernels, "Instruction set of all workers [that of the first result]")
       ->check(CLI::IsMember(namesOfFamilies()));
 }
 

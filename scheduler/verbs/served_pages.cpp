@@ -34,7 +34,7 @@ template <class Number>
 Number numberOf(const HttpQuery& query, const char* name) {
   const std::string text = valueIn(query, name);
   if (const auto number = numberIn<Number>(text)) return *number;
-  throw badInput("{}=\"{}\" is no number", name, text);
+  throw badInput("{}=\"{}\" is not a number", name, text);
 }
 
 HttpAnswer jsonAnswer(std::string body) {
@@ -45,12 +45,11 @@ HttpAnswer jsonAnswer(std::string body) {
 
 void PageOptions::addTo(CLI::App& app) {
   app.add_option("--metrics", metrics,
-                 "Metrics for Prometheus at http://ADDRESS/metrics: PORT of this machine alone, or "
-                 "HOST:PORT (docs/metrics.md) [none]")
+                 "Serve Prometheus metrics at PORT (local) or HOST:PORT (docs/metrics.md) [none]")
       ->type_name("ADDRESS");
-  app.add_flag("--dashboard{0}", dashboard,
-               "A page that shows how far it is, to browsers of this machine; --dashboard=PORT "
-               "chooses where [none]");
+  app.add_flag(
+      "--dashboard{0}", dashboard,
+      "Serve a status page for browsers on this machine; --dashboard=PORT sets the port [none]");
 }
 
 ServedPages::ServedPages(const PageOptions& options, std::filesystem::path state)
@@ -63,7 +62,7 @@ ServedPages::ServedPages(const PageOptions& options, std::filesystem::path state
                           "--metrics");
     spdlog::info("metrics: {}metrics", servers_.back().url());
     if (!address.isLoopback())
-      spdlog::warn("whoever reaches {} can read the metrics", servers_.back().address().text());
+      spdlog::warn("anyone can read the metrics at {}", servers_.back().address().text());
   }
   if (options.dashboard.empty()) return;
   if (options.dashboard.find_first_not_of("0123456789") != std::string::npos)
@@ -87,7 +86,7 @@ void ServedPages::offer(const Coordinator& coordinator) {
 
 StatusBoard::Snapshot ServedPages::snapshot() {
   if (auto snapshot = board_.ask(patience)) return std::move(*snapshot);
-  throw failure("the scheduler has no time yet: it reads what is recorded");
+  throw failure("the scheduler is still reading the recorded results; ask again later");
 }
 
 HttpAnswer ServedPages::metrics() {
@@ -123,14 +122,14 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
   for (const wire::SpaceStatus& space : snapshot().status->spaces()) points += space.points();
   if (points > most_points_explained)
     return httpError(
-        413, fmt::format("{} points are too many to be read beside the scheduler; ask instead: "
+        413, fmt::format("{} points are too many to read beside the scheduler; run instead: "
                          "palpate explain {} --active {} {:g} {:g} {:g}",
                          points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
                          point[0], point[1], point[2]));
   // Explaining takes the time and memory of a scheduler's start, so only one request at a time does
   // it.
   const std::unique_lock lock(reading_, std::try_to_lock);
-  if (!lock) return httpError(503, "something else is being read: ask again");
+  if (!lock) return httpError(503, "the scheduler is answering another request; ask again");
   const KnownSpaces known = spacesIn(state_.string());
   return jsonAnswer(toJson(palpate::explain(known.named(valueIn(query, "active")), point)));
 }

@@ -79,7 +79,7 @@ void ServiceManager::send(const std::string& lines) {
                               reinterpret_cast<const sockaddr*>(&address), length) < 0;
   }
   if (failed_)
-    spdlog::warn("the service manager at {} cannot be told anything: {}", socket_, errnoText());
+    spdlog::warn("cannot send messages to the service manager at {}: {}", socket_, errnoText());
 }
 
 }  // namespace palpate

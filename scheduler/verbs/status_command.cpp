@@ -59,13 +59,14 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
   options->asked.addTo(app);
   app.add_flag("--watch", options->watch,
                "Repeat every second until the build is complete or stops");
-  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  app.add_flag("--json", options->json, "Print one JSON object per line (docs/commands.md)");
   return [options] { return showStatus(*options); };
 }
 
 }  // namespace
 
 const Verb status_verb = {
-    "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};
+    "status", "Show the progress of a build: tags, rate, time left, workers, failures by cause",
+    prepareStatus};
 
 }  // namespace palpate

@@ -79,9 +79,9 @@ std::string causesLine(const char* title,
   return fmt::format("{}: {}\n", title, countsText({causes.begin(), causes.end()}));
 }
 
-/// Formats "kept out: the machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
+/// Formats "excluded: machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
 std::string keptOutLine(const wire::KeptOut& who) {
-  std::string text = fmt::format("kept out: the {}", who.kind());
+  std::string text = fmt::format("excluded: {}", who.kind());
   if (!who.worker().empty()) text += fmt::format(" {} on", who.worker().substr(0, 8));
   if (!who.host().empty()) text += " " + who.host();
   if (!who.key().empty())
@@ -124,15 +124,14 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   }
   if (counted == 0) return "";
   std::string text = fmt::format(
-      "accuracy: the estimated error keeps max({:g} %, {:g} N) in {:.4g} % of the workspace",
+      "accuracy: the estimated error is below max({:g} %, {:g} N) in {:.4g} % of the workspace",
       100 * scene.accuracy.force_error, scene.accuracy.force_floor,
       100 * kept / static_cast<double>(counted));
   if (keeping < counted)
     text += fmt::format(
-        "; {} of {} active node(s) keep it everywhere, "
-        "the worst is {} with {:.4g} %. "
-        "More `levels` help where cells were split that often, "
-        "nothing where neighbours lie on different branches",
+        "; this holds everywhere for {} of {} active node(s), the worst is {} with {:.4g} %. More "
+        "`levels` help where cells have been halved that often, but not between neighbours on "
+        "different branches",
         keeping, counted, least_name, 100 * least);
   return text + '\n';
 }
@@ -152,7 +151,7 @@ std::string progressLine(const wire::Status& status, std::size_t columns) {
   // The most wanted parts come first, because the last ones are dropped if the line is too long.
   for (const std::string& part :
        {timeLeft(status, all), fmt::format("{:.1f}/s", status.configurations_per_second()),
-        counted(status.workers_size(), "worker"), fmt::format("frontier {}", status.ready())}) {
+        counted(status.workers_size(), "worker"), fmt::format("{} ready", status.ready())}) {
     if (part.empty()) continue;
     if (line.size() + 2 + part.size() > columns) break;
     line += ", " + part;
@@ -244,7 +243,7 @@ std::string alarmsOf(const wire::Status& status) {
 std::string describe(const wire::Status& status) {
   std::string text =
       fmt::format("scene {}, build {}: {}{}\n\n", status.scene(), status.build().substr(0, 12),
-                  status.state(), status.paused() ? ", paused: palpate resume goes on" : "");
+                  status.state(), status.paused() ? ", paused (palpate resume continues it)" : "");
   // The most important lines come first, in case the window is short.
   if (status.state() == "running" || status.state() == "stopping")
     text += progressLine(status) + "\n\n";
@@ -252,10 +251,10 @@ std::string describe(const wire::Status& status) {
   text += causesLine("failed points", status.failed_points()) +
           causesLine("failed transitions", status.failed_attempts());
   if (const auto aside = status.set_aside(); aside > 0)
-    text += fmt::format("set aside: {} transition(s) on which workers ended; see palpate retry\n",
+    text += fmt::format("set aside: {} transition(s) on which workers died; see palpate retry\n",
                         aside);
   if (const auto disputed = status.disputed(); disputed > 0)
-    text += fmt::format("disputed: {} result(s) that workers found differently\n", disputed);
+    text += fmt::format("disputed: {} result(s) about which workers disagree\n", disputed);
   for (const wire::KeptOut& k : status.kept_out()) text += keptOutLine(k);
   return text + alarmsOf(status) + workersOf(status);
 }

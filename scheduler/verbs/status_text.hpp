@@ -16,8 +16,7 @@ std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool part
 std::string describe(const wire::Status& status);
 
 /// Formats the progress of a build in one line: "312/515 points, 7 s left, 28.1/s, 2 workers,
-/// frontier 40". Drops parts from the end that do not fit in `columns`, but always keeps the
-/// points.
+/// 40 ready". Drops parts from the end that do not fit in `columns`, but always keeps the points.
 std::string progressLine(const wire::Status& status, std::size_t columns = std::string::npos);
 
 /// Formats the progress line behind a bar, to be redrawn on a terminal of `columns` columns. Never

@@ -188,11 +188,11 @@ TEST_F(SystemTest, AnInterruptedBuildGoesOn) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
   EXPECT_EQ(build->stop(SIGINT), 130) << build->output();
-  EXPECT_THAT(build->output(), HasSubstr("goes on from there"));
+  EXPECT_THAT(build->output(), HasSubstr("continues from there"));
   EXPECT_FALSE(std::filesystem::exists(directory / "out.h5"));
   auto again = startBuild("out.h5", "2");
   expectFinished(*again);
-  EXPECT_THAT(again->output(), HasSubstr("going on:"));
+  EXPECT_THAT(again->output(), HasSubstr("continuing from "));
   auto third = startBuild("out.h5", "2");
   expectFinished(*third);
   EXPECT_THAT(third->output(), HasSubstr("nothing to do"));
@@ -207,7 +207,7 @@ TEST_F(SystemTest, SignalsThatComeTogetherAreOneAndLetTheWorkersFinish) {
     build->signal(number);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_EQ(build->stop(number), 130) << build->output();
-    EXPECT_THAT(build->output(), HasSubstr("The same command goes on from there"));
+    EXPECT_THAT(build->output(), HasSubstr("The same command continues from there"));
     EXPECT_FALSE(workers.empty());
     for (const pid_t worker : workers) EXPECT_NE(kill(worker, 0), 0) << "it was not waited for";
   }
@@ -269,16 +269,16 @@ TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
   const auto ask = [&](const std::string& verb) { return told(verb + " out.h5.state"); };
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
-  EXPECT_THAT(ask("pause"), HasSubstr("paused; workers finish what they hold"));
+  EXPECT_THAT(ask("pause"), HasSubstr("paused; workers finish"));
   build->stop(SIGKILL);
   EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
   auto again = startBuild("out.h5", "2");
   ASSERT_TRUE(test::says(*again, "paused by"));
   EXPECT_THAT(ask("status"), HasSubstr("running, paused"));
-  EXPECT_THAT(ask("resume"), HasSubstr("goes on"));
+  EXPECT_THAT(ask("resume"), HasSubstr("continues"));
   expectFinished(*again);
   EXPECT_THAT(ask("pause"), HasSubstr("the next build there waits"));
-  EXPECT_THAT(ask("resume"), HasSubstr("the next build there goes on"));
+  EXPECT_THAT(ask("resume"), HasSubstr("the next build there continues"));
 }
 
 TEST_F(SystemTest, APartialDatasetIsSealedWhileTheBuildGoesOnAndCanBeAsked) {
@@ -359,7 +359,7 @@ TEST_F(SystemTest, UnfinishedWorkOfASceneThatChangesGoesOnUnderItsNewName) {
   writeScene(directory.path(), 1300);
   auto again = startBuild(found[1], "1");
   expectFinished(*again);
-  EXPECT_THAT(again->output(), HasSubstr("going on: "));
+  EXPECT_THAT(again->output(), HasSubstr("continuing from "));
 }
 
 TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {

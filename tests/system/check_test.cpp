@@ -32,7 +32,7 @@ TEST_F(CheckStateTest, TellsDamageByItsExitCodeAndRepairsItSoThatTheBuildGoesOn)
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
   // On a busy machine it would be done before it is looked at twice.
   build->signal(SIGSTOP);
-  EXPECT_THAT(check("out.h5.state", 0), HasSubstr("works there"));
+  EXPECT_THAT(check("out.h5.state", 0), HasSubstr("is running there"));
   EXPECT_THAT(check("out.h5.state --repair", 1), HasSubstr("is in use by process"));
   build->stop(SIGKILL);
 

@@ -61,7 +61,7 @@ TEST_F(MovingTest, GoesOnElsewhereWithItsKeysToTheSameDataset) {
   auto scheduler = serve("moved", "moved-head");
   const std::string endpoint = endpointOf(*scheduler, "moved");
   EXPECT_NE(endpoint, before);
-  EXPECT_THAT(scheduler->output(), HasSubstr("going on:"));
+  EXPECT_THAT(scheduler->output(), HasSubstr("continuing from "));
   auto worker = work(endpoint, "60");
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();

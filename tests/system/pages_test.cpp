@@ -168,7 +168,7 @@ TEST_F(PagesTest, WhatIsAskedWronglyIsSaid) {
               AllOf(HasSubstr("400"), HasSubstr("is not in the lattice")));
   EXPECT_THAT(test::httpGet(port, "/explain.json?active=nobody&i=0&j=0&k=0"), HasSubstr("corner"));
   EXPECT_THAT(test::httpGet(port, "/explain.json?active=tip&i=x&j=0&k=0"),
-              HasSubstr("is no number"));
+              HasSubstr("is not a number"));
   EXPECT_THAT(test::httpGet(port, "/events.json?event=started"), HasSubstr("\"scene\":\"cube\""));
   EXPECT_THAT(test::httpGet(port, "/", "Host: elsewhere.example\r\n"), HasSubstr("403"));
   EXPECT_THAT(test::httpGet(port, "/"), HasSubstr("default-src 'none'; script-src 'nonce-"));

@@ -56,7 +56,7 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
 }
 
 TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
-  EXPECT_THAT(explained(3).text(), testing::HasSubstr("no transition to it was tried yet"));
+  EXPECT_THAT(explained(3).text(), testing::HasSubstr("no transition to it has been tried yet"));
 }
 
 TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
