@@ -20,9 +20,9 @@ namespace {
 std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t count,
                               const std::string& where) {
   if (words.size() != count)
-    throw badInput("{}: write {} in metres, not {}", where,
-                   count == 3 ? "three numbers, X Y Z"
-                              : "six numbers, X Y Z of the place and of the displacement",
+    throw badInput("{}: expected {}, found {}", where,
+                   count == 3 ? "three numbers X Y Z (m)"
+                              : "six numbers (m), X Y Z of the place and X Y Z of the displacement",
                    words.size());
   std::vector<double> numbers;
   for (const std::string& word : words) {
@@ -54,9 +54,10 @@ std::vector<std::string> wordsIn(std::string line) {
 
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words) {
   return app
-      .add_option("--at", words,
-                  "Centre of a finger: the surface point nearest to this one, m; or - to read "
-                  "X Y Z of it before X Y Z of the displacement from each line")
+      .add_option(
+          "--at", words,
+          "Place of a finger, m (the nearest surface point is used); or - to read the six numbers "
+          "X Y Z of place and displacement from each line")
       ->expected(1, 3)
       ->allow_extra_args(false)
       ->type_name("X Y Z");
@@ -78,16 +79,15 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
                   const std::function<void(const TouchInput&)>& visit) {
   const bool places_from_input = at == from_input;
   if (places_from_input && words != from_input)
-    throw badInput("--at -: each line has six numbers, so write --displacement - too");
+    throw badInput("--at - needs --displacement -, because each input line has six numbers");
   std::optional<Eigen::Vector3d> place;
   if (!at.empty() && !places_from_input) place = vectorIn(at, "--at");
   bool warned = false;
   const auto answer = [&](const Eigen::Vector3d& p) {
     if (!warned && looksLikeMillimetres(p, workspace_radius)) {
       spdlog::warn(
-          "displacement ({}): metres are expected, "
-          "and the workspace has a radius of {:.4g} m; "
-          "this looks like millimetres, which would be ({})",
+          "displacement ({}) m is far outside the workspace of radius {:.4g} m; if these are "
+          "millimetres, write ({})",
           vectorText(p, 6), workspace_radius, vectorText(1e-3 * p, 6));
       warned = true;
     }

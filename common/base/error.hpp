@@ -30,7 +30,7 @@ class Error : public std::runtime_error {
 /// Returns errno as text. Call it directly after the failed call, because other calls may change
 /// errno.
 inline std::string errnoText() {
-  return errno == EFBIG ? "the limit of file sizes is reached (ulimit -f)" : std::strerror(errno);
+  return errno == EFBIG ? "the file size limit is reached (ulimit -f)" : std::strerror(errno);
 }
 
 /// Returns an Error with exit code 2: the scene, the mesh or the command line is wrong.

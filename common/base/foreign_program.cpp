@@ -137,17 +137,17 @@ Ran runToItsEnd(const ForeignProgram& program) {
   int status = 0;
   switch (endOf(child, program, status)) {
     case WhyEnded::interrupted:
-      throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was at work", name));
+      throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was running", name));
     case WhyEnded::out_of_patience: {
       // Report the program's own messages. sbatch, for example, retries for minutes and prints the
       // reason.
       const std::string said = printable(readWhole(err), longest_reason);
-      throw failure("{} did not answer within {} s{}{}", name, program.patience.count(),
-                    said.empty() ? "" : " but: ", said);
+      throw failure("{} did not finish within {} s{}{}", name, program.patience.count(),
+                    said.empty() ? "" : "; it printed: ", said);
     }
     case WhyEnded::by_itself: break;
   }
-  if (!WIFEXITED(status)) throw failure("{} was ended by signal {}", name, WTERMSIG(status));
+  if (!WIFEXITED(status)) throw failure("{} was killed by signal {}", name, WTERMSIG(status));
   return {WEXITSTATUS(status), readWhole(out), readWhole(err)};
 }
 

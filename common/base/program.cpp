@@ -65,8 +65,9 @@ void refuseFewDescriptors() {
   struct rlimit limit {};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
   if (limit.rlim_cur < fewest)
-    throw failure("this process may open {} files and connections, and may need {}: ulimit -n {}",
-                  limit.rlim_cur, fewest, 1024);
+    throw failure(
+        "this process may open only {} files and connections, but needs {}; run: ulimit -n {}",
+        limit.rlim_cur, fewest, 1024);
 }
 
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
@@ -100,7 +101,7 @@ void sayExitCodes(CLI::App& verb) {
 int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const std::string command = "palpate" + (chosen.empty() ? "" : " " + chosen.front()->get_name());
-  tell("{}: {}; {} --help tells all\n", command, error.what(), command);
+  tell("{}: {}; see {} --help\n", command, error.what(), command);
   return static_cast<int>(ExitCode::usage);
 }
 
@@ -160,8 +161,8 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
   std::function<ExitCode()> run;
   for (const Verb& verb : verbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
-    sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
-    sub->add_flag("-v,--verbose", verbose, "Say more");
+    sub->add_flag("-q,--quiet", quiet, "Log only warnings and errors");
+    sub->add_flag("-v,--verbose", verbose, "Log more details");
     sub->add_option("--log-format", log_format, "Log format on stderr: text or json [text]")
         ->check(CLI::IsMember({"text", "json"}))
         ->envname(log_format_variable)

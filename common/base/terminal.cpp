@@ -24,7 +24,7 @@ std::string fitted(const std::string& text, TerminalSize size) {
   if (lines.size() > room) {
     const std::size_t left_out = lines.size() - (room - 1);
     lines.resize(room - 1);
-    lines.push_back(fmt::format("... {} lines more", left_out).substr(0, size.columns));
+    lines.push_back(fmt::format("... {} more lines", left_out).substr(0, size.columns));
   }
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }

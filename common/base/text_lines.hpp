@@ -51,7 +51,7 @@ class TextLines {
 
   double takeFinite(const char* what) {
     const auto value = take<double>(what);
-    if (!std::isfinite(value)) throw wrong("{} that is not finite", what);
+    if (!std::isfinite(value)) throw wrong("{} is not finite", what);
     return value;
   }
 
@@ -67,8 +67,8 @@ class TextLines {
   /// through reserveFor() before memory is allocated for the items.
   std::size_t takeCount(const char* what) {
     const auto count = take<std::int64_t>(what);
-    if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
-      throw wrong("{} is {}, which cannot be", what, count);
+    constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+    if (count < 0 || count > most) throw wrong("{} is {}, but must be 0 to {}", what, count, most);
     return static_cast<std::size_t>(count);
   }
 
@@ -79,7 +79,7 @@ class TextLines {
   }
 
   void expectEndOfLine() const {
-    if (!rest_.empty()) throw wrong("\"{}\" at the end of the line is too much", rest_);
+    if (!rest_.empty()) throw wrong("unexpected \"{}\" at the end of the line", rest_);
   }
 
   template <class... Args>

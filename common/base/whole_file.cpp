@@ -24,7 +24,7 @@ void syncToDisk(const std::filesystem::path& path, int flags) {
 }
 
 Error unwritable(const std::filesystem::path& file, std::string_view what) {
-  const std::string reason = errno == 0 ? "the system does not say why" : errnoText();
+  const std::string reason = errno == 0 ? "the system gives no reason" : errnoText();
   return failure(
       "{}: cannot write the {}: {}; check the folder, its permissions and the space left",
       file.string(), what, reason);
@@ -61,7 +61,7 @@ void replace(const std::filesystem::path& named, std::string_view what, mode_t m
   const std::filesystem::path file = linkTarget(named);
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    throw failure("{}: is a {}, which no file replaces; give another name", named.string(),
+    throw failure("{}: is a {}, which cannot be overwritten; give another name", named.string(),
                   std::filesystem::is_directory(file, ignored) ? "directory" : "device or pipe");
   std::filesystem::path aside = file;
   aside += ".tmp";
@@ -88,7 +88,7 @@ std::filesystem::path linkTarget(std::filesystem::path file) {
   constexpr int most_links = 40;  // the kernel's limit
   std::error_code none;
   for (int links = 0; std::filesystem::is_symlink(file, none); ++links) {
-    if (links == most_links) throw failure("{}: is a circle of links", file.string());
+    if (links == most_links) throw failure("{}: these symbolic links form a loop", file.string());
     file = file.parent_path() / std::filesystem::read_symlink(file);
   }
   return file;
@@ -153,8 +153,8 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
   const std::filesystem::path target = linkTarget(file);
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (access(folder.c_str(), W_OK | X_OK) != 0)
-    throw failure("{}: nothing can be written into {}: {}: give another {}", file.string(),
-                  folder.string(), errnoText(), option);
+    throw failure("{}: cannot write into {}: {}; give another {}", file.string(), folder.string(),
+                  errnoText(), option);
 }
 
 void refuseInput(const std::filesystem::path& file, const char* option,
@@ -162,8 +162,8 @@ void refuseInput(const std::filesystem::path& file, const char* option,
   for (const std::filesystem::path& input : inputs) {
     std::error_code none;  // ignored: if a file is missing, the two are not equivalent
     if (std::filesystem::equivalent(file, input, none))
-      throw badInput("{} {}: is {}, which is read and would be replaced; name another file", option,
-                     file.string(), input.string());
+      throw badInput("{} {}: is the input {}, which would be overwritten; name another file",
+                     option, file.string(), input.string());
   }
 }
 

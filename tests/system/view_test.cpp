@@ -130,7 +130,7 @@ TEST_F(ViewTest, ARecordingDoesNotReplaceItsDataset) {
   const std::string before = content("cube.h5");
   auto run = start({"cube.h5", "--headless", "--duration", "0.1", "--record", "./cube.h5"});
   EXPECT_EQ(run->wait(), 2);
-  EXPECT_THAT(run->output(), HasSubstr("--record ./cube.h5: is cube.h5, which is read"));
+  EXPECT_THAT(run->output(), HasSubstr("--record ./cube.h5: is the input cube.h5"));
   EXPECT_EQ(content("cube.h5"), before);
 }
 

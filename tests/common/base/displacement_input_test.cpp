@@ -54,7 +54,7 @@ TEST(DisplacementInput, NamesWhatIsNotANumberAndItsLine) {
     expectBadInput([&] { read({"-"}, std::string("0 0 0\n\n") + line + "\n0 0 0\n"); },
                    {"standard input, line 3"});
   expectBadInput([] { read({"0", "0", "nan"}); }, {"--displacement", "\"nan\"", "finite"});
-  expectBadInput([] { read({"0", "0"}); }, {"--displacement", "three numbers", "metres"});
+  expectBadInput([] { read({"0", "0"}); }, {"--displacement", "three numbers", "found 2"});
 }
 
 TEST(DisplacementInput, KnowsMillimetresGivenForMetres) {
@@ -69,8 +69,8 @@ TEST(DisplacementInput, WarnsOfMillimetresOnceAndGoesOn) {
   testing::internal::CaptureStdout();  // where spdlog logs as long as no program says otherwise
   EXPECT_EQ(read({"-"}, "0 0 0.01\n13 7 -21\n14 7 -21\n").size(), 3u);
   const std::string logged = testing::internal::GetCapturedStdout();
-  EXPECT_THAT(logged, HasSubstr("(13, 7, -21): metres are expected"));
-  EXPECT_THAT(logged, HasSubstr("looks like millimetres, which would be (0.013, 0.007, -0.021)"));
+  EXPECT_THAT(logged, HasSubstr("displacement (13, 7, -21) m"));
+  EXPECT_THAT(logged, HasSubstr("millimetres, write (0.013, 0.007, -0.021)"));
   EXPECT_THAT(logged, Not(HasSubstr("(14")));
 }
 

@@ -44,7 +44,7 @@ TEST(ForeignProgram, ThatTakesTooLongIsKilledAndWhatItSaidIsTold) {
                              .package = "dash",
                              .patience = std::chrono::seconds(1)});
               },
-              {"sh did not answer within 1 s", "thinking"});
+              {"sh did not finish within 1 s", "thinking"});
 }
 
 TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
@@ -57,7 +57,7 @@ TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
                      .package = "dash",
                      .patience = std::chrono::seconds(1)});
       },
-      {"sh did not answer"});
+      {"sh did not finish"});
   std::this_thread::sleep_for(std::chrono::seconds(4));
   EXPECT_FALSE(std::filesystem::exists(file));
 }
@@ -76,7 +76,7 @@ TEST(ForeignProgram, ThatASignalEndsIsTold) {
               [] {
                 runToItsEnd({.words = {"sh", "-c", "kill -9 $$"}, .package = "dash"});
               },
-              {"sh was ended by signal 9"});
+              {"sh was killed by signal 9"});
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(Fitted, FillsNoMoreThanTheWindowAndSaysHowMuchIsLeftOut) {
       for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), columns);
       EXPECT_LT(std::ranges::count(text, '\n'), std::max<std::ptrdiff_t>(rows, 3));
     }
-  EXPECT_NE(fitted(page(50, 10), {24, 80}).find("... 28 lines more"), std::string::npos);
+  EXPECT_NE(fitted(page(50, 10), {24, 80}).find("... 28 more lines"), std::string::npos);
 }
 
 TEST(Wrapped, BreaksLinesAtBlanksAndIndentsTheRest) {

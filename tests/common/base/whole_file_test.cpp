@@ -72,7 +72,7 @@ TEST_F(ReplacedFile, MustBeReachableThroughItsLinks) {
   std::filesystem::create_symlink("nowhere/data", link);
   test::expectError(ExitCode::failed, [&] { refuseUnwritable(link, "-o"); }, {"nowhere", "-o"});
   std::filesystem::create_symlink("file", file);
-  test::expectError(ExitCode::failed, [&] { replaceFile(file, "", "text"); }, {"circle"});
+  test::expectError(ExitCode::failed, [&] { replaceFile(file, "", "text"); }, {"loop"});
 }
 
 TEST_F(ReplacedFile, IsNoDeviceAndNoPipe) {

@@ -46,7 +46,7 @@ TEST_F(ExportTargetTest, TheDatasetIsNeverReplaced) {
   const std::filesystem::path named_so = directory / "organ.vtu";
   std::filesystem::create_hard_link(dataset, named_so);
   expectBadInput([&] { ExportTarget(named_so).refuseWhatIsThere(dataset, true); },
-                 {"which is read and would be replaced"});
+                 {"which would be overwritten"});
 }
 
 TEST_F(ExportTargetTest, ASeriesHasANameThatXmlCanHold) {

@@ -361,7 +361,8 @@ TEST_F(ReportCommand, RefusesFilesThatAreNoDatasets) {
 
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {
   options.html = directory / "." / "sample.h5";
-  expectBadInput([&] { text(); }, {"--html", "sample.h5, which is read", "name another file"});
+  expectBadInput([&] { text(); },
+                 {"--html", "sample.h5, which would be overwritten", "name another file"});
   EXPECT_NO_THROW(Dataset(options.report.datasets.front()));
 }
 
@@ -370,7 +371,7 @@ TEST_F(ReportCommand, LeavesNoPartOfAPageThatCannotBeWritten) {
   sample.seal(options.report.datasets.front());
   std::ostringstream output;
   test::expectError(ExitCode::failed, [&] { report(options, output); },
-                    {"report.html", "nothing can be written", "--html"});
+                    {"report.html", "cannot write into", "--html"});
   options.html = directory.path();
   test::expectError(ExitCode::failed, [&] { report(options, output); }, {"irectory"});
 }

@@ -91,7 +91,7 @@ TEST_F(ShareCommandTest, ThePageDoesNotReplaceTheDataset) {
   const std::string before = readText(options.dataset, "dataset");
   options.output = directory / "." / "cube.h5";
   test::expectError(ExitCode::usage, [&] { told(); },
-                    {"-o", "cube.h5, which is read", "name another file"});
+                    {"-o", "cube.h5, which would be overwritten", "name another file"});
   EXPECT_EQ(readText(options.dataset, "dataset"), before);
 }
 
