@@ -22,14 +22,13 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
   // Check for older versions first, because the user can seal those datasets again.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
-        "{}: has format version {}.{}, which is no longer read; "
-        "seal it again with `palpate build SCENE.toml --replace`, "
-        "which takes what was computed from the state directory",
+        "{}: has format version {}.{}, which is no longer supported; seal it again with `palpate "
+        "build SCENE.toml --replace`, which uses the results in the state directory",
         file, version[0], version[1]);
   if (version[0] < 1 || version[0] > layout::major_version)
     throw badInput(
-        "{}: has format version {}.{}, this program reads {}.x to {}.x; "
-        "use the program that made it: {}",
+        "{}: has format version {}.{}, but this program reads {}.x to {}.x; use the program that "
+        "made it: {}",
         file, version[0], version[1], layout::oldest_major_version, layout::major_version,
         in.text(layout::generator_attribute));
 }
@@ -142,7 +141,7 @@ NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
   const SpaceTable& table = spaces_.at(space);
   const PointRecord& record = table.points.at(static_cast<std::size_t>(point));
   if (!isSolved(record.tag))
-    throw badInput("{}: lattice point {} of {} is {}: it has no nodal fields", file_.string(),
+    throw badInput("{}: lattice point {} of {} is {} and has no nodal fields", file_.string(),
                    point, table.patch.name, name(record.tag));
   NodalFields kept = input_->fields->read(space, table, static_cast<std::size_t>(point), 1);
   PALPATE_ASSERT(kept.displacement.size() == 3 * body_.stored.size(),
@@ -174,8 +173,8 @@ void warnIfPartial(const Dataset& dataset) {
     unknown += std::ranges::count(space.points, Tag::unknown, &PointRecord::tag);
   }
   spdlog::warn(
-      "{}: partial, sealed before its build was done: {} of {} points are unknown, and around them "
-      "there is no force",
+      "{}: this dataset is partial, because it was sealed before its build was complete: {} of {} "
+      "points are unknown, and there is no force around them",
       dataset.file().string(), unknown, points);
 }
 

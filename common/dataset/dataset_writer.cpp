@@ -27,7 +27,7 @@ void checkArguments(const std::string& file, const Problem& problem, const Space
           file, given.name, lattice.radius(), lattice.spacing(), expected.radius(),
           expected.spacing());
     if (spaces[s]->points() < lattice.uniformSize())
-      throw failure("{}: space \"{}\": has {} points, the lattice {}", file, given.name,
+      throw failure("{}: space \"{}\": has {} points, but its lattice has {}", file, given.name,
                     spaces[s]->points(), lattice.uniformSize());
     if (const std::string fault = faultOf(*spaces[s]); !fault.empty())
       throw failure("{}: space \"{}\": {}", file, given.name, fault);
@@ -79,7 +79,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
 /// Reads the new file and checks it before it replaces an older one.
 void verifySealed(const std::filesystem::path& file, const ContentId& written) {
   if (verifiedContent(file) != written)
-    throw failure("{}: reads back differently from what was written", file.string());
+    throw failure("{}: the data read back differs from the data written", file.string());
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ void refuseWhatIsNoFile(const std::filesystem::path& file, const FileKind& kind)
     throw badInput("{}: there is no such {}; {}", file.string(), kind.noun, kind.origin);
   if (problem) throw badInput("{}: {}", file.string(), problem.message());
   if (status.type() != std::filesystem::file_type::regular)
-    throw badInput("{}: is not a file; a {} is one .h5 file", file.string(), kind.noun);
+    throw badInput("{}: is not a file; a {} is a single .h5 file", file.string(), kind.noun);
 }
 
 bool isShape(const Shape& shape, const Shape& expected) {
@@ -94,8 +94,8 @@ Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
     if (opened < 0) opened = openedWith(locks, without);
   if (opened < 0 && isOpenForWriting(file))
     throw failure(
-        "{}: is open for writing elsewhere, or was when that ended: close it there (a notebook?); "
-        "if nothing has it open, run h5clear -s {} (Debian: hdf5-tools)",
+        "{}: is open for writing in another program (a notebook?), or was never closed: close it "
+        "there; if no program has it open, run h5clear -s {} (Debian: hdf5-tools)",
         name(), shellWord(name()));
   file_ = own(opened, H5Fclose, "truncated or damaged");
   check(H5Fget_filesize(file_.get(), &file_size_), "size");
@@ -131,9 +131,9 @@ std::string Reader::text(hid_t object, const char* attribute, std::string_view w
   const hid_t type = read.type.get();
   if (H5Tget_class(type) != H5T_STRING || check(H5Tis_variable_str(type), where) > 0 ||
       !read.isScalar())
-    throw damaged(where, "is not one fixed-length string");
+    throw damaged(where, "is not a single fixed-length string");
   const std::size_t size = H5Tget_size(type);
-  if (size == 0 || size > max_text_bytes) throw damaged(where, "text of impossible length");
+  if (size == 0 || size > max_text_bytes) throw damaged(where, "has an invalid length");
   std::string value(size, '\0');
   check(H5Aread(read.opened.get(), type, value.data()), where);
   // Remove the zero padding.
@@ -145,7 +145,7 @@ std::vector<std::int32_t> Reader::integers(const char* attribute) const {
   const Attribute read(*this, file_.get(), attribute, attribute);
   const hssize_t count = check(H5Sget_simple_extent_npoints(read.space.get()), attribute);
   if (!read.holds(Element::int32) || count > 1024)
-    throw damaged(attribute, "is not a short list of int32");
+    throw damaged(attribute, "is not a list of at most 1024 int32");
   std::vector<std::int32_t> values(static_cast<std::size_t>(count));
   check(H5Aread(read.opened.get(), read.type.get(), values.data()), attribute);
   return values;
@@ -154,7 +154,7 @@ std::vector<std::int32_t> Reader::integers(const char* attribute) const {
 double Reader::number(const char* attribute) const {
   const Attribute read(*this, file_.get(), attribute, attribute);
   if (!read.holds(Element::float64) || !read.isScalar())
-    throw damaged(attribute, "is not one float64");
+    throw damaged(attribute, "is not a single float64");
   double value = 0;
   check(H5Aread(read.opened.get(), read.type.get(), &value), attribute);
   return value;
@@ -188,19 +188,19 @@ ArrayInfo Reader::inspect(const std::string& path) const {
     return check(H5Tequal(type.get(), typeOf(candidate).id), path) > 0;
   });
   if (element == all_elements.end())
-    throw damaged(path, "is none of little-endian uint8, int16, int32, float32 and float64");
+    throw damaged(path, "is not little-endian uint8, int16, int32, float32 or float64");
 
   const Handle space = own(H5Dget_space(array.get()), H5Sclose, path);
   const int rank = check(H5Sget_simple_extent_ndims(space.get()), path);
   if (rank > max_rank || H5Sget_simple_extent_type(space.get()) == H5S_NULL)
-    throw damaged(path, "has no usable shape");
+    throw damaged(path, "has an unsupported shape");
   ArrayInfo info = {path, *element, Shape(static_cast<std::size_t>(rank)), {}};
   check(H5Sget_simple_extent_dims(space.get(), info.shape.data(), nullptr), path);
 
   const Handle properties = own(H5Dget_create_plist(array.get()), H5Pclose, path);
   const H5D_layout_t layout = check(H5Pget_layout(properties.get()), path);
   if (layout == H5D_VIRTUAL || check(H5Pget_external_count(properties.get()), path) > 0)
-    throw damaged(path, "lies in another file");
+    throw damaged(path, "stores its data in another file");
   // A small file must not be able to make the reader allocate huge memory.
   const double largest =
       static_cast<double>(file_size_) * (layout == H5D_CHUNKED ? max_gzip_ratio : 1);
@@ -208,7 +208,7 @@ ArrayInfo Reader::inspect(const std::string& path) const {
   // allocated.
   const bool too_many_rows = !info.shape.empty() && info.shape[0] > file_size_;
   if (too_many_rows || bytesReadAtOnce(info) > largest)
-    throw damaged(path, "impossible shape " + describe(info.shape));
+    throw damaged(path, "has the impossible shape " + describe(info.shape));
 
   const auto hash =
       ContentId::fromHex(text(array.get(), hash_attribute, path + ": " + hash_attribute));
@@ -235,7 +235,7 @@ const ArrayInfo& Reader::array(const std::string& path, Element element,
 
 std::size_t Reader::rowsOf(const std::string& path) const {
   const ArrayInfo& info = array(path);
-  if (info.shape.empty() || isReadByRows(info)) throw damaged(path, "is no table");
+  if (info.shape.empty() || isReadByRows(info)) throw damaged(path, "is not a table");
   return info.shape[0];
 }
 
@@ -258,7 +258,7 @@ void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
   const std::size_t row_bytes = rowBytes(info),
                     n_rows = row_bytes > 0 ? bytes.size() / row_bytes : 0;
   if (n_rows * row_bytes != bytes.size() || first + n_rows > info.shape.at(0))
-    throw damaged(info.path, "has no such rows");
+    throw damaged(info.path, "does not have the requested rows");
   if (bytes.empty()) return;
   const Handle array = openArray(info.path);
   const Handle in_file = own(H5Dget_space(array.get()), H5Sclose, info.path);

@@ -31,7 +31,7 @@ Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()) {
   // would take for a lock of another process.
   check(H5Pset_file_locking(access.get(), false, true), "file locking");
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
-  check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
+  check(H5Pset_obj_track_times(creation.get(), false), "time stamps");
   file_ = own(H5Fcreate(name().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
               "cannot be created");
 }

@@ -103,9 +103,8 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
           given.pressure.size() != problem.pressures.count())
-        throw failure(
-            "{}: space {}: the nodal fields of lattice point {} are not those of its result",
-            out.name(), spaces[s]->patch().name, n);
+        throw failure("{}: space {}: the nodal fields of lattice point {} do not match its result",
+                      out.name(), spaces[s]->patch().name, n);
       const std::vector<float> displacement = displacementsOf(given, stored);
       const Quantized integers = quantized ? quantize(displacement) : Quantized();
       const std::string_view bytes =

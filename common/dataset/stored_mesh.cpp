@@ -41,7 +41,7 @@ void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
     checkIndices(in, tetrahedra_path, tetrahedron, mesh.nodes.size());
   addMidEdgeNodes(mesh);
   if (mesh.edges != edges || mesh.nodes != points)
-    throw in.damaged(edges_path, "are not those of the tetrahedra, or their middles are elsewhere");
+    throw in.damaged(edges_path, "does not match the tetrahedra or their mid-edge nodes");
 }
 
 std::vector<std::int32_t> readNodes(const Reader& in, const char* path, std::size_t end) {
@@ -55,7 +55,7 @@ std::vector<std::int32_t> readNodes(const Reader& in, const char* path, std::siz
 std::vector<std::int32_t> readDerived(const Reader& in, const char* path,
                                       std::vector<std::int32_t> expected) {
   if (in.readList<std::int32_t>(path) != expected)
-    throw in.damaged(path, "are not those of the surface and the scene");
+    throw in.damaged(path, "does not match the surface and the scene");
   return expected;
 }
 

@@ -175,17 +175,17 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
     Lattice& lattice = space.lattice = uniformLattice(scene, space.patch);
     const auto n_points = static_cast<std::int32_t>(space.points.size());
     if (n_points < lattice.size() || (lattice.divisions() == 1 && n_points > lattice.size()))
-      throw in.damaged(ijk_path, "is not the lattice of the scene");
+      throw in.damaged(ijk_path, "does not match the lattice of the scene");
     for (std::int32_t n = 0; n < n_points; ++n, ++row) {
       const bool is_new = n >= lattice.size();
       if (is_new ? lattice.indexOf(ijk[row]).has_value() : lattice.point(n) != ijk[row])
-        throw in.damaged(ijk_path, "is not the lattice of the scene");
+        throw in.damaged(ijk_path, "does not match the lattice of the scene");
       if (is_new) lattice.add(ijk[row]);
       const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
       // The positions are stored for other programs. They must agree with the lattice coordinates
       // up to rounding.
       if (!(distance <= 1e-9 * lattice.radius()))
-        throw in.damaged(position_path, "is not the lattice of the scene");
+        throw in.damaged(position_path, "does not match the lattice of the scene");
     }
   }
 }
@@ -320,7 +320,7 @@ void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spac
   for (const SpaceToWrite& space : spaces) {
     total += countOf(space);
     if (total > std::numeric_limits<std::int32_t>::max())
-      throw failure("{}: {}: more rows than a dataset has numbers for", out.name(), path);
+      throw failure("{}: {}: a dataset cannot have more than 2^31 - 1 rows", out.name(), path);
     firsts.push_back(static_cast<std::int32_t>(total));
   }
   out.writeList(path, firsts, "1");
@@ -366,7 +366,7 @@ void checkNames(const Reader& in, const Scene& scene) {
     std::string name(reinterpret_cast<const char*>(names.data()) + s * length, length);
     name.erase(name.find_last_not_of('\0') + 1);
     if (name != scene.active[s].name)
-      throw in.damaged(name_path, "are not the active nodes of the scene");
+      throw in.damaged(name_path, "does not match the active nodes of the scene");
   }
 }
 
@@ -378,7 +378,8 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
   const auto firsts = in.readList<std::int32_t>(firsts_path, spaces.size() + 1);
   if (firsts.front() != 0 || !std::ranges::is_sorted(firsts) ||
       static_cast<std::size_t>(firsts.back()) != n_rows)
-    throw in.damaged(firsts_path, fmt::format("does not divide {} rows", n_rows));
+    throw in.damaged(firsts_path,
+                     fmt::format("does not divide the {} rows among the spaces", n_rows));
   for (std::size_t s = 0; s < spaces.size(); ++s)
     std::invoke(list, spaces[s]).resize(static_cast<std::size_t>(firsts[s + 1] - firsts[s]));
 }
@@ -413,22 +414,23 @@ bool readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
       const auto& [x, y, z, radius, nx, ny, nz, pull] = fingers[s];
       patch.finger = Finger{{x, y, z}, radius, {{nx, ny, nz}, pull, widths[s]}};
       if (!isFinger(*patch.finger))
-        throw in.damaged(finger_path, fmt::format("that of {} is none", patch.name));
+        throw in.damaged(finger_path,
+                         fmt::format("the row of {} is not a valid finger", patch.name));
     }
     if (!std::ranges::is_sorted(patch.nodes))
-      throw in.damaged(patch_node_path, fmt::format("those of {} are not sorted", patch.name));
+      throw in.damaged(patch_node_path, fmt::format("the nodes of {} are not sorted", patch.name));
     if (!patch.nodes.empty() &&
         (patch.nodes.front() < 0 || static_cast<std::size_t>(patch.nodes.back()) >= n_nodes))
-      throw in.damaged(patch_node_path, fmt::format("those of {} are not of the mesh", patch.name));
+      throw in.damaged(patch_node_path, fmt::format("{} has nodes outside the mesh", patch.name));
     if (!contains(patch.nodes, patch.node))
       throw in.damaged(active_path,
-                       fmt::format("{} is not in the patch of {}", patch.node, patch.name));
+                       fmt::format("node {} is not in the patch of {}", patch.node, patch.name));
   }
   return with_finger;
 }
 
 std::string unusableRow(std::size_t n) {
-  return fmt::format("row {} is solved, but a number of it is not finite, or beyond {:g}", n,
+  return fmt::format("row {} is solved, but one of its numbers is not finite or exceeds {:g}", n,
                      largest_stored);
 }
 
@@ -525,7 +527,7 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
       throw in.damaged("space " + space.patch.name, fault);
   if (!std::ranges::is_partitioned(spaces,
                                    [](const SpaceTable& space) { return !space.patch.probe; }))
-    throw in.damaged(name_path, "have places of probes before what can be touched");
+    throw in.damaged(name_path, "lists places of probes before other active nodes");
   return spaces;
 }
 

@@ -200,7 +200,7 @@ TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
   };
   expectErrors(
       Hashes::as_they_were,
-      {{extra("(2**50, 3)", "<f4", "(64, 3)"), "/extra: impossible shape 1125899906842624"},
+      {{extra("(2**50, 3)", "<f4", "(64, 3)"), "/extra: has the impossible shape 1125899906842624"},
        {extra("(2**50, 0)", "<f4", "None"), "impossible shape"},
        {extra("(2**31 - 1, 0)", "<i4", "None"), "impossible shape"}});
 }
@@ -213,17 +213,18 @@ TEST_F(ChangedDataset, OfFingersNeedsNoWidth) {
 }
 
 TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
-  expectErrors(Hashes::forged, {{"f['points/tag'][3] = 4", "/points/tag: holds 4"},
-                                {"f['points/parent'][3] = 33", "space tip: point 3 has parent 33"},
-                                {"f['attempts/cause'][0] = 99", "attempts/cause: holds 99"},
-                                {"f['mesh/tetrahedra'][0, 2] = -1", "/mesh/tetrahedra: holds -1"},
-                                {"f['spaces/active_node'][1] = 2", "active_node"},
-                                {"f['spaces/name'][1, 0] = 70", "/spaces/name"},
-                                {"f['spaces/first_point'][1] = 70", "/spaces/first_point"},
-                                {"f['spaces/first_attempt'][1:] = 1", "/spaces/first_attempt"},
-                                {"f['mesh/surface_nodes'][0] = 1", "/mesh/surface_nodes"},
-                                {"f['points/force'][2, 1] = np.nan", "row 2 is solved"},
-                                {"f['points/ijk'][5, 0] += 1", "/points/ijk"}});
+  expectErrors(Hashes::forged,
+               {{"f['points/tag'][3] = 4", "/points/tag: holds 4"},
+                {"f['points/parent'][3] = 33", "space tip: point 3 has the invalid parent 33"},
+                {"f['attempts/cause'][0] = 99", "attempts/cause: holds 99"},
+                {"f['mesh/tetrahedra'][0, 2] = -1", "/mesh/tetrahedra: holds -1"},
+                {"f['spaces/active_node'][1] = 2", "active_node"},
+                {"f['spaces/name'][1, 0] = 70", "/spaces/name"},
+                {"f['spaces/first_point'][1] = 70", "/spaces/first_point"},
+                {"f['spaces/first_attempt'][1:] = 1", "/spaces/first_attempt"},
+                {"f['mesh/surface_nodes'][0] = 1", "/mesh/surface_nodes"},
+                {"f['points/force'][2, 1] = np.nan", "row 2 is solved"},
+                {"f['points/ijk'][5, 0] += 1", "/points/ijk"}});
 }
 
 /// What only a look at the fields can find.
@@ -243,7 +244,7 @@ TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {
   expectErrors(Hashes::forged,
                {{""},
                 {"f['splits/level'][1] = 20", "space edge-2: split 1"},
-                {"f['splits/lowest'][0, 1] = 100", "no cell of the lattice"},
+                {"f['splits/lowest'][0, 1] = 100", "split 0 is not a cell"},
                 {"f['points/ijk'][-1] = f['points/ijk'][-2]", "/points/ijk"},
                 {"f['points/ijk'][-1] = (90000, 0, 0)", "/points/position"},
                 {"f['probes/position'][0] = (1, 0, 0)", "space tip: probe 0"},
@@ -261,7 +262,7 @@ TEST_F(ChangedDataset, LinksToOtherFilesAreNotFollowed) {
   expectErrors(Hashes::as_they_were, {{"f['extra'] = h5py.ExternalLink('/etc/passwd', '/')"}});
   expectErrors(Hashes::forged, {{"del f['mesh/surface']\nf.create_dataset('mesh/surface', (1, 3), "
                                  "'int32', external=[('/etc/passwd', 0, 12)])",
-                                 "lies in another file"}});
+                                 "/mesh/surface: stores its data in another file"}});
 }
 
 }  // namespace

@@ -347,7 +347,7 @@ TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) 
     SampleDataset forged = sample;
     forge(forged);
     expectError(ExitCode::failed, [&] { forged.seal(copy); },
-                {"copy.h5.tmp", "/points/force", "not finite, or beyond 1e+30"});
+                {"copy.h5.tmp", "/points/force", "exceeds 1e+30"});
   };
   refused([](SampleDataset& s) { s.spaces[0].points[3].equilibrium.force[1] = 1e303; });
   refused([](SampleDataset& s) { s.spaces[1].points[4].equilibrium.stiffness(2, 0) = -1.1e30; });
@@ -425,18 +425,15 @@ TEST_F(SealedDataset, IsNotSealedFromTablesThatContradictThemselves) {
   const std::int32_t size = sample.spaces[1].lattice.size();
   refused([](SpaceTable& t) { std::swap(t.splits[0], t.splits[1]); }, "not sorted");
   refused([](SpaceTable& t) { t.splits.erase(t.splits.begin()); }, "in a cell that is not split");
-  refused([](SpaceTable& t) { t.splits[1].lowest[0] += 1; }, "no cell of the lattice");
-  refused([](SpaceTable& t) { t.splits[0].lowest[2] = 1024 * 5; }, "no cell of the lattice");
-  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "level 10, which has no halves");
+  refused([](SpaceTable& t) { t.splits[1].lowest[0] += 1; }, "split 1 is not a cell");
+  refused([](SpaceTable& t) { t.splits[0].lowest[2] = 1024 * 5; }, "split 0 is not a cell");
+  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "split 1 has level 10");
   refused([](SpaceTable& t) { t.probes[0].displacement[1] = NAN; }, "probe 0 lies outside");
   refused([](SpaceTable& t) { t.probes[1].displacement[1] = 0.0201; }, "probe 1 lies outside");
-  refused([&](SpaceTable& t) { t.probes[1].record.parent = size; }, "probe 1 has parent");
-  refused([&](SpaceTable& t) { t.points[4].parent = size; }, "point 4 has parent");
-  refused(
-      [](SpaceTable& t) {
-        t.attempts = {{3, -1, {}}};
-      },
-      "an attempt went from point -1 to point 3");
+  refused([&](SpaceTable& t) { t.probes[1].record.parent = size; },
+          "probe 1 has the invalid parent");
+  refused([&](SpaceTable& t) { t.points[4].parent = size; }, "point 4 has the invalid parent");
+  refused([](SpaceTable& t) { t.attempts = {{3, -1, {}}}; }, "-1 to 3");
   refused(
       [](SpaceTable& t) {
         t.lattice.add({4097, 0, 0});
