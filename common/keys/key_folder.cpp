@@ -31,13 +31,13 @@ bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   struct stat info {};
   if (stat(path.c_str(), &info) != 0) {
     if (errno == ENOENT || errno == ENOTDIR) return false;
-    throw failure("{}: cannot look at: {}", path.string(), errnoText());
+    throw failure("{}: cannot read its permissions: {}", path.string(), errnoText());
   }
   if (info.st_uid != geteuid() && info.st_uid != 0)
-    throw badInput("{}: belongs to another user, who could change the keys: use a folder of yours",
+    throw badInput("{}: belongs to another user, who could change the keys; use your own folder",
                    path.string());
   if ((info.st_mode & 077) != 0)
-    throw badInput("{}: others may read or change it (mode {:04o}): chmod {:04o} '{}'",
+    throw badInput("{}: other users may read or change it (mode {:04o}); run: chmod {:04o} '{}'",
                    path.string(), info.st_mode & 07777, wanted, path.string());
   return true;
 }
@@ -57,7 +57,7 @@ std::optional<TextLines> privateLines(const std::filesystem::path& file) {
 PublicKey takeKey(TextLines& lines) {
   const std::string_view word = lines.takeWord();
   if (const auto key = PublicKey::fromHex(word)) return *key;
-  throw lines.wrong("\"{}\" is no key: 64 hexadecimal digits, as palpate key show prints them",
+  throw lines.wrong("\"{}\" is not a key (64 hexadecimal digits, as printed by palpate key show)",
                     word);
 }
 
@@ -69,8 +69,8 @@ void makePrivateFolder(const std::filesystem::path& folder) {
   if (!error && mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     error = {errno, std::generic_category()};
   if (error)
-    throw failure("{}: cannot make this folder for keys: {}: give --keys another", folder.string(),
-                  error.message());
+    throw failure("{}: cannot make this folder for keys: {}; give another one with --keys",
+                  folder.string(), error.message());
   isPrivate(folder, 0700);
 }
 
@@ -91,7 +91,9 @@ void changeAllowed(const KeyFolder& folder,
   writePrivate(folder.allowedFile(), [&] {
     std::vector<AllowedKey> keys = folder.allowed();
     change(keys);
-    std::string text = "# Whom servers let in: key, roles, name. palpate key allow and withdraw.\n";
+    std::string text =
+        "# Keys that servers admit: key, roles, name. Change with palpate key allow and "
+        "withdraw.\n";
     for (const AllowedKey& key : keys)
       text += fmt::format("{} {} {}\n", key.key.hex(), wordsOf(key.roles), key.name);
     return text;
@@ -109,7 +111,7 @@ Roles rolesOf(std::string_view words) {
         std::ranges::find(role_words, word, [](const auto& entry) { return entry.first; });
     if (known == role_words.end())
       throw badInput(
-          "\"{}\" is no role: worker, observer, operator, or several with commas between them",
+          "\"{}\" is not a role; write worker, observer, operator, or several separated by commas",
           word);
     roles = roles | known->second;
   }
@@ -132,12 +134,13 @@ bool KeyFolder::hasOwn() const { return std::filesystem::exists(ownFile(folder_)
 KeyPair KeyFolder::own() const {
   auto lines = privateLines(ownFile(folder_));
   if (!lines)
-    throw badInput("{}: there is no key of yours: palpate key new makes one",
+    throw badInput("{}: you have no key yet; make one with: palpate key new",
                    ownFile(folder_).string());
   const auto secret = lines->advance() ? Bytes32::fromHex(lines->takeWord()) : std::nullopt;
   if (!secret || lines->advance())
-    throw badInput("{}: is no key (64 hexadecimal digits): palpate key new --replace makes another",
-                   ownFile(folder_).string());
+    throw badInput(
+        "{}: is not a key (64 hexadecimal digits); make one with: palpate key new --replace",
+        ownFile(folder_).string());
   return KeyPair(*secret);
 }
 
@@ -152,7 +155,7 @@ KeyPair KeyFolder::ownOrNew() const {
   std::error_code ignored;
   std::filesystem::remove(aside, ignored);
   if (!first && reason != EEXIST)
-    throw failure("{}: cannot make: {}", ownFile(folder_).string(), std::strerror(reason));
+    throw failure("{}: cannot create it: {}", ownFile(folder_).string(), std::strerror(reason));
   syncFolder(folder_);
   return own();
 }
@@ -187,7 +190,7 @@ void KeyFolder::allow(const AllowedKey& key) const {
     return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
   };
   if (std::ranges::any_of(key.name, breaks))
-    throw badInput("\"{}\" is no name: it may have no line break, control character or #",
+    throw badInput("\"{}\" is not a name; it must not have a line break, control character or #",
                    key.name);
   changeAllowed(*this, [&](std::vector<AllowedKey>& keys) {
     std::erase_if(keys, [&](const AllowedKey& other) { return other.key == key.key; });
@@ -232,7 +235,7 @@ void KeyFolder::trust(const PublicKey& key, const std::string& endpoint) const {
     std::erase_if(all, [&](const auto& entry) { return entry.first == endpoint; });
     all.emplace_back(endpoint, key);
     std::string text =
-        "# The keys of servers: key, endpoint (* for all others). palpate key trust.\n";
+        "# Keys of servers: key, endpoint (* for all others). Change with palpate key trust.\n";
     for (const auto& [where, of] : all) text += fmt::format("{} {}\n", of.hex(), where);
     return text;
   });
@@ -258,7 +261,7 @@ Roles Admission::rolesOf(const PublicKey& key) {
       trouble_.clear();
     } catch (const Error& error) {
       if (trouble_ != error.what())
-        spdlog::warn("{}; those who were let in before still are", error.what());
+        spdlog::warn("{}; the keys admitted before stay admitted", error.what());
       trouble_ = error.what();
     }
   PALPATE_ASSERT(roles_.contains(own_), "the own key is let in, whatever the list says");
@@ -278,7 +281,7 @@ KeyFolder chosenKeyFolder(const std::string& option) {
   if (const auto home = variable("HOME"); home.is_absolute())
     return KeyFolder(home / ".config" / "palpate" / "keys");
   throw badInput(
-      "there is no folder for keys, as HOME is not set: give --keys FOLDER, or set PALPATE_KEYS");
+      "there is no folder for keys (HOME is not set); give --keys FOLDER or set PALPATE_KEYS");
 }
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ KeyPair KeyPair::make() {
 KeyPair::KeyPair(const Bytes32& secret) : secret_(secret) {
   startSodium();
   if (crypto_scalarmult_base(open_.data(), secret_.data()) != 0)
-    throw failure("libsodium makes no public key of this secret");
+    throw failure("libsodium cannot derive a public key from this secret");
 }
 
 KeyPair::~KeyPair() { sodium_memzero(secret_.data(), secret_.size()); }

@@ -27,7 +27,7 @@ std::string addressOf(int descriptor) {
   std::array<char, NI_MAXHOST> text{};
   if (getpeername(descriptor, address, &size) != 0 ||
       getnameinfo(address, size, text.data(), text.size(), nullptr, 0, NI_NUMERICHOST) != 0)
-    return "somewhere";
+    return "an unknown address";
   return text.data();
 }
 
@@ -110,7 +110,7 @@ void Connections::keepDescriptors() {
                                                  beyond(silent.size(), limits_.silent))));
   for (const auto& [since, descriptor] : silent)
     close(descriptor, connections_.at(descriptor),
-          fmt::format("it said nothing, and there are {} others", open - 1));
+          fmt::format("it sent nothing, and there are {} other connections", open - 1));
 }
 
 /// Shuts the connection down. ZeroMQ's thread then drops its incomplete message and closes the
@@ -136,10 +136,10 @@ bool Connections::received(int descriptor, std::size_t bytes) {
   connection.messages =
       1 + std::max(0.0, connection.messages - limits_.messages_per_second * since_latest.count());
   if (bytes > limits_.message_bytes)
-    close(descriptor, connection, fmt::format("it sent a message of {} bytes", bytes));
+    close(descriptor, connection, fmt::format("its message of {} bytes is too large", bytes));
   else if (connection.messages > seconds_of_messages * limits_.messages_per_second)
     close(descriptor, connection,
-          fmt::format("it sent more than {} messages a second", limits_.messages_per_second));
+          fmt::format("it sent more than {} messages per second", limits_.messages_per_second));
   return !connection.closed;
 }
 

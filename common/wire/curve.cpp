@@ -15,7 +15,7 @@ constexpr const char* zap_endpoint = "inproc://zeromq.zap.01";
 
 void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t bytes) {
   if (zmq_setsockopt(socket.handle(), option, value, bytes) != 0)
-    throw failure("ZeroMQ takes no keys: {} (is its libzmq built without CURVE?)",
+    throw failure("ZeroMQ does not accept keys: {} (is libzmq built without CURVE?)",
                   zmq_strerror(zmq_errno()));
 }
 
@@ -81,7 +81,7 @@ void ZapHandler::answer() {
                                                                 : std::nullopt;
   const bool admitted = key && admission_.rolesOf(*key) != Roles::none;
   sendFrames(questions_, {"1.0", request.size() > 1 ? request[1] : "", admitted ? "200" : "400",
-                          admitted ? "" : "not let in", admitted ? key->hex() : "", ""});
+                          admitted ? "" : "not admitted", admitted ? key->hex() : "", ""});
 }
 
 Roles ZapHandler::rolesOf(const std::optional<PublicKey>& sender) {
@@ -99,16 +99,16 @@ std::string HandshakeWatch::trouble() {
     switch (event->kind) {
       case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
         newest =
-            "it does not let this key in (palpate key show prints it; palpate key allow, where "
-            "that runs, lets it in)";
+            "it does not admit this key (print the key with palpate key show, and admit it there "
+            "with palpate key allow)";
         break;
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
-        newest = "it uses keys and this side does not, or the other way round (--insecure)";
+        newest = "one side uses keys and the other does not (--insecure)";
         break;
       default:
         newest =
-            "it has another key than is known here (palpate key show prints it there; palpate "
-            "key trust takes it), or it uses no keys (--insecure), or it ended just now";
+            "its key differs from the one known here (print it there with palpate key show, accept "
+            "it here with palpate key trust), it uses no keys (--insecure), or it has just ended";
     }
   }
   return newest;

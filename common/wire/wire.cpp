@@ -95,7 +95,7 @@ HostAddress lookUp(const std::string& host) {
     freeaddrinfo(all);
   }
   if (error != 0)
-    return {.trouble = fmt::format("the host {} is not found ({}): check its name", host,
+    return {.trouble = fmt::format("host {} not found ({}); check its name", host,
                                    error == EAI_SYSTEM ? errnoText() : gai_strerror(error))};
   return {.text = of_ipv6 ? fmt::format("[{}]", text.data()) : text.data()};
 }
@@ -145,7 +145,7 @@ bool isListenedAt(const std::string& path) {
   PALPATE_ASSERT(path.size() < sizeof address.sun_path, "longer ones were refused");
   path.copy(address.sun_path, path.size());
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (probe < 0) throw failure("ipc://{}: cannot look who listens there: {}", path, errnoText());
+  if (probe < 0) throw failure("ipc://{}: cannot check for a listener: {}", path, errnoText());
   const bool connected =
       connect(probe, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
   // EAGAIN means that the listener's queue of pending connections is full.
@@ -163,13 +163,12 @@ void refuseTakenPath(const std::string& endpoint) {
   // A name that begins with @ is not a file, and with * libzmq chooses a file.
   if (path.starts_with('@') || path == "*") return;
   if (path.size() >= sizeof(sockaddr_un::sun_path))
-    throw badInput("{}: the path is too long for a socket: it may have {} bytes", endpoint,
+    throw badInput("{}: the path is too long for a socket; it may have at most {} bytes", endpoint,
                    sizeof(sockaddr_un::sun_path) - 1);
   struct stat info {};
   if (lstat(path.c_str(), &info) != 0) return;
   if (!S_ISSOCK(info.st_mode))
-    throw failure("{}: there is a file of that name which is no socket: choose another path",
-                  endpoint);
+    throw failure("{}: this file exists and is not a socket; choose another path", endpoint);
   if (isListenedAt(path))
     throw failure(
         "{} is in use by another program: stop it (palpate stop {}) or choose another path",
@@ -385,7 +384,7 @@ zmq::socket_t monitorOf(zmq::context_t& context, zmq::socket_t& socket, int kind
   static std::atomic<int> count{0};
   const std::string endpoint = fmt::format("inproc://monitor-{}", ++count);
   if (zmq_socket_monitor(socket.handle(), endpoint.c_str(), kinds) != 0)
-    throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
+    throw failure("ZeroMQ cannot monitor a socket: {}", zmq_strerror(zmq_errno()));
   zmq::socket_t monitor(context, zmq::socket_type::pair);
   monitor.set(zmq::sockopt::linger, 0);
   // Do not limit the queue of events; if it were full, ZeroMQ's own thread would wait.

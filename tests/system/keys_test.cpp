@@ -61,7 +61,7 @@ TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
   expectDone("node", "key new");
   expectDone("node", "key trust " + keyOf("head"));
   auto worker = workAs("node");
-  EXPECT_TRUE(test::says(*worker, "does not let this key in"));
+  EXPECT_TRUE(test::says(*worker, "does not admit this key"));
   expectDone("head", "key allow " + keyOf("node") + " worker node");
   EXPECT_TRUE(test::eventually([&] {
     return scheduler->output().find("joined") != std::string::npos || !worker->running();
@@ -82,7 +82,7 @@ TEST_F(KeysTest, OfABuildAreItsOwnAndItsStateDirectoryKnowsThem) {
   std::filesystem::remove(directory / "out.h5.state" / "endpoint");
   auto build = startBuild("out.h5", "2");
   EXPECT_THAT(run("anybody", "status " + endpointIn("out.h5.state")).output,
-              AllOf(HasSubstr("another key"), Not(HasSubstr("scene"))));
+              AllOf(HasSubstr("its key differs"), Not(HasSubstr("scene"))));
   EXPECT_THAT(run("anybody", "status out.h5.state").output, HasSubstr("scene cube"));
   expectDone("anybody", "resume out.h5.state");
   expectFinished(*build);

@@ -74,7 +74,7 @@ TEST_F(MovingTest, WithOtherKeysWorkersSayWhatIsToBeDoneAndWaitForIt) {
   introduce("other-head");
   auto scheduler = serve("moved", "other-head");
   auto worker = work(endpointOf(*scheduler, "moved"), "600");
-  EXPECT_TRUE(test::says(*worker, "palpate key trust takes it")) << worker->output();
+  EXPECT_TRUE(test::says(*worker, "palpate key trust")) << worker->output();
   told("key trust " + keyOf("other-head") + " --keys node");
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();

@@ -158,7 +158,7 @@ TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
 TEST_F(KeyFolderTest, TakesNoNameThatWouldLetAnotherKeyIn) {
   const PublicKey key = KeyPair::make().open(), other = KeyPair::make().open();
   for (const std::string& name : {"node\n" + other.hex() + " operator", std::string("node # 1")})
-    expectBadInput([&] { folder.allow({key, roles("worker"), name}); }, {"no name"});
+    expectBadInput([&] { folder.allow({key, roles("worker"), name}); }, {"not a name"});
   folder.allow({key, roles("worker"), ""});
   EXPECT_FALSE(folder.withdraw("")) << "no name is not a name";
   EXPECT_EQ(folder.allowed().size(), 1U);

@@ -87,13 +87,13 @@ TEST_F(CurveTest, WhoHasTheServersFolderIsLetInWithoutAnyList) {
 
 TEST_F(CurveTest, AKeyThatIsNotLetInIsTurnedAwayAndLearnsWhy) {
   client_keys.trust(server_keys.own().open(), "*");
-  expectTrouble(client_keys, "does not let this key in");
+  expectTrouble(client_keys, "does not admit this key");
 }
 
 TEST_F(CurveTest, AServerWithAnotherKeyThanItShouldHaveIsNotTalkedTo) {
   server_keys.allow({client(), rolesOf("observer"), "me"});
   client_keys.trust(KeyPair::make().open(), "*");
-  expectTrouble(client_keys, "another key than is known here");
+  expectTrouble(client_keys, "its key differs");
 }
 
 TEST_F(CurveTest, WithAKeyOnOneSideAloneNothingIsSaidAndTheOtherSideIsNamed) {
