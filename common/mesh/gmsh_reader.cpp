@@ -71,14 +71,14 @@ class GmshText {
     if (lines_.rest() != "$MeshFormat")
       throw lines_.wrong(
           "this is not a Gmsh .msh file of version 2.2 or 4.1: its first line is not $MeshFormat; "
-          "palpate mesh makes one of other formats");
+          "convert other formats with palpate mesh");
     section_ = lines_.rest();
     nextLine();
     const auto version = lines_.take<double>("the version");
     const auto binary = lines_.take<int>("the file type");
     if (version != 2.2 && version != 4.1)
       throw lines_.wrong(
-          "Gmsh format version {} is not read; convert it with: palpate mesh {} -o NEW.msh",
+          "Gmsh format version {} is not supported; convert it with: palpate mesh {} -o NEW.msh",
           version, shellWord(lines_.source()));
     if (binary != 0)
       throw lines_.wrong("the file is binary; convert it with: palpate mesh {} -o NEW.msh",
@@ -116,7 +116,7 @@ class GmshText {
       throw lines_.wrong(
           "the mesh is partitioned; save it without partitions (gmsh: Mesh > Unpartition)");
     } else if (section_ == "$ParametricNodes") {
-      throw lines_.wrong("nodes with parameters are not read; palpate mesh {} -o NEW.msh",
+      throw lines_.wrong("parametric nodes are not supported; run: palpate mesh {} -o NEW.msh",
                          shellWord(lines_.source()));
     } else if (section_.starts_with("$") && !section_.starts_with("$End")) {
       return skipSection();
@@ -130,8 +130,8 @@ class GmshText {
     nextLine();
     if (lines_.rest() != "$End" + section_.substr(1))
       throw lines_.wrong(
-          "\"{}\" where $End{} is expected: more lines than were announced, "
-          "or the file is truncated",
+          "\"{}\" where $End{} is expected: there are more lines than announced, or the file is "
+          "truncated",
           lines_.rest(), section_.substr(1));
   }
 
@@ -160,7 +160,7 @@ class GmshText {
   std::int64_t takeGroup() {
     const std::int64_t group = takeTag("the number of a physical group");
     if (group == std::numeric_limits<std::int64_t>::min())
-      throw lines_.wrong("{} is the number of no physical group", group);
+      throw lines_.wrong("{} is not the number of a physical group", group);
     return std::abs(group);
   }
 
@@ -245,7 +245,7 @@ class GmshText {
       });
     });
     if (mesh_.nodes.size() != n_nodes)
-      throw lines_.wrong("{} nodes were announced, the blocks hold {}", n_nodes,
+      throw lines_.wrong("{} nodes were announced, but the blocks contain {}", n_nodes,
                          mesh_.nodes.size());
   }
 
@@ -264,9 +264,8 @@ class GmshText {
     const ElementType& found = element_types[type];
     if (found.dimension == 3 && type != tetrahedron_4 && type != tetrahedron_10)
       throw lines_.wrong(
-          "an element of Gmsh's type {} with {} nodes: "
-          "volume elements must be tetrahedra of 4 or 10 nodes (mesh without recombination, "
-          "and with -order 1 or 2)",
+          "element type {} of Gmsh, with {} nodes, is not supported: volume elements must be "
+          "tetrahedra with 4 or 10 nodes (mesh without recombination, and with -order 1 or 2)",
           type, found.nodes);
     return found;
   }
@@ -340,7 +339,7 @@ class GmshText {
       read += count;
     });
     if (read != n_elements)
-      throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
+      throw lines_.wrong("{} elements were announced, but the blocks contain {}", n_elements, read);
   }
 
   /// Reads one vector per tetrahedron; the first string tag is its name. Skips data with other than

@@ -26,9 +26,9 @@ constexpr std::array<std::array<int, 3>, 4> faces_of_tetrahedron = {
 void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
   if (mesh.tetrahedra.empty())
     throw badInput(
-        "{}: no tetrahedra in it; mesh the volume (gmsh -3, or palpate mesh of a closed surface), "
-        "and if there are physical groups, name the volume in one, because Gmsh then saves only "
-        "what is in a group",
+        "{}: has no tetrahedra; mesh the volume (gmsh -3, or palpate mesh for a closed surface). "
+        "If there are physical groups, put the volume into one, because Gmsh then saves only "
+        "elements in groups",
         source);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     if (!(mesh.nodes[n].array().abs() <= farthest_node).all())
@@ -143,12 +143,12 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
     const std::size_t count = next - first;
     if (count > 2)
       throw badInput(
-          "{}: {} tetrahedra share one face, among them {}; a face can have two sides only", source,
+          "{}: {} tetrahedra share one face, among them {}; at most two can share a face", source,
           count, placeOf(mesh, faces[first].element, ""));
     if (count == 2 && faces[first].even == faces[first + 1].even)
       throw badInput(
           "{}: {} and tetrahedron {} lie on the same side of the face they share: the mesh folds "
-          "over itself there, or one is there twice; re-mesh",
+          "over itself there, or one of them is repeated; re-mesh",
           source, placeOf(mesh, faces[first].element, ""), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
@@ -256,8 +256,8 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     // The negation also refuses NaN, which an edge of length 0 gives.
     if (!(off <= tolerance))
       return fmt::format(
-          "the node of its edge at {} is off the middle by {:.2g} of the edge's length; curved "
-          "edges are not supported",
+          "its edge at {} is curved: the mid-edge node is off the middle by {:.2g} of the edge's "
+          "length; curved edges are not supported",
           placeText(a / 2 + b / 2), off);
   }
   return {};

@@ -36,10 +36,11 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
       quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
       quality.worst_shape, quality.worst_element);
   if (mesh.dropped_nodes > 0)
-    fmt::format_to(out, "           note: dropped {} of no tetrahedron; later ones count down\n",
+    fmt::format_to(out,
+                   "           note: dropped {} without a tetrahedron; later ones renumbered\n",
                    counted(mesh.dropped_nodes, "node"));
   if (mesh.reoriented_tetrahedra > 0)
-    fmt::format_to(out, "           note: the file counts {} left-handed; turned\n",
+    fmt::format_to(out, "           note: {} had negative volume; their node order was reversed\n",
                    tetrahedraText(mesh.reoriented_tetrahedra));
   for (const auto& [group, nodes] : mesh.node_groups)
     fmt::format_to(out, "group      \"{}\": {}\n", group, counted(nodes.size(), "node"));
@@ -54,17 +55,17 @@ std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quali
   if (!quality.coincident.empty()) {
     const auto& [node, other] = quality.coincident.front();
     text.push_back(fmt::format(
-        "coincident nodes: {}, the first is node {} on node {} at {}: what meets there is not "
-        "joined, and passes through itself; if that is no cut, palpate mesh {} --weld -o NEW.msh "
-        "makes them one",
+        "coincident nodes: {}, the first is node {} on node {} at {}: the parts that meet there "
+        "are not joined and pass through each other; unless this is a cut, merge the nodes: "
+        "palpate mesh {} --weld -o NEW.msh",
         quality.coincident.size(), node, other, shortPlace(mesh.nodes[node]), shellWord(file)));
   }
   if (!quality.hinges.empty())
-    text.push_back(
-        fmt::format("its {} meet in {} without a face in common, the first is node {} at {}: "
-                    "they turn there as on hinges; join them by faces",
-                    counted(quality.pieces, "piece"), counted(quality.hinges.size(), "node"),
-                    quality.hinges.front(), shortPlace(mesh.nodes[quality.hinges.front()])));
+    text.push_back(fmt::format(
+        "its {} meet in {} without a common face, the first is node {} at {}: they turn there as "
+        "on hinges; join them by faces",
+        counted(quality.pieces, "piece"), counted(quality.hinges.size(), "node"),
+        quality.hinges.front(), shortPlace(mesh.nodes[quality.hinges.front()])));
   return text;
 }
 

@@ -196,9 +196,9 @@ void refuseOverlaps(const Mesh& mesh, const std::string& source) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const std::int32_t node : places[cuts.first[0]]) middle += mesh.nodes[node] / 3;
   throw badInput(
-      "{}: {} pairs of triangles of the surface overlap or cut each other, the first at {}: "
-      "inner faces do not match, or parts lie in one another; mesh all parts as one "
-      "(gmsh: BooleanFragments), so that neighbours share whole faces",
+      "{}: {} pairs of surface triangles overlap or intersect, the first at {}: inner faces do not "
+      "match, or parts overlap; mesh all parts together (gmsh: BooleanFragments), so that "
+      "neighbours share whole faces",
       source, cuts.count, placeText(middle));
 }
 

@@ -231,16 +231,16 @@ TEST_F(GmshReader, RefusesInconsistentFilesNamingTheLine) {
   refuses(tetrahedron_22, "1e-1", "1,5", {"body.msh:12", "\"1,5\"", "a coordinate"});
   refuses(tetrahedron_22, "1e-1", "nan", {"body.msh:12", "not finite"});
   refuses(tetrahedron_22, "$Nodes\n5", "$Nodes\n4", {"body.msh:15", "$EndNodes"});
-  refuses(tetrahedron_22, "$Nodes\n5", "$Nodes\n99999999999", {"body.msh:10", "cannot be"});
+  refuses(tetrahedron_22, "$Nodes\n5", "$Nodes\n99999999999", {"body.msh:10", "99999999999"});
   refuses(tetrahedron_22, "3 4 2 7", "3 77 2 7", {"body.msh:21", "type 77"});
   refuses(tetrahedron_22, "3 4 2 7", "3 4 2 -9223372036854775808",
-          {"body.msh:21", "-9223372036854775808 is the number of no physical group"});
+          {"body.msh:21", "-9223372036854775808", "physical group"});
   refuses(tetrahedron_41, "3 4 7 1000000007", "3 5 7 1000000007", {"5 nodes were announced", "4"});
 }
 
 TEST_F(GmshReader, RefusesVolumeElementsThatAreNotTetrahedra) {
   refuses(tetrahedron_22, "3 4 2 7", "3 29 2 7",
-          {"body.msh:21", "20 nodes", "tetrahedra of 4 or 10 nodes", "-order 1 or 2"});
+          {"body.msh:21", "20 nodes", "tetrahedra with 4 or 10 nodes", "-order 1 or 2"});
 }
 
 /// Two tetrahedra of ten nodes in Gmsh's order, the second in the group "vessel", a six-node
