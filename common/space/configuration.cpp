@@ -21,10 +21,8 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
                                 std::size_t n_pressures) {
   const std::size_t expected = (3 * n_nodes + n_pressures) * sizeof(float);
   if (bytes.size() != expected)
-    throw failure(
-        "nodal fields of {} bytes do not belong to a mesh of {} nodes, "
-        "{} with a pressure ({} bytes)",
-        bytes.size(), n_nodes, n_pressures, expected);
+    throw failure("nodal fields have {} bytes, but a mesh with {} nodes and {} pressures needs {}",
+                  bytes.size(), n_nodes, n_pressures, expected);
   NodalFields fields = {std::vector<float>(3 * n_nodes), std::vector<float>(n_pressures)};
   for (std::vector<float>* values : {&fields.displacement, &fields.pressure}) {
     const std::size_t length = values->size() * sizeof(float);

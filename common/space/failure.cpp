@@ -21,20 +21,20 @@ std::string meaningOf(const Failure& f) {
   switch (f.cause) {
     case Cause::none: break;
     case Cause::iteration_limit:
-      return fmt::format("Newton was still descending, residual {:.3g} N", f.residual);
+      return fmt::format("Newton's method was still descending; residual {:.3g} N", f.residual);
     case Cause::line_search_stalled:
-      return fmt::format("residual {:.3g} N does not go down; element {} has det F = {:.3g}",
+      return fmt::format("residual {:.3g} N does not decrease; element {} has det F = {:.3g}",
                          f.residual, f.element, f.element_det_F);
     case Cause::inverted_element:
       return fmt::format(
           "element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually helps",
           f.element, f.element_det_F);
     case Cause::wrong_inertia:
-      return fmt::format("{} negative pivots instead of {}, a fold or another branch lies between",
+      return fmt::format("{} negative pivots instead of {}: a fold or another branch in between",
                          f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
       if (f.mumps_infog1 >= 0)
-        return "the solution with the factors cannot be refined, the tangent is nearly singular";
+        return "the solution with the factors cannot be refined; the tangent is nearly singular";
       return fmt::format("MUMPS INFOG(1) = {}, INFOG(2) = {}", f.mumps_infog1, f.mumps_infog2);
     case Cause::not_finite: return "NaN or infinity appeared";
     case Cause::step_budget:
@@ -45,17 +45,16 @@ std::string meaningOf(const Failure& f) {
       return "every worker that tried this transition died; "
              "see the workers' logs (memory limit?)";
     case Cause::unreachable:
-      return "no neighbour can be expanded: "
-             "it lies behind points that are terminating or failed; nothing was tried";
+      return "not tried, because no neighbour can be expanded: the point lies behind terminating "
+             "or failed points";
     case Cause::limit_point:
       return fmt::format(
-          "the equilibrium path turns back there, "
-          "{} negative pivots instead of {} beyond the turn; "
-          "smaller steps get no further, a way around may",
+          "the equilibrium path turns back there ({} negative pivots instead of {} beyond the "
+          "turn); smaller steps do not help, but another path may",
           f.negative_pivots, f.expected_negative_pivots);
     case Cause::beyond_force:
-      return "the force there is many times workspace.max_force, more than is ever rendered; "
-             "nothing is wrong with that";
+      return "the force there is many times workspace.max_force and would never be rendered; this "
+             "is not an error";
     case Cause::bifurcation:
       return fmt::format(
           "{} negative pivots instead of {}: the body buckles, and no stable shape was found "

@@ -24,8 +24,8 @@ double ratioOf(double radius, double spacing) {
     throw badInput("workspace.spacing = {} m: must be greater than 0", spacing);
   if (!(std::isfinite(radius) && radius >= spacing))
     throw badInput(
-        "workspace.radius = {} m is smaller than workspace.spacing = {} m: "
-        "the lattice would be the origin alone",
+        "workspace.radius = {} m is smaller than workspace.spacing = {} m: the lattice would be "
+        "only the origin",
         radius, spacing);
   const double ratio = radius / spacing;
   const double whole = std::round(ratio);

@@ -31,12 +31,12 @@ std::string faultOfSplits(const SpaceRows& space) {
     // The table may come from a file, so check the level before a shift, which is undefined for 31
     // and more.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
-      return fmt::format("split {} is of level {}, which has no halves", i, cell.level);
+      return fmt::format("split {} has level {}, which cannot be halved", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
     const bool aligned = std::ranges::all_of(
         cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
     if (!aligned || isFarOutside(cell.lowest, space.lattice()))
-      return fmt::format("split {} is no cell of the lattice", i);
+      return fmt::format("split {} is not a cell of the lattice", i);
     if (cell.level > 0 && !isSplit(splits, parentOf(cell, divisions)))
       return fmt::format("split {} lies in a cell that is not split", i);
   }
@@ -117,7 +117,7 @@ std::string faultOf(const SpaceRows& space) {
     if (isFarOutside(lattice.point(n), lattice))
       return fmt::format("point {} lies far outside of the ball", n);
     if (const std::int32_t parent = space.point(n).parent; parent != -1 && !isPoint(parent))
-      return fmt::format("point {} has parent {}", n, parent);
+      return fmt::format("point {} has the invalid parent {}", n, parent);
   }
   for (std::int32_t i = 0; i < space.probes(); ++i) {
     const Probe probe = space.probe(i);
@@ -125,13 +125,13 @@ std::string faultOf(const SpaceRows& space) {
     if (!(probe.displacement.norm() <= lattice.radius() * (1 + 1e-9)))
       return fmt::format("probe {} lies outside of the ball", i);
     if (const std::int32_t parent = probe.record.parent; parent != -1 && !isPoint(parent))
-      return fmt::format("probe {} has parent {}", i, parent);
+      return fmt::format("probe {} has the invalid parent {}", i, parent);
   }
   std::string fault;
   space.eachAttempt([&](const FailedAttempt& attempt) {
     if (fault.empty() && (!isPoint(attempt.target) || !isPoint(attempt.parent)))
-      fault =
-          fmt::format("an attempt went from point {} to point {}", attempt.parent, attempt.target);
+      fault = fmt::format("a failed attempt has invalid points, {} to {}", attempt.parent,
+                          attempt.target);
   });
   return fault.empty() ? faultOfSplits(space) : fault;
 }
@@ -139,12 +139,12 @@ std::string faultOf(const SpaceRows& space) {
 std::string faultOf(const SpaceTable& space) {
   const auto size = static_cast<std::size_t>(space.lattice.size());
   if (space.points.size() != size)
-    return fmt::format("has {} points, the lattice {}", space.points.size(), size);
+    return fmt::format("has {} points, but its lattice has {}", space.points.size(), size);
   if (std::string fault = faultOf(TableRows(space)); !fault.empty()) return fault;
   const auto isPoint = [&](std::int32_t n) { return n >= 0 && n < space.lattice.size(); };
   for (const LatticeEdge& edge : space.inconsistent_edges)
     if (!isPoint(edge.a) || !isPoint(edge.b) || edge.a >= edge.b)
-      return fmt::format("an inconsistent edge joins points {} and {}", edge.a, edge.b);
+      return fmt::format("an inconsistent edge joins invalid points, {} and {}", edge.a, edge.b);
   return "";
 }
 
