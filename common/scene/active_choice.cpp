@@ -62,12 +62,12 @@ std::vector<ActiveChoice> areasOf(const Scene& scene) {
 
 void requirePlace(const ActiveChoice& choice, bool given) {
   if (choice.is_area && !given)
-    throw badInput("\"{}\" is a surface that a finger touches; say where with --at X Y Z",
+    throw badInput("\"{}\" is a surface that a finger touches; give the place with --at X Y Z",
                    choice.name);
   if (given && !choice.is_finger)
     throw badInput(
-        "--at: \"{}\" is no finger, and answers where it is only; leave --at out, or write "
-        "tool = \"finger\" in the scene",
+        "--at: \"{}\" is not a finger and cannot be moved; omit --at, or write tool = \"finger\" "
+        "in the scene",
         choice.name);
 }
 

@@ -91,7 +91,7 @@ void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
     taken.insert(taken.end(), some.begin(), some.end());
   for (const std::string_view key : materialKeys())
     if (section.has(key) && std::ranges::find(taken, key) == taken.end())
-      throw section.wrong(key, "law \"{}\" does not take it; it takes {}, and if wanted {}",
+      throw section.wrong(key, "law \"{}\" does not take this key; it needs {}, and accepts {}",
                           word(law), listed(keys.needed, "and"), listed(keys.optional, "and"));
 }
 
@@ -108,11 +108,11 @@ double poissonOf(const TomlSection& section) {
   const double poisson = section.require(
       "poisson", "Poisson's ratio, greater than -1 and less than 0.5", &TomlSection::number);
   if (!(poisson > -1 && poisson < 0.5))
-    throw section.wrong("poisson",
-                        "{} must be greater than -1 and less than 0.5 "
-                        "(an incompressible tissue has a law of its own: "
-                        "modified-st-venant-kirchhoff, mooney-rivlin and others)",
-                        poisson);
+    throw section.wrong(
+        "poisson",
+        "{} must be greater than -1 and less than 0.5 (for an incompressible tissue use "
+        "modified-st-venant-kirchhoff, mooney-rivlin or another law)",
+        poisson);
   return poisson;
 }
 
@@ -122,7 +122,7 @@ std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
   const auto alphas = section.require("alpha", "a list of exponents, one for each term of mu",
                                       &TomlSection::numbers);
   if (mus.empty() || mus.size() > 3)
-    throw section.wrong("mu", "{} terms where 1 to 3 are possible", mus.size());
+    throw section.wrong("mu", "{} terms; 1 to 3 are possible", mus.size());
   if (alphas.size() != mus.size())
     throw section.wrong("alpha", "{} exponents for the {} moduli of mu", alphas.size(), mus.size());
   std::vector<OgdenTerm> terms;
@@ -162,7 +162,7 @@ void readFibers(const TomlSection& section, Material& material) {
     return;
   }
   if (array->size() > 2)
-    throw section.wrong("fiber", "{} directions where 1 or 2 are possible", array->size());
+    throw section.wrong("fiber", "{} directions; 1 or 2 are possible", array->size());
   for (const toml::node& direction : *array)
     material.fibers.push_back(directionOf(section, direction));
 }

@@ -72,9 +72,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
     region.group = section.optional("group", &TomlSection::text).value_or("");
     readBoxesAndSpheres(section, region);
     if (region.isRest())
-      throw section.wrong("group",
-                          "missing: give the physical group of the mesh that is this region, or "
-                          "box or sphere");
+      throw section.wrong("group", "missing: give a physical group of the mesh, a box or a sphere");
     // Check this before the material is read, so that a duplicate group is reported first.
     if (!region.group.empty())
       refuseTwin(section, regions, &Region::group, "group", "regions are the group");
@@ -204,9 +202,10 @@ ActiveSelection readActive(const TomlSection& section) {
   if (!isPlainName(active.name))
     throw section.wrong("name", "\"{}\" may hold letters, digits, - and _ only", active.name);
   if (section.has("near") + section.has("node") + section.has("surface") != 1)
-    throw section.wrong("near",
-                        "give either near = [x, y, z] (the nearest surface node is taken) "
-                        "or node = NUMBER or surface (every node of it is taken)");
+    throw section.wrong(
+        "near",
+        "give one of near = [x, y, z] (the nearest surface node), node = NUMBER and surface (all "
+        "of its nodes)");
   active.near = section.optional("near", &TomlSection::point);
   active.node = section.optional("node", &TomlSection::nodeNumber);
   if (const toml::node* surface = section.find("surface"))
@@ -217,20 +216,20 @@ ActiveSelection readActive(const TomlSection& section) {
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
-    throw section.wrong("area", "is for single fingers; a surface is the area of its name");
+    throw section.wrong("area", "is only for single fingers; a surface is its own area");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
-    throw section.wrong("area", "\"{}\" must be a plain name, and is for tool = \"finger\" only",
-                        active.area);
+    throw section.wrong(
+        "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",
+        active.area);
   active.probe_of = section.optional("probe_of", &TomlSection::text).value_or("");
   active.probe = section.optional("probe", &TomlSection::point);
   if (active.probe_of.empty() == active.probe.has_value())
-    throw section.wrong("probe",
-                        "give probe_of, the area that is measured, and probe, a "
-                        "displacement [x, y, z], or neither");
+    throw section.wrong(
+        "probe", "give both probe_of (an area) and probe (a displacement [x, y, z]), or neither");
   if (active.probe && (active.tool != ToolKind::finger || active.surface || !active.area.empty()))
-    throw section.wrong("probe_of", "is for a single finger, tool = \"finger\", that is no site");
+    throw section.wrong("probe_of", "needs tool = \"finger\" without surface and area");
   if (active.tool != ToolKind::rigid && active.radius == 0)
-    throw section.wrong("tool", "{} needs a radius greater than 0, over which it is the mean",
+    throw section.wrong("tool", "{} is a mean over its radius, which must be greater than 0",
                         word(active.tool));
   return active;
 }
@@ -256,7 +255,7 @@ void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& act
     const auto area = radius_of.find(active.probe_of);
     if (area == radius_of.end() || area->second != active.radius)
       throw root.wrong("active",
-                       "\"{}\" is a probe of \"{}\", which is no area of fingers of its radius",
+                       "\"{}\" is a probe of \"{}\", which is not an area with the same radius",
                        active.name, active.probe_of);
   }
 }
@@ -278,7 +277,7 @@ std::optional<Device> readDevice(const TomlSection& root) {
   const auto section = root.inner("device", {"profile"});
   if (!section) return std::nullopt;
   const toml::node& profile =
-      section->require("profile", "which device it is, for instance \"touch\"");
+      section->require("profile", "the haptic device, for instance \"touch\"");
   return Device{device_profiles[section->choice("profile", profile, device_words)]};
 }
 
@@ -312,8 +311,8 @@ Workspace readWorkspace(const TomlSection& root, std::optional<Device>& device) 
   if (workspace.radius < workspace.spacing)
     throw section->wrong(
         "radius",
-        "{} m{} is smaller than the spacing of {} m: the lattice would be the rest position alone",
-        workspace.radius, device && device->wanted_radius ? ", the device's," : "",
+        "{} m{} is smaller than the spacing of {} m: the lattice would have only the rest position",
+        workspace.radius, device && device->wanted_radius ? ", the limit of the device," : "",
         workspace.spacing);
   return workspace;
 }
@@ -366,7 +365,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
   scene.discretization = readDiscretization(root, scene.regions);
   scene.gravity = readGravity(root, scene.regions);
   scene.fixed = readFixed(root.inner(
-      "fixed", root.require("fixed", "write a [fixed] table that says which nodes are held"),
+      "fixed", root.require("fixed", "write a [fixed] table that selects the fixed nodes"),
       {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
   PALPATE_ASSERT(!scene.active.empty() && !scene.regions.empty(),

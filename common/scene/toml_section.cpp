@@ -15,7 +15,7 @@ namespace {
 /// list of the valid words if none is similar.
 std::string hint(std::string_view word, TomlSection::Words words) {
   const std::string_view nearest = nearestWord(word, words);
-  if (nearest.empty()) return fmt::format("; there is {}", listed(words));
+  if (nearest.empty()) return fmt::format("; write {}", listed(words));
   return fmt::format("; did you mean \"{}\"?", nearest);
 }
 
@@ -102,7 +102,7 @@ std::int32_t TomlSection::nodeNumber(std::string_view key, const toml::node& nod
   const auto value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
   if (!value) throw wrong(key, "a node number (an integer) is expected, not {}", kindOf(node));
   if (*value < 0 || *value > std::numeric_limits<std::int32_t>::max())
-    throw wrong(key, "node number {} cannot be; nodes are counted from 0", *value);
+    throw wrong(key, "node number {} is invalid; nodes are numbered from 0", *value);
   return static_cast<std::int32_t>(*value);
 }
 
@@ -113,7 +113,7 @@ std::int32_t TomlSection::integer(std::string_view key, std::int32_t otherwise, 
   const auto value = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
   if (!value) throw wrong(key, "an integer is expected, not {}", kindOf(*node));
   if (*value < lowest || *value > highest)
-    throw wrong(key, "{} must be in {} to {}", *value, lowest, highest);
+    throw wrong(key, "{} must be between {} and {}", *value, lowest, highest);
   return static_cast<std::int32_t>(*value);
 }
 

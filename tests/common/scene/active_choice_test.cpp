@@ -70,7 +70,7 @@ TEST(ActiveChoiceTest, OfAnAreaWantsAPlace) {
   EXPECT_NO_THROW(requirePlace(chooseActive(scene, "skin"), true));
   EXPECT_NO_THROW(requirePlace(chooseActive(scene, "tip"), false));
   test::expectBadInput([&] { requirePlace(chooseActive(scene, "tip"), true); },
-                       {"--at", "\"tip\" is no finger", "leave --at out"});
+                       {"--at", "\"tip\" is not a finger", "omit --at"});
 }
 
 }  // namespace

@@ -262,7 +262,7 @@ TEST(Scene, RefusesImpossibleValues) {
   refuses("c01 = 1280.0", "c01 = -1.0", {"material.c01", "negative"});
   refuses("fraction = 0.15", "fraction = 0.15, at = 0", {"either fraction", "or at"});
   refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius"});
-  refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+  refuses("near = ", "node = 3\nnear = ", {"one of near", "node"});
 }
 
 TEST(Scene, RefusesLengthsThatAreNoneInMetres) {
@@ -485,7 +485,7 @@ TEST(Scene, AFingerHasARadiusAndMayBeASiteOfAnArea) {
   EXPECT_EQ(active.area, "skin");
   EXPECT_EQ(parse(resolvedToml(parse(finger))).active.at(0), active);
   refuses("radius = 0.0\n", "radius = 0.02\narea = \"skin\"\n",
-          {"active.area", "tool = \"finger\" only"});
+          {"active.area", "tool = \"finger\""});
 }
 
 TEST(Scene, FingersOfOneAreaAreAlikeAndItsNameIsItsOwn) {

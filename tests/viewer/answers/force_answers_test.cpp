@@ -30,7 +30,7 @@ TEST(ForceAnswers, AreThoseOfTheMethodThatWasAskedFor) {
   }
   expectBadInput([&] { ForceAnswers(dataset, "", false, "potential"); }, {"tip, edge-2"});
   expectBadInput([&] { ForceAnswers(dataset, "tip", false, "cubic"); }, {"cubic"});
-  expectBadInput([&] { ForceAnswers(dataset, "tip", true, "potential"); }, {"no finger"});
+  expectBadInput([&] { ForceAnswers(dataset, "tip", true, "potential"); }, {"not a finger"});
 }
 
 TEST(ForceAnswers, OfAFingerAreThoseOfItsAreaAtThePlaceNearest) {

@@ -227,7 +227,7 @@ TEST_F(QueryOfAFinger, WantsAPlaceAndItsOwnMethod) {
 
 TEST_F(QueryCommand, OfANodeHasNoPlaces) {
   options.at = {"0.05", "0.05", "0.1"};
-  expectBadInput([&] { ask(); }, {"--at", "\"edge-2\" is no finger"});
+  expectBadInput([&] { ask(); }, {"--at", "\"edge-2\" is not a finger"});
 }
 
 }  // namespace
