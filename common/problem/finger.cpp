@@ -53,8 +53,8 @@ FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const Nod
   FingerWeights weights = fingerWeights(mesh, fixed, finger.center, finger.radius);
   if (!(weights.free_share >= least_free_share))
     throw badInput(
-        "{}: the finger at {} (radius {:.4g} m) rests by {:.0f} % on what is fixed, "
-        "and would not feel the tissue; move it away from there, make radius smaller, or fix less",
+        "{}: the finger at {} (radius {:.4g} m) has {:.0f} % of its contact area on fixed nodes "
+        "and would not feel the tissue; move it away, make radius smaller, or fix fewer nodes",
         what, placeText(finger.center), finger.radius, 100 * (1 - weights.free_share));
   return weights;
 }
@@ -113,8 +113,7 @@ Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector
   const double distance = (finger.center - near).norm();
   if (distance > boundingBox(mesh).diagonal().norm())
     throw badInput(
-        "{}: {} is {:.4g} m away from the surface, more than the body is wide; "
-        "is its unit the right one?",
+        "{}: {} is {:.4g} m away from the surface, more than the body is wide; is the unit right?",
         what, placeText(near), distance);
   return finger;
 }

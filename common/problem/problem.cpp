@@ -35,15 +35,14 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
   });
   const double best_size = size / used->metres * best->metres;
   const std::string finding =
-      fmt::format("the mesh is {:.4g} m {}", size, size > largest_body ? "wide" : "wide only");
+      fmt::format("the mesh is {}{:.4g} m wide", size < smallest_body ? "only " : "", size);
   if (best == used || best_size < smallest_body || best_size > largest_body)
     throw badInput(
-        "{}, and no length_unit (m, cm, mm) makes it a body of 1 mm to 10 m: scale the mesh",
+        "{}, and no length_unit (m, cm, mm) gives it a width of 1 mm to 10 m; scale the mesh",
         finding);
   throw badInput(
-      "{}: its numbers look like {} taken for {}; "
-      "write length_unit = \"{}\" in the scene (then it is {:.4g} m, "
-      "and the scene's own lengths are in {} too)",
+      "{}; its numbers look like {} read as {}. Write length_unit = \"{}\" in the scene: then the "
+      "mesh is {:.4g} m wide, and the lengths in the scene are in {} too",
       finding, best->name, used->name, best->word, best_size, best->word);
 }
 
@@ -73,26 +72,26 @@ void refuseLoosePieces(const Problem& problem) {
   const NodeSet& piece = *loose.front();
   const NodeSet nodes = heldOf(piece);
   const int mesh_line = problem.scene.lines.of("mesh");
-  const std::string where = fmt::format("the one of {} nodes around node {} at {}", piece.size(),
+  const std::string where = fmt::format("the piece of {} nodes around node {} at {}", piece.size(),
                                         piece.front(), placeText(mesh.nodes[at(piece.front())]));
   if (nodes.empty())
     throw badInputAt(
         mesh_line,
-        "the mesh consists of {} pieces that share no face, and {} has no fixed node: "
-        "nothing holds it (join it: palpate mesh --weld makes coincident nodes one; or "
-        "remove or fix it)",
+        "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix it, "
+        "remove it, or join it to the others (palpate mesh --weld merges coincident nodes)",
         pieces.size(), where);
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
     throw badInputAt(
         mesh_line,
-        "the mesh consists of {} pieces that share no face, and {} hangs on the others by "
-        "{} on one line (node {} at {}): it can turn there; join it by faces, or remove it",
+        "the mesh consists of {} pieces that share no face, and {} is joined to the others by {} "
+        "on one line (node {} at {}), around which it can turn; join it by faces, or remove it",
         pieces.size(), where, counted(nodes.size(), "node"), nodes.front(), hinge);
-  throw badInputAt(problem.scene.fixed.lines.table,
-                   "[fixed] holds {} on one line (node {} at {}): the body can turn around it; "
-                   "fix at least three nodes that are not on a line",
-                   counted(nodes.size(), "node"), nodes.front(), hinge);
+  throw badInputAt(
+      problem.scene.fixed.lines.table,
+      "[fixed] holds {} on one line (node {} at {}): the body can turn around it; fix at least "
+      "three nodes that are not on one line",
+      counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
 /// Returns whether `nodes` is a sorted set of nodes of a mesh with `n_nodes` nodes. Checked because
@@ -105,7 +104,7 @@ bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
 
 void checkFixed(const Problem& problem) {
   const std::size_t n_nodes = problem.mesh.nodes.size();
-  if (problem.fixed.empty()) throw badInput("[fixed] selects no node: the body would fly away");
+  if (problem.fixed.empty()) throw badInput("[fixed] selects no node, so nothing holds the body");
   if (!isNodeSet(problem.fixed, n_nodes))
     throw badInput("the fixed nodes are not a sorted set of nodes of the mesh");
   if (problem.fixed.size() == n_nodes)
@@ -118,7 +117,7 @@ void checkFixed(const Problem& problem) {
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
   if (patch.finger.has_value() != finger || (finger && !isFinger(*patch.finger)))
-    throw badInput("active \"{}\": has no place of a finger, or one without being a finger",
+    throw badInput("active \"{}\": a finger needs a valid place, and another tool must have none",
                    patch.name);
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
   if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
@@ -142,9 +141,9 @@ void refuseContrast(const std::vector<Region>& regions) {
   if (young(stiff) > largest_contrast * shear(soft))
     throw badInputAt(
         stiff.lines.table,
-        "{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear "
-        "modulus of {}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as "
-        "good as rigid, or fix what is rigid",
+        "{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear modulus of "
+        "{}, {:.3g} Pa: forces would be lost in round-off; make it {:.1g} Pa, which is nearly "
+        "rigid, or fix the rigid part",
         named(stiff), young(stiff), largest_contrast, named(soft), shear(soft), 1e5 * shear(soft));
 }
 
@@ -154,7 +153,7 @@ void checkRegions(const Problem& problem) {
                     n_regions = problem.scene.regions.size();
   if (problem.region_of.size() != n_elements ||
       std::ranges::any_of(problem.region_of, [&](auto r) { return r >= n_regions; }))
-    throw badInput("the regions of the {} tetrahedra are not those of the scene", n_elements);
+    throw badInput("the regions of the {} tetrahedra do not match the scene", n_elements);
   if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
     throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
   for (const auto& fibers : problem.fibers)
@@ -202,9 +201,9 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
     for (const std::int32_t node : allNodesOf(mesh, element))
       if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
         throw badInput(
-            "active \"{}\": its patch and the fixed nodes hold all nodes around node {} at {}, "
-            "those of {} too, so that its volume cannot be kept when the tool moves: "
-            "make radius smaller, fix less, or give the material a bulk modulus",
+            "active \"{}\": all nodes around node {} at {} are fixed or move with the tool, so "
+            "that {} cannot keep its volume when the tool moves; make radius smaller, fix fewer "
+            "nodes, or give the material a bulk modulus",
             patch.name, node, placeText(mesh.nodes[node]), placeOf(mesh, element));
 }
 
@@ -218,7 +217,7 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
                    patch.name);
   if (contains(problem.fixed, patch.node))
     throw badInput(
-        "active \"{}\": node {} at {} is one of the {} fixed nodes; move it, or fix less",
+        "active \"{}\": node {} at {} is one of the {} fixed nodes; move it, or fix fewer nodes",
         patch.name, patch.node, placeText(problem.mesh.nodes[patch.node]), problem.fixed.size());
   for (const std::int32_t node : patch.nodes)
     if (contains(problem.fixed, node))
@@ -236,13 +235,13 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
 void checkProbe(const Problem& problem, std::size_t number) {
   const auto& probe = problem.active[number].probe;
   if (probe != problem.scene.active[number].probe)
-    throw badInput("active \"{}\": its probe is not that of the scene",
+    throw badInput("active \"{}\": its probe differs from that of the scene",
                    problem.active[number].name);
   const Workspace& workspace = problem.scene.workspace;
   const double least = 2 * workspace.spacing / lattice_divisions;
   if (probe && !(probe->norm() >= least && probe->norm() <= workspace.radius))
     throw badInput(
-        "active \"{}\": probe = {} is not of the workspace, {:.4g} to {:.4g} m from rest",
+        "active \"{}\": probe = {} is outside the workspace, {:.4g} to {:.4g} m from rest",
         problem.active[number].name, placeText(*probe), least, workspace.radius);
 }
 
@@ -253,7 +252,8 @@ void checkActive(const Problem& problem, std::size_t i, const NodeSet& surface) 
   checkPatch(problem, i, surface);
   checkProbe(problem, i);
   if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
-    throw badInput("active \"{}\" stands behind the places of probes", problem.active[i].name);
+    throw badInput("active \"{}\" comes after the places of probes, which must be last",
+                   problem.active[i].name);
 }
 
 void checkWorkspace(const Problem& problem) {
@@ -262,8 +262,8 @@ void checkWorkspace(const Problem& problem) {
   Lattice::check(radius, problem.scene.workspace.spacing);
   if (radius > 3 * diagonal)
     throw badInput(
-        "workspace.radius = {:.4g} m is more than 3 times the diagonal "
-        "of the mesh's bounding box ({:.4g} m); is its unit that of length_unit?",
+        "workspace.radius = {:.4g} m is more than 3 times the diagonal of the mesh's bounding box "
+        "({:.4g} m); is it given in length_unit?",
         radius, diagonal);
 }
 
@@ -275,8 +275,8 @@ void refuseOtherMeshes(const Scene& scene) {
     throw badInput("mesh = \"{}\": there is no such file", scene.mesh.string());
   if (scene.mesh.extension() != ".msh")
     throw badInput(
-        "mesh = \"{}\": scenes take Gmsh's .msh; make one with: palpate mesh {} -o {}, and name it "
-        "here",
+        "mesh = \"{}\": a scene needs a Gmsh .msh file; make one with: palpate mesh {} -o {}, and "
+        "name it here",
         scene.mesh.string(), shellWord(scene.mesh.string()),
         shellWord(std::filesystem::path(scene.mesh).replace_extension(".msh").string()));
 }

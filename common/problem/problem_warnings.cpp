@@ -76,25 +76,25 @@ class Warnings {
     const double shear = shearModulus(material);
     if (material.bulk && poissonRatio(material) < 0)
       warn(
-          "{}: bulk = {:.4g} Pa beside a shear modulus of {:.4g} Pa is Poisson's ratio {:.3g}: it "
-          "gives way in volume sooner than in shape; tissue has 1e4 to 2e9 Pa, or leave bulk out",
+          "{}: bulk = {:.4g} Pa with a shear modulus of {:.4g} Pa gives Poisson's ratio {:.3g}; "
+          "use bulk = 1e4 to 2e9 Pa, as in tissue, or leave it out",
           named(region), *material.bulk, shear, poissonRatio(material));
     if (material.density && !(*material.density >= 500 && *material.density <= 3000))
-      warn("{}: density = {:.4g} kg/m^3, and tissue has 900 to 2000{}", named(region),
+      warn("{}: density = {:.4g} kg/m^3, but tissue has 900 to 2000{}", named(region),
            *material.density,
            *material.density >= 0.5 && *material.density <= 3 ? "; its number looks like g/cm^3"
                                                               : "");
     if (material.law != LawName::holzapfel_gasser_ogden) return;
     if (material.k1 < 0.1 * material.mu)
       warn(
-          "{}: k1 = {:.4g} Pa is less than a tenth of mu = {:.4g} Pa, so that fibres bear nothing; "
-          "its number looks like {}",
+          "{}: k1 = {:.4g} Pa is less than a tenth of mu = {:.4g} Pa, so the fibres carry almost "
+          "no load; its number looks like {}",
           named(region), material.k1, material.mu,
           material.k1 * 1e3 < 0.1 * material.mu ? "MPa" : "kPa");
     if (material.bulk && *material.bulk < fibres_need_bulk * std::max(material.mu, material.k1))
       warn(
-          "{}: with bulk = {:.4g} Pa fibres feel the stretch without the change of volume, and are "
-          "too soft where the volume changes: make bulk {:.2g} Pa or more, or leave it out",
+          "{}: with bulk = {:.4g} Pa the fibres are too soft where the volume changes, because "
+          "their energy ignores that change; make bulk {:.2g} Pa or more, or leave it out",
           named(region), *material.bulk, fibres_need_bulk * std::max(material.mu, material.k1));
   }
 
@@ -107,9 +107,9 @@ class Warnings {
       if (const auto softening = softeningOf(region.material);
           softening && softening->strain < strain)
         warn(
-            "{}: law \"{}\" with these numbers is not stable beyond a {} of {:.2g}, and a "
-            "workspace of {:.3g} m strains the body by about {:.2g}: many configurations will not "
-            "be solved",
+            "{}: law \"{}\" with these numbers is unstable beyond a {} of {:.2g}, but the "
+            "workspace radius of {:.3g} m strains the body by about {:.2g}; many configurations "
+            "will not be solved",
             named(region), word(region.material.law), softening->kind, softening->strain,
             scene_.workspace.radius, strain);
   }
@@ -141,8 +141,8 @@ class Warnings {
     const bool linear = d.displacement == DisplacementSpace::p1;
     if (!isInfSupStable(d))
       warn(
-          "pressure = \"{0}\" with {0} displacement violates inf-sup: too stiff, "
-          "pressures oscillate; for comparison only, {1} is stable",
+          "pressure = \"{0}\" with {0} displacement violates the inf-sup condition: the body is "
+          "too stiff, and pressures oscillate; use it only for comparison; {1} is stable",
           word(d.pressure), linear ? "P1-stabilized" : "pressure = \"P1\"");
     for (const Region& region : scene_.regions) {
       const Material& material = region.material;
@@ -151,12 +151,13 @@ class Warnings {
       const std::string number = material.bulk ? fmt::format("bulk = {:.4g} Pa", *material.bulk)
                                                : fmt::format("poisson = {}", *material.poisson);
       warn(
-          "law \"{}\" with {} is nearly incompressible, "
-          "and {} displacement without a pressure locks: {} too stiff; {}",
-          word(material.law), number, word(d.displacement), linear ? "much" : "by a fifth or more,",
-          isMixed(material) ? "leave out pressure = \"none\""
-                            : "take a law that has a pressure: neo-hookean with mu and bulk is the "
-                              "same at small strains");
+          "law \"{}\" with {} is nearly incompressible, and {} displacement without a pressure "
+          "locks: the body is {} too stiff; {}",
+          word(material.law), number, word(d.displacement), linear ? "much" : "at least 20 %",
+          isMixed(material)
+              ? "remove pressure = \"none\""
+              : "use a law that has a pressure: neo-hookean with mu and bulk is the same at small "
+                "strains");
     }
   }
 
@@ -174,8 +175,8 @@ class Warnings {
     // Warn only if most active nodes are affected: among many, some always lie beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
-          "active {}: one element lies between the tool and what is fixed, which cannot bulge: "
-          "forces are a third too large; make the mesh finer there, or take displacement = \"P2\"",
+          "active {}: the single element between the tool and the fixed nodes cannot bulge, so "
+          "forces are a third too large; refine the mesh there, or use displacement = \"P2\"",
           listOf(thin));
   }
 
@@ -201,7 +202,7 @@ class Warnings {
             "active \"{}\": near = {} is {:.4g} m away from the nearest {} at {}, "
             "more than an edge ({:.4g} m): is it inside the body, or in another unit or frame?",
             problem_.active[i].name, placeText(*near), distance,
-            finger ? "point of the surface" : "surface node", placeText(node), quality_.mean_edge);
+            finger ? "surface point" : "surface node", placeText(node), quality_.mean_edge);
     }
   }
 
@@ -228,18 +229,18 @@ class Warnings {
     const double diagonal = (quality_.highest - quality_.lowest).norm();
     if (radius > diagonal) {
       warn(
-          "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: "
-          "few of those configurations will be reached",
+          "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m; few "
+          "configurations will be reached",
           radius, diagonal);
       return;
     }
     if (radius > (largest_stretch - 1) * distance_to_fixed_)
       warn(
-          "workspace.radius = {:.4g} m, and the nearest fixed node is {:.4g} m away from {}: "
-          "tissue between them would be stretched to {:.2g} times its length, "
-          "most of those configurations will not be reached",
+          "workspace.radius = {:.4g} m, but the nearest fixed node is {:.4g} m away from {}: the "
+          "tissue between them would be stretched to {:.2g} times its length, so most "
+          "configurations will not be reached",
           radius, distance_to_fixed_,
-          problem_.active.size() == 1 ? "the active node" : "half of the active nodes",
+          problem_.active.size() == 1 ? "the active node" : "a typical active node",
           1 + radius / distance_to_fixed_);
   }
 
@@ -254,14 +255,13 @@ class Warnings {
     }
     if (!single.empty())
       warn(
-          "active {}: a single node (radius = 0), "
-          "whose force has no limit as the mesh gets finer, so it depends on the mesh; "
-          "give the radius of the contact",
+          "active {}: the tool is a single node (radius = 0), whose force depends on the mesh and "
+          "does not converge as the mesh is refined; give the radius of the contact",
           listOf(single));
     if (!lonely.empty())
       warn(
-          "active {}: no other node lies within the radius (edges are {:.4g} m on average), "
-          "so it is a single node and its force depends on the mesh",
+          "active {}: no other node lies within the radius (edges are {:.4g} m on average), so the "
+          "tool is a single node and its force depends on the mesh",
           listOf(lonely), quality_.mean_edge);
   }
 
@@ -276,12 +276,12 @@ class Warnings {
     for (const double radius : small)
       warn(
           "a finger of radius {:.4g} m is smaller than an edge ({:.4g} m on average): its force "
-          "depends on where in an element it is; make radius at least two edges, or the mesh finer",
+          "depends on its place in the element; make radius at least two edges, or refine the mesh",
           radius, quality_.mean_edge);
     if (!around.empty())
       warn(
-          "active {}: the finger reaches around a lobe that is thinner than it, and moves both of "
-          "its sides; make radius smaller there if that is not meant",
+          "active {}: the finger reaches around a thin lobe and moves both sides of it; make "
+          "radius smaller there if this is not intended",
           listOf(around));
   }
 
@@ -293,7 +293,7 @@ class Warnings {
       const auto [first, is_new] = name_of.emplace(patch.node, patch.name);
       if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, patch.name));
     }
-    if (!twins.empty()) warn("active {}: are the same node", listOf(twins));
+    if (!twins.empty()) warn("active {}: these are the same node", listOf(twins));
   }
 
   const Problem& problem_;

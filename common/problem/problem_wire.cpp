@@ -140,7 +140,7 @@ Problem decodeProblem(std::string_view bytes) {
     problem.pressures = pressureSlots(problem);
     // Accept only one encoding of each problem, because equal problems must have equal ids.
     if (encodeProblem(problem) != bytes)
-      throw failure("it is not written as this version of Palpate writes it");
+      throw failure("its encoding differs from that of this version of Palpate");
     return problem;
   } catch (const Error& error) {
     throw failure("a problem of {} bytes is damaged: {}", bytes.size(), error.what());

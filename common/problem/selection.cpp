@@ -98,7 +98,7 @@ NodeSet selectOnSurface(const SurfaceSelection& selection, const std::string& ke
                         const NodeSet& surface) {
   if (selection.all) return surface;
   const auto nothing = [](const std::string& where) {
-    return badInput("{}: holds no node of the surface", where);
+    return badInput("{}: contains no surface node", where);
   };
   NodeSet selected;
   selectPlaces(selected, selection, surface, mesh,
@@ -123,7 +123,7 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   std::set_difference(selected.begin(), selected.end(), fixed.begin(), fixed.end(),
                       std::back_inserter(movable));
   if (movable.empty())
-    throw badInput("{}: all that is in it, {} of the surface, is fixed; move it, or fix less", key,
+    throw badInput("{}: contains only fixed nodes ({}); move it, or fix fewer nodes", key,
                    counted(selected.size(), "node"));
   return movable;
 }
@@ -138,8 +138,7 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
       triangles.push_back(static_cast<std::int32_t>(t));
   if (triangles.empty())
     throw badInput(
-        "{}: holds {} of the surface, but no triangle with its three corners among them; "
-        "make it larger",
+        "{}: contains {} of the surface, but not all three corners of any triangle; make it larger",
         key, counted(selected.size(), "node"));
   return triangles;
 }
@@ -153,8 +152,8 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
   });
   if (sites.empty())
     throw badInput(
-        "active \"{}\": surface: everywhere in it a finger of radius {:.4g} m would rest on what is "
-        "fixed; move it, or fix less",
+        "active \"{}\": surface: a finger of radius {:.4g} m would rest on fixed nodes everywhere "
+        "in it; move it, or fix fewer nodes",
         selection.name, selection.radius);
   std::vector<ActiveSelection> fingers;
   for (const Eigen::Vector3d& site : sites) {
@@ -199,8 +198,8 @@ std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh
     const double distance = (mesh.nodes[node] - *selection.near).norm();
     if (distance > boundingBox(mesh).diagonal().norm())
       throw badInput(
-          "active \"{}\": near = {} is {:.4g} m away from the nearest surface node, "
-          "more than the body is wide; is its unit that of length_unit?",
+          "active \"{}\": near = {} is {:.4g} m away from the nearest surface node, more than the "
+          "body is wide; is it given in length_unit?",
           selection.name, placeText(*selection.near), distance);
     return node;
   }
@@ -240,8 +239,8 @@ NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
 std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double radius) {
   if (patch.nodes.size() < 3)
     throw badInput(
-        "active \"{}\": its radius of {:.4g} m holds only {} (edges are {:.4g} m on average); "
-        "a weighted average needs at least 3: make radius larger, or the mesh finer there",
+        "active \"{}\": its radius of {:.4g} m contains only {} (edges are {:.4g} m on average); a "
+        "weighted average needs at least 3; make radius larger, or refine the mesh there",
         patch.name, radius, counted(patch.nodes.size(), "movable surface node"),
         measure(mesh).mean_edge);
   const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
@@ -262,10 +261,9 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
 constexpr std::uint16_t nowhere = std::numeric_limits<std::uint16_t>::max();
 
 const std::vector<std::int32_t>& tetrahedraOfGroup(const std::string& name, const Mesh& mesh) {
-  const auto& elements =
-      entryNamed(mesh.element_groups, name,
-                 fmt::format("region.group: there is no \"{}\" of volume elements", name),
-                 "physical groups of volumes");
+  const auto& elements = entryNamed(
+      mesh.element_groups, name, fmt::format("region.group: there is no volume group \"{}\"", name),
+      "physical groups of volumes");
   if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", name);
   return elements;
 }
@@ -284,8 +282,8 @@ std::vector<std::int32_t> tetrahedraOf(const Region& region, const Mesh& mesh) {
       if (elements.size() == before)
         throw badInputAt(
             region.lines.of(key),
-            "region.{}: no tetrahedron has its middle in it; the mesh reaches from {} to "
-            "{} m, and edges are {:.3g} m on average",
+            "region.{}: contains no centre of a tetrahedron; the mesh extends from {} to {} m, and "
+            "edges are {:.3g} m on average",
             key, placeText(boundingBox(mesh).min()), placeText(boundingBox(mesh).max()),
             measure(mesh).mean_edge);
     }
@@ -303,7 +301,7 @@ const std::vector<Eigen::Vector3d>* fieldOf(const Material& material, const Mesh
   return &entryNamed(
       mesh.element_vectors, material.fiber_field,
       fmt::format("material.fiber: there are no element vectors \"{}\"", material.fiber_field),
-      "vectors of elements");
+      "element vectors");
 }
 
 }  // namespace
@@ -313,7 +311,7 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   const Eigen::AlignedBox3d box = boundingBox(mesh);
   const auto nothing = [&](const char* key) {
     return badInputAt(selection.lines.of(key),
-                      "fixed.{} selects no node; the mesh reaches from {} to {} m", key,
+                      "fixed.{} selects no node; the mesh extends from {} to {} m", key,
                       placeText(box.min()), placeText(box.max()));
   };
   NodeSet fixed;
@@ -371,7 +369,7 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
     if (!names.insert(one.name).second)
       throw badInputAt(
           one.lines.of("name"),
-          "two active nodes are called \"{}\", one of them by a surface; rename the other",
+          "two active nodes are called \"{}\"; a surface made one of them, so rename the other",
           one.name);
   return expanded;
 }
@@ -412,12 +410,12 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
   // Tetrahedra outside all regions belong to [material]. Without a [material] there must be none.
   const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
-    throw badInputAt(regions.front().lines.table,
-                     "[material]: the regions are the whole body and leave no tetrahedron "
-                     "for it; remove it");
+    throw badInputAt(
+        regions.front().lines.table,
+        "[material]: the regions cover the whole body and leave no tetrahedron for it; remove it");
   if (rest != region_of.end() && !has_rest)
     throw badInputAt(regions.front().lines.table,
-                     "[[region]]: {} is in none; write a [material] for what no region names",
+                     "[[region]]: {} is in no region; write a [material] for the rest of the body",
                      placeOf(mesh, rest - region_of.begin()));
   std::ranges::replace(region_of, nowhere, std::uint16_t{0});
   return region_of;
@@ -445,7 +443,7 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const Material& material = regions[region_of[e]].material;
     if (const auto* field = fields[region_of[e]]) {
       if ((*field)[e].isZero(0))
-        throw badInputAt(line(region_of[e]), "material.fiber: \"{}\" is zero, or missing, in {}",
+        throw badInputAt(line(region_of[e]), "material.fiber: \"{}\" is zero or missing in {}",
                          material.fiber_field, placeOf(mesh, e));
       fibers[e][0] = (*field)[e].stableNormalized();
     }

@@ -73,8 +73,7 @@ TEST_F(SolveCommand, SaysWhatIsWrongWithAPlace) {
   EXPECT_THAT(solve("--at 0.1 0 0 --displacement 0.001 0 0").output, HasSubstr("\"tip\""));
   scene.active[0].tool = ToolKind::finger;
   EXPECT_THAT(solve("--at 100 0 20 --displacement 0.001 0 0").output, HasSubstr("(100, 0, 20)"));
-  EXPECT_THAT(solve("--at -0.1 0 0 --displacement 0.001 0 0").output,
-              HasSubstr("on what is fixed"));
+  EXPECT_THAT(solve("--at -0.1 0 0 --displacement 0.001 0 0").output, HasSubstr("fixed nodes"));
   EXPECT_THAT(solve("--at - --displacement 0.001 0 0").output, HasSubstr("--displacement -"));
   EXPECT_EQ(solve("--at 0.1 0 --displacement 0.001 0 0").exit_code, 2);
 }

@@ -157,7 +157,7 @@ TEST_F(Problem, RefusesAPatchThatWithTheFixedNodesLeavesAVolumeNoWayToBeKept) {
   for (const DisplacementSpace displacement : {DisplacementSpace::p1, DisplacementSpace::p2}) {
     scene.discretization.displacement = displacement;
     scene.discretization.pressure = PressureSpace::p1;
-    refuses({"active \"top\"", "volume cannot be kept", "make radius smaller", "bulk"});
+    refuses({"active \"top\"", "cannot keep its volume", "make radius smaller", "bulk"});
     scene.regions[0].material.bulk = 40000;
     EXPECT_NO_THROW(resolved()) << "the volume may give";
     scene.regions[0].material.bulk.reset();
@@ -182,7 +182,7 @@ TEST_F(Problem, RefusesABodyThatCanTurn) {
 
 TEST_F(Problem, RefusesMillimetresTakenForMetresSayingSo) {
   for (Eigen::Vector3d& node : mesh.nodes) node *= 1000;
-  refuses({"200 m wide", "millimetres taken for metres", "length_unit = \"mm\""});
+  refuses({"200 m wide", "millimetres read as metres", "length_unit = \"mm\""});
 }
 
 TEST_F(Problem, RefusesAPieceThatNothingHolds) {
@@ -203,9 +203,9 @@ TEST_F(Problem, RefusesAPieceThatHangsByANodeOrAnEdgeWithItsPlace) {
   for (const DisplacementSpace space : {DisplacementSpace::p1, DisplacementSpace::p2}) {
     scene.discretization.displacement = space;
     hang({0.2, 0.2, 0.2});
-    refuses({"2 pieces", "hangs on the others by 1 node on", "(0.2, 0.2, 0.2)", "turn there"});
+    refuses({"2 pieces", "joined to the others by 1 node", "(0.2, 0.2, 0.2)", "turn"});
     hang({0.2, 0.1, 0.2});
-    refuses({"2 pieces", "on one line", "(0.2, 0.1, 0.2)", "turn there"});
+    refuses({"2 pieces", "on one line", "(0.2, 0.1, 0.2)", "turn"});
     hang({0.2, 0.1, 0.1});
     EXPECT_NO_THROW(resolved()) << "joined by faces";
   }
@@ -241,7 +241,7 @@ TEST_F(Problem, TakesTheTetrahedraWhoseMiddleIsInTheBoxOrSphereOfARegion) {
   }
   EXPECT_EQ(decodeProblem(encodeProblem(problem)).scene.regions, problem.scene.regions);
   scene.regions[1].spheres[0].radius = 0.001;
-  refuses({"region.sphere: no tetrahedron has its middle in it", "edges are"});
+  refuses({"region.sphere", "tetrahedron", "edges are"});
 }
 
 TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {
@@ -488,7 +488,7 @@ TEST_F(QuadraticProblem, RefusesRegionsThatAreNotAPartitionOfTheBody) {
     mesh.element_groups["all"].push_back(static_cast<std::int32_t>(e));
   refuses({"is in \"upper\" and in \"all\"", "tetrahedron 192", "centre at"});
   scene.regions = {{"upper", scene.regions[0].material}};
-  refuses({"[[region]]", "tetrahedron 0", "centre at", "is in none", "[material]"});
+  refuses({"[[region]]", "tetrahedron 0", "centre at", "is in no region", "[material]"});
   mesh.element_groups = {{"upper", {}}};
   refuses({"region.group", "\"upper\" has no tetrahedron"});
   mesh.element_groups.clear();
@@ -586,7 +586,7 @@ TEST_F(Problem, IsLoadedFromFiles) {
 TEST_F(Problem, OfAReportThatHangsByAHingeIsRefused) {
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
-    expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn there"});
+    expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn"});
 }
 
 TEST_F(Problem, ResolvesTheRealLiver) {

@@ -93,7 +93,7 @@ TEST_F(ProblemWarnings, NameWhatIsNothingBesideTheRest) {
   material().k1 = 10000;
   EXPECT_THAT(warnings(), IsEmpty());
   material().bulk = 20000;
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("fibres feel the stretch without the change")));
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("the fibres are too soft")));
 }
 
 TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawGivesWay) {
@@ -101,7 +101,7 @@ TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawGivesWay) {
   scene.workspace.radius = 0.03;
   EXPECT_THAT(warnings(), IsEmpty()) << "15 % of the way to what is held";
   scene.workspace.radius = 0.06;
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("not stable beyond a shear of 0.22")));
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("unstable beyond a shear of 0.22")));
   material().c30 = 12000;
   EXPECT_THAT(warnings(), IsEmpty()) << "36 c20^2 < 60 c30 c10: it stiffens before it gives way";
   scene = test::youngScene(LawName::st_venant_kirchhoff);
@@ -115,7 +115,7 @@ TEST_F(ProblemWarnings, SeeOneLinearElementBetweenTheToolAndWhatIsFixed) {
   patch_radius = 0.02;
   scene.workspace.radius = 0.005;
   scene.workspace.spacing = 0.0025;
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("one element lies between the tool and")));
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("single element between the tool and")));
   mesh = test::boxMesh({0.01, 0.06, 0.06}, {2, 4, 4});
   EXPECT_THAT(warnings(), IsEmpty());
 }
@@ -124,8 +124,9 @@ TEST_F(ProblemWarnings, NameWhatViolatesInfSup) {
   scene.discretization.pressure = PressureSpace::p1;
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("inf-sup")));
   scene.discretization = {DisplacementSpace::p2, PressureSpace::p2};
-  EXPECT_THAT(warnings(),
-              ElementsAre(HasSubstr("pressure = \"P2\" with P2 displacement violates inf-sup")));
+  EXPECT_THAT(
+      warnings(),
+      ElementsAre(HasSubstr("pressure = \"P2\" with P2 displacement violates the inf-sup")));
   scene.discretization.pressure = PressureSpace::p1;
   EXPECT_THAT(warnings(), IsEmpty());
 }
@@ -142,12 +143,12 @@ TEST_F(ProblemWarnings, TellAWorkspaceThatStretchesTheTissueTooFar) {
   EXPECT_THAT(warnings(), IsEmpty());
   near = {-0.05, 0, 0.06};
   patch_radius = 0.03;
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("one element lies between"),
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("single element between"),
                                       AllOf(HasSubstr("workspace.radius = 0.24 m"),
                                             HasSubstr("times its length"))));
   scene.workspace.radius = 0.5;
   EXPECT_THAT(warnings(),
-              ElementsAre(HasSubstr("one element lies between"), HasSubstr("body's diagonal")));
+              ElementsAre(HasSubstr("single element between"), HasSubstr("body's diagonal")));
 }
 
 TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
@@ -170,7 +171,7 @@ TEST(FingerWarnings, TellFingersThatAreTooSmallOrReachAroundALobe) {
   const auto on = [&](const Mesh& mesh) { return warningsOf(resolve(scene, mesh)); };
   EXPECT_THAT(on(test::cubeMesh(0.1, 10)), IsEmpty()) << "fingers side by side are no twins";
   EXPECT_THAT(on(test::boxMesh({0.1, 0.1, 0.005}, {20, 20, 1})),
-              ElementsAre(AllOf(HasSubstr("skin-"), HasSubstr("thinner than it"))));
+              ElementsAre(AllOf(HasSubstr("skin-"), HasSubstr("thin lobe"))));
   EXPECT_THAT(on(test::cubeMesh(0.1, 3)),
               ElementsAre(AllOf(HasSubstr("radius 0.02 m"), HasSubstr("smaller than an edge"))));
 }

@@ -184,12 +184,12 @@ TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   refuses({"\"skin-0\"", "as wide as the body", "radius smaller"});
   scene.active[0].radius = 0.05;
   scene.active[0].surface = SurfaceSelection{.boxes = {{{-0.1, 0, 0}, {0.01, 0.2, 0.2}}}};
-  refuses({"\"skin\": surface", "rest on what is fixed", "fix less"});
+  refuses({"\"skin\": surface", "rest on fixed nodes", "fix fewer"});
   scene.active[0].surface = SurfaceSelection{.boxes = {{{0.19, 0.09, 0.19}, {0.21, 0.11, 0.21}}}};
-  refuses({"\"skin\": surface", "holds 1 node ", "no triangle"});
+  refuses({"\"skin\": surface", "contains 1 node ", "triangle"});
   scene.active[0].surface.reset();
   scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.1);
-  refuses({"\"skin\"", "rests by", "on what is fixed"});
+  refuses({"\"skin\"", "contact area", "fixed nodes"});
   scene.active[0].near = Eigen::Vector3d(10, 0.1, 0.1);
   refuses({"\"skin\": near", "more than the body is wide"});
 }

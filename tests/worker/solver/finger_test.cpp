@@ -163,7 +163,7 @@ TEST_F(FingerOnABlob, IsNotPlacedOnWhatIsFixed) {
       [&] {
         solver_->placeFinger("--at", {on_the_fixed_side, pad_radius});
       },
-      {"--at", "rests by", "move it away"});
+      {"--at", "contact area", "move it away"});
 }
 
 }  // namespace
