@@ -107,7 +107,7 @@ int refuseVerb(std::string_view verb) {
     verbs.insert(verbs.end(), of_it.begin(), of_it.end());
   const std::string_view nearest = nearestWord(verb, verbs);
   if (nearest.empty())
-    tell("palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
+    tell("palpate: there is no verb \"{}\"; verbs: {}\n", verb, listed(verbs));
   else
     tell("palpate: there is no verb \"{}\"; did you mean \"{}\"?\n", verb, nearest);
   return static_cast<int>(ExitCode::usage);
@@ -138,8 +138,8 @@ bool memorySuffices(const std::string& program, const std::string& verb) {
       mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room != MAP_FAILED) return munmap(room, needed) == 0;
   tell(
-      "palpate {}: the system does not grant the {} MiB of memory that solving takes at least "
-      "({}): raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
+      "palpate {}: solving needs at least {} MiB of memory, which the system does not grant ({}); "
+      "raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
       verb, needed >> 20, errnoText());
   return false;
 }
