@@ -35,8 +35,8 @@ Mesher mesherNamed(const std::string& word) {
 Tetrahedra madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
   if (options.nodes || options.size || options.largest || options.mesher != "auto")
     throw badInput(
-        "{}: has tetrahedra, which are kept as they are: --nodes, --size, --mesher and --largest "
-        "are for surfaces",
+        "{}: has tetrahedra, which are not changed; --nodes, --size, --mesher and --largest are "
+        "for surfaces",
         options.input);
   Tetrahedra made{readText(converted.file, "mesh"), {}, std::move(converted.notes)};
   made.mesh = parseGmsh(made.msh, options.input);
@@ -58,8 +58,8 @@ Tetrahedra madeOfSurface(const MeshOptions& options, const ConvertedMesh& conver
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
   if (surface.triangles.size() > many_triangles)
     spdlog::warn(
-        "{}: {} triangles take a minute or more to fill, and nodes by the thousand show fewer: "
-        "simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
+        "{}: filling {} triangles takes a minute or more, and thousands of nodes cannot resolve "
+        "them all; simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
         options.input, surface.triangles.size());
   Tetrahedra made =
       fillWithTetrahedra(surface, fineness, mesherNamed(options.mesher), folder, options.input);
@@ -72,8 +72,7 @@ Tetrahedra madeOfSurface(const MeshOptions& options, const ConvertedMesh& conver
 void refuseOutput(const MeshOptions& options) {
   const std::filesystem::path output = options.output;
   if (output.extension() != ".msh")
-    throw badInput("-o {}: what is written is a Gmsh file; give it the ending .msh",
-                   options.output);
+    throw badInput("-o {}: the output is a Gmsh file; give it the extension .msh", options.output);
   refuseMeshName(output, "-o");
   const std::filesystem::path input = options.input;
   refuseInput(output, "-o", {&input, 1});
@@ -86,13 +85,13 @@ void refuseOutput(const MeshOptions& options) {
 void printUnit(const MeshOptions& options, const LengthUnit& unit,
                const std::optional<GuessedUnit>& guess, double extent) {
   if (!guess)
-    fmt::print("warning    {}: scale it before it is used\n", whyNoUnit(extent));
+    fmt::print("warning    {}; scale the mesh before you use it\n", whyNoUnit(extent));
   else if (!options.unit.empty() && !makesABody(extent, unit))
     fmt::print("warning    {}; --unit {} fits\n", whyNotIn(extent, unit), guess->unit.word);
   else if (!options.unit.empty())
     fmt::print("unit       {}\n", unit.name);
   else
-    fmt::print("unit       {} by its size{}; --unit says otherwise\n", unit.name,
+    fmt::print("unit       {}, guessed from the size{}; change with --unit\n", unit.name,
                guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
 }
 
@@ -140,9 +139,10 @@ ExitCode mesh(const MeshOptions& options) {
 
 std::function<ExitCode()> prepareMesh(CLI::App& app) {
   auto options = std::make_shared<MeshOptions>();
-  app.add_option("INPUT", options->input,
-                 "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, "
-                 ".inp, .feb, .node, .msh, or whatever else meshio reads)")
+  app.add_option(
+         "INPUT", options->input,
+         "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, .inp, "
+         ".feb, .node, .msh, or another format that meshio reads)")
       ->required()
       ->type_name("FILE");
   app.add_option("-o,--output", options->output, "The mesh to write")
@@ -151,7 +151,7 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
   app.add_option("--nodes", options->nodes, "Approximate number of nodes for a surface [1000]")
       ->check(CLI::Range(4, most_nodes))
       ->type_name("N");
-  app.add_option("--size", options->size, "Instead: the length of edges, in the unit of the file")
+  app.add_option("--size", options->size, "Edge length in the unit of the file, instead of --nodes")
       ->check(CLI::PositiveNumber)
       ->excludes("--nodes")
       ->type_name("L");
@@ -164,20 +164,20 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
   app.add_flag("--largest", options->largest, "Keep only the largest of several bodies");
   app.add_flag("--weld", options->weld,
                "Merge coincident nodes of tetrahedra, so that parts hold together");
-  app.add_flag("--straight", options->straight, "Use the corners of tetrahedra with curved edges");
+  app.add_flag("--straight", options->straight, "Straighten curved edges of tetrahedra");
   app.add_option("--unit", options->unit,
                  "Length unit of the file, for the report: m, cm or mm [guessed]")
       ->type_name("UNIT");
   app.footer(
-      "The mesh keeps the numbers of INPUT: its unit is said in the scene (length_unit). Groups\n"
-      "and sets are kept by their names. gmsh, tetgen and Python are run as programs (Debian:\n"
-      "gmsh, tetgen, python3-meshio); docs/meshes.md tells what is put right and what is refused.");
+      "The mesh has the unit of INPUT; give it in the scene (length_unit). Groups and sets keep\n"
+      "their names. This command runs gmsh, tetgen and Python (Debian: gmsh, tetgen,\n"
+      "python3-meshio). docs/meshes.md lists what is repaired and what is refused.");
   return [options] { return mesh(*options); };
 }
 
 }  // namespace
 
-const Verb mesh_verb = {"mesh", "Make a mesh: of a closed surface, or of a mesh of another format",
+const Verb mesh_verb = {"mesh", "Make a mesh from a closed surface or a mesh of another format",
                         prepareMesh};
 
 }  // namespace palpate

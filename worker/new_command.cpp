@@ -34,7 +34,7 @@ void refuseDirectory(const std::filesystem::path& directory) {
       !std::filesystem::is_directory(directory, ignored))
     throw badInput("{}: is a file; give the name of a folder", directory.string());
   if (std::filesystem::exists(directory / scene_file_name, ignored))
-    throw badInput("{}: there is a scene already; give another folder, or remove it",
+    throw badInput("{}: this scene exists already; give another folder, or remove it",
                    (directory / scene_file_name).string());
 }
 
@@ -44,9 +44,8 @@ bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
   std::error_code ignored;
   if (!std::filesystem::exists(copy, ignored)) return false;
   if (readText(copy, "mesh") == msh) return true;
-  throw badInput(
-      "{}: there is another mesh of this name already; give another folder, or remove it",
-      copy.string());
+  throw badInput("{}: a different mesh has this name already; give another folder, or remove it",
+                 copy.string());
 }
 
 /// Returns the unit of a mesh: the user's choice, or a guess from its size. Error (bad input) if
@@ -60,7 +59,7 @@ GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
     throw badInput("{}: {}; give --unit {}", options.mesh, whyNotIn(extent, unit),
                    guess->unit.word);
   }
-  if (!guess) throw badInput("{}: {}: scale the mesh", options.mesh, whyNoUnit(extent));
+  if (!guess) throw badInput("{}: {}; scale the mesh", options.mesh, whyNoUnit(extent));
   return *guess;
 }
 
@@ -75,7 +74,7 @@ ExitCode writeScene(const NewOptions& options) {
   const std::filesystem::path directory = options.directory, mesh_file = options.mesh;
   refuseDirectory(directory);
   if (mesh_file.extension() != ".msh")
-    throw badInput("--mesh {}: scenes take Gmsh's .msh; make one with: palpate mesh {} -o {}",
+    throw badInput("--mesh {}: a scene needs a Gmsh .msh file; run: palpate mesh {} -o {}",
                    options.mesh, shellWord(options.mesh),
                    shellWord(std::filesystem::path(mesh_file).replace_extension(".msh").string()));
   refuseMeshName(mesh_file, "--mesh");
@@ -96,8 +95,8 @@ ExitCode writeScene(const NewOptions& options) {
   fmt::print("unit       {}{}\n", unit.unit.name,
              !options.unit.empty() ? ""
              : unit.doubt.empty()
-                 ? " by the size of the body; --unit says otherwise"
-                 : fmt::format(" by the size of the body ({}); --unit says otherwise", unit.doubt));
+                 ? ", guessed from the size; change with --unit"
+                 : fmt::format(", guessed from the size ({}); change with --unit", unit.doubt));
   for (const std::string& choice : scene.choices) fmt::print("{}\n", choice);
   for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
   fmt::print("next: palpate check {}\n", shellWord(file));
@@ -106,17 +105,17 @@ ExitCode writeScene(const NewOptions& options) {
 
 std::function<ExitCode()> prepareNew(CLI::App& app) {
   auto options = std::make_shared<NewOptions>();
-  app.add_option("DIRECTORY", options->directory, "The folder to make: scene.toml and the mesh")
+  app.add_option("DIRECTORY", options->directory, "Folder to make, for scene.toml and the mesh")
       ->required()
       ->type_name("FOLDER");
-  app.add_option("--mesh", options->mesh, "The mesh, as palpate mesh or Gmsh writes it")
+  app.add_option("--mesh", options->mesh, "Mesh, written by palpate mesh or Gmsh")
       ->required()
       ->type_name("FILE.msh");
   app.add_option("--unit", options->unit, "Length unit of the mesh: m, cm or mm [guessed]")
       ->type_name("UNIT");
   app.footer(
-      "Proposes what holds the body, a finger that touches the rest of it, and how deep; change\n"
-      "what is marked in the file (docs/meshes.md, docs/scene.md).");
+      "Proposes fixed nodes, a finger that touches the rest of the surface, and its depth. Edit\n"
+      "the marked lines of the file (docs/meshes.md, docs/scene.md).");
   return [options] { return writeScene(*options); };
 }
 

@@ -47,7 +47,7 @@ TEST_F(MeshCommand, MakesASceneOfAnStlThatCheckFindsSound) {
   EXPECT_EQ(meshed.exit_code, 0) << meshed.output;
   EXPECT_THAT(meshed.output,
               AllOf(HasSubstr("768 triangles, closed"), HasSubstr("group      \"body\""),
-                    HasSubstr("unit       millimetres by its size"),
+                    HasSubstr("unit       millimetres, guessed"),
                     HasSubstr("next: palpate new organ --mesh organ.msh")));
   const CommandResult made = worker("new organ --mesh organ.msh");
   EXPECT_EQ(made.exit_code, 0) << made.output;
@@ -77,8 +77,8 @@ TEST_F(MeshCommand, WarnsOfSoManyTrianglesThatTheyTakeAMinute) {
   // Said before anything is filled, which this size is not.
   const CommandResult meshed = worker("mesh organ.stl -o organ.msh --size 1000");
   EXPECT_EQ(meshed.exit_code, 2) << meshed.output;
-  EXPECT_THAT(meshed.output, AllOf(HasSubstr("organ.stl: 202800 triangles take a minute or more"),
-                                   HasSubstr("MeshLab")));
+  EXPECT_THAT(meshed.output,
+              AllOf(HasSubstr("organ.stl: filling 202800 triangles"), HasSubstr("MeshLab")));
 }
 
 TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
@@ -89,7 +89,7 @@ TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
   const CommandResult converted = worker("mesh one.inp -o one.msh");
   EXPECT_EQ(converted.exit_code, 0) << converted.output;
   EXPECT_THAT(converted.output, AllOf(HasSubstr("(30 cm wide in centimetres, and 3 cm"),
-                                      HasSubstr("--unit says otherwise")));
+                                      HasSubstr("change with --unit")));
   EXPECT_EQ(readGmsh(directory / "one.msh").nodes[1], Eigen::Vector3d(30, 0, 0));
   EXPECT_THAT(worker("mesh one.inp -o one.msh --unit mm").output,
               AllOf(HasSubstr("to (0.03, 0.03, 0.03) m"),
@@ -97,17 +97,17 @@ TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
   EXPECT_THAT(worker("mesh one.inp -o 'my one.msh'").output,
               HasSubstr("next: palpate new 'my one' --mesh 'my one.msh'\n"));
   EXPECT_THAT(worker("mesh one.inp -o one.msh --unit m").output,
-              AllOf(HasSubstr("30 wide, which is no organ in metres"), HasSubstr("--unit cm fits"),
+              AllOf(HasSubstr("30 wide, which in metres is not"), HasSubstr("--unit cm fits"),
                     Not(HasSubstr("next:"))));
   const CommandResult refused = worker("mesh one.inp -o other.msh --nodes 100");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.output, HasSubstr("has tetrahedra, which are kept"));
+  EXPECT_THAT(refused.output, HasSubstr("has tetrahedra, which are not changed"));
 }
 
 TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   for (const auto& [arguments, words] :
-       {std::pair("mesh organ.stl -o organ.vtu", "give it the ending .msh"),
+       {std::pair("mesh organ.stl -o organ.vtu", "give it the extension .msh"),
         std::pair("mesh none.stl -o organ.msh", "none.stl: there is no such file"),
         std::pair("mesh . -o organ.msh", "is a folder"),
         std::pair("mesh organ.stl -o organ.msh --unit inch", "m, cm or mm"),
@@ -125,7 +125,7 @@ TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
   }
   std::filesystem::create_directory(directory / "made");
   std::ofstream(directory / "made/scene.toml") << "mine";
-  EXPECT_THAT(worker("new made --mesh none.msh").output, HasSubstr("there is a scene already"));
+  EXPECT_THAT(worker("new made --mesh none.msh").output, HasSubstr("this scene exists already"));
   EXPECT_EQ(content("made/scene.toml"), "mine");
   EXPECT_EQ(worker("mesh organ.stl -o nowhere/organ.msh").exit_code, 1);
   std::filesystem::create_directory(directory / "folder.msh");
@@ -137,7 +137,8 @@ TEST_F(MeshCommand, TriesNoOtherFingerOnABodyThatIsThinEverywhere) {
   test::writeGmsh22(test::boxMesh({0.06, 0.06, 0.004}, {6, 6, 1}), directory / "plate.msh");
   const CommandResult made = worker("new plate --mesh plate.msh");
   EXPECT_EQ(made.exit_code, 0) << made.output;
-  EXPECT_THAT(made.output, AllOf(HasSubstr("around a lobe"), Not(HasSubstr("another finger"))));
+  EXPECT_THAT(made.output,
+              AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));
 }
 
 TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
@@ -146,7 +147,7 @@ TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
   std::ofstream(directory / "organ/box.msh") << "mine";
   const CommandResult refused = worker("new organ --mesh box.msh");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.output, HasSubstr("organ/box.msh: there is another mesh of this name"));
+  EXPECT_THAT(refused.output, HasSubstr("organ/box.msh: a different mesh"));
   EXPECT_EQ(content("organ/box.msh"), "mine");
   std::filesystem::copy_file(directory / "box.msh", directory / "organ/box.msh",
                              std::filesystem::copy_options::overwrite_existing);
@@ -185,16 +186,15 @@ TEST_F(MeshCommand, SaysThatAMesherEndedWithoutAWord) {
   const CommandResult refused =
       worker("mesh organ.stl -o organ.msh --mesher gmsh", "env PATH=\"$PWD:$PATH\"");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output, AllOf(HasSubstr("gmsh: ended with exit code 7 without a word"),
-                                    HasSubstr("MeshLab")));
+  EXPECT_THAT(refused.output,
+              AllOf(HasSubstr("gmsh: ended with exit code 7"), HasSubstr("MeshLab")));
 }
 
 TEST_F(MeshCommand, NamesTheUnitThatAMeshFits) {
   test::writeGmsh22(test::boxMesh({120, 80, 60}, {9, 6, 5}), directory / "box.msh");
   const CommandResult refused = worker("new organ --mesh box.msh --unit m");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.output, AllOf(HasSubstr("box.msh: the body is 120 wide, which is no organ in "
-                                              "metres"),
+  EXPECT_THAT(refused.output, AllOf(HasSubstr("box.msh: the body is 120 wide, which in metres"),
                                     HasSubstr("give --unit mm")));
   EXPECT_FALSE(std::filesystem::exists(directory / "organ"));
 }
@@ -203,7 +203,7 @@ TEST_F(MeshCommand, WithoutAFolderToWorkInSaysWhatSetsOne) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   const CommandResult refused = worker("mesh organ.stl -o organ.msh", "env TMPDIR=gone");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output, HasSubstr("set TMPDIR to one that is there"));
+  EXPECT_THAT(refused.output, HasSubstr("set TMPDIR"));
 }
 
 TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {

@@ -135,7 +135,7 @@ class SurfaceRepair {
   }
 
   void refuseNumbers() {
-    if (triangles_.empty()) throw wrong("there is no triangle in it");
+    if (triangles_.empty()) throw wrong("there are no triangles");
     for (const Eigen::Vector3d& point : points_) {
       if (!(point.array().abs() <= farthest_node).all())
         throw wrong("a corner at {} is not finite, or far beyond any body", placeText(point));
@@ -143,7 +143,7 @@ class SurfaceRepair {
     for (const Triangle& triangle : triangles_)
       for (const std::int32_t corner : triangle) {
         if (corner < 0 || at(corner) >= points_.size())
-          throw wrong("a triangle uses corner {}, there are {}", corner, points_.size());
+          throw wrong("a triangle uses corner {}, but there are only {}", corner, points_.size());
         box_.extend(points_[corner]);
       }
   }
@@ -169,13 +169,13 @@ class SurfaceRepair {
 
   void mergeNearPoints() {
     const double reach = coincident_distance * box_.diagonal().norm();
-    if (!(reach > 0)) throw wrong("all its corners lie at one place");
+    if (!(reach > 0)) throw wrong("all its corners coincide");
     const auto merged = coincidentNodes(points_, reach);
     if (merged.empty()) return;
     std::vector<std::int32_t> same_as = countUp(points_.size());
     for (const auto& [point, lowest] : merged) same_as[point] = lowest;
     renumber(triangles_, same_as);
-    note("{} corners within {:.2g} of others are one with them", merged.size(), reach);
+    note("{} corners within {:.2g} of others were merged with them", merged.size(), reach);
   }
 
   static void renumber(std::vector<Triangle>& triangles, const std::vector<std::int32_t>& same_as) {
@@ -190,13 +190,13 @@ class SurfaceRepair {
   /// Drops triangles with two equal corners, and triangles that are there already.
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
-    if (flat > 0) note("{} triangles without area are left out", flat);
+    if (flat > 0) note("{} triangles without area were left out", flat);
     std::set<Triangle> known;
     const auto repeated = std::erase_if(triangles_, [&](Triangle corners) {
       std::ranges::sort(corners);
       return !known.insert(corners).second;
     });
-    if (repeated > 0) note("{} triangles that are there twice are left out", repeated);
+    if (repeated > 0) note("{} repeated triangles were left out", repeated);
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
   }
 
@@ -246,7 +246,7 @@ class SurfaceRepair {
         joined.left.crowded.size() > before.crowded.size())
       return;
     renumber(triangles_, joined.same_as);
-    note("{} corners at open edges, up to {:.2g} from others, are one with them: gaps are closed",
+    note("gaps were closed: {} corners at open edges were merged with others up to {:.2g} away",
          joined.count, joined.farthest);
     dropIdleTriangles();
   }
@@ -257,7 +257,7 @@ class SurfaceRepair {
   void cutBesideFlatTriangles() {
     bool cut = false;
     while (cutBesideOneEach()) cut = true;
-    if (cut) note("triangles without area, by three corners on a line, are taken out");
+    if (cut) note("triangles with three corners on a line were removed");
   }
 
   /// Removes each flat triangle and cuts its neighbour, unless that neighbour is flat too or was
@@ -340,7 +340,7 @@ class SurfaceRepair {
     const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
     const std::size_t count = leaveOut(
         [&](const SurfaceShell& shell) { return shell.area < largest && shell.open_edges > 0; });
-    if (count > 0) note("{} open pieces beside the largest are left out", count);
+    if (count > 0) note("{} open pieces besides the largest were left out", count);
   }
 
   /// Drops the shells for which `idle` returns true. Returns the number of dropped shells.
@@ -373,12 +373,12 @@ class SurfaceRepair {
     const auto& [open, crowded] = oddEdgesOf(triangles_);
     if (!open.empty())
       throw wrong(
-          "the surface is open: {} of its edges have one triangle only, the first is at {}; {}",
+          "the surface is open: {} of its edges have only one triangle, the first at {}; {}",
           open.size(), placeText(middleOf(open.front())), remedyOf(open));
     if (!crowded.empty())
       throw wrong(
-          "{} of its edges have more than two triangles, the first is at {}: walls inside of the "
-          "body, or bodies that touch; keep the outer surface alone (MeshLab: Remove Non Manifold "
+          "{} of its edges have more than two triangles, the first at {}: there are walls inside "
+          "the body, or bodies touch; keep only the outer surface (MeshLab: Remove Non Manifold "
           "Edges; Blender: 3D-Print Toolbox, Make Manifold)",
           crowded.size(), placeText(middleOf(crowded.front())));
   }
@@ -388,16 +388,15 @@ class SurfaceRepair {
     const std::size_t left = joined.left.open.size();
     if (2 * left <= open.size())
       return fmt::format(
-          "corners that should be one lie up to {:.2g} apart: merge them (MeshLab: Merge Close "
+          "corners that should coincide lie up to {:.2g} apart: merge them (MeshLab: Merge Close "
           "Vertices; Blender: Merge by Distance){} and save it again",
           joined.farthest,
-          left > 0 ? fmt::format(", close the holes with {} open edges that this leaves,", left)
-                   : "");
+          left > 0 ? fmt::format(", close the remaining holes ({} open edges),", left) : "");
     return fmt::format(
         "close its holes (MeshLab: Close Holes; Blender: 3D-Print Toolbox, Make Manifold) and save "
         "it again{}",
         shells_.size() > 1 && bodies_ == Bodies::only
-            ? fmt::format(" (there are {} separate pieces; --largest takes one)", shells_.size())
+            ? fmt::format(" (there are {} separate pieces; --largest keeps one)", shells_.size())
             : "");
   }
 
@@ -434,8 +433,8 @@ class SurfaceRepair {
             open.push_back(next);
           } else if (turned[next] != wanted) {
             throw wrong(
-                "the surface has one side only, like a Moebius strip, at {}: it encloses nothing; "
-                "mend it in the program that made it",
+                "the surface has only one side at {}, like a Moebius strip, and encloses nothing; "
+                "repair it in the program that made it",
                 placeText(points_[triangles_[t][0]]));
           }
         }
@@ -445,7 +444,7 @@ class SurfaceRepair {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       if (turned[t] == 1) std::swap(triangles_[t][1], triangles_[t][2]);
     if (total > 0)
-      note("{} of {} triangles faced another side than their neighbours, and were turned", total,
+      note("{} of {} triangles faced the other side than their neighbours and were reversed", total,
            triangles_.size());
   }
 
@@ -462,8 +461,8 @@ class SurfaceRepair {
     });
     if (left_out == 0) return;
     if (triangles_.empty())
-      throw wrong("the surface encloses no volume: it is flat, or lies on itself");
-    note("{} pieces that enclose no volume are left out", left_out);
+      throw wrong("the surface encloses no volume: it is flat or folded onto itself");
+    note("{} pieces that enclose no volume were left out", left_out);
     measureShells();
   }
 
@@ -507,7 +506,7 @@ class SurfaceRepair {
     // If shells intersect, each may seem to be inside another.
     if (bodies.empty())
       throw wrong(
-          "its {} pieces reach into each other: join them in the program that made them (Blender: "
+          "its {} pieces intersect each other; join them in the program that made them (Blender: "
           "Boolean union)",
           shells_.size());
     std::ranges::sort(bodies, [this](std::int32_t a, std::int32_t b) {
@@ -521,18 +520,18 @@ class SurfaceRepair {
                              size[1], size[2], placeText(shells_[bodies[i]].box.center()));
       }
       throw wrong(
-          "there are {} separate bodies: {}{}; --largest takes the largest, or join them "
-          "in the program that made them",
+          "there are {} separate bodies: {}{}; keep the largest with --largest, or join them in "
+          "the program that made them",
           bodies.size(), sizes, bodies.size() > listed_bodies ? ", ..." : "");
     }
     const std::int32_t body = bodies.front();
-    if (bodies.size() > 1) note("of {} bodies the largest is taken", bodies.size());
+    if (bodies.size() > 1) note("the largest of {} bodies was kept", bodies.size());
     std::erase_if(shells_, [&, number = 0](const SurfaceShell& shell) mutable {
       const std::int32_t s = number++;
       return s != body && !(shell.around == body && !isBody(shell));
     });
     fillSpecks();
-    if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
+    if (shells_.size() > 1) note("cavities (shells inside the body): {}", shells_.size() - 1);
   }
 
   /// Fills cavities narrower than an element edge, such as the specks that scans leave inside a
@@ -549,8 +548,8 @@ class SurfaceRepair {
     });
     if (count > 0)
       note(
-          "filled {} narrower than {:.3g}, an edge of the elements: {:.2g} % of the volume; more "
-          "nodes, or a smaller --size, keep them",
+          "{} narrower than an element edge of {:.3g} were filled, {:.2g} % of the volume; more "
+          "nodes or a smaller --size would keep them",
           counted(count, "cavity", "cavities"), edge, 100 * volume / whole);
   }
 
@@ -558,7 +557,7 @@ class SurfaceRepair {
     std::vector<Triangle> chosen;
     for (SurfaceShell& shell : shells_) {
       const bool inward = (shell.volume < 0) == isBody(shell);
-      if (inward && isBody(shell)) note("the surface faced inward, and was turned");
+      if (inward && isBody(shell)) note("the surface faced inward and was reversed");
       if (inward) shell.volume = -shell.volume;
       for (std::int32_t& t : shell.triangles) {
         Triangle triangle = triangles_[t];
@@ -590,8 +589,8 @@ class SurfaceRepair {
     if (cuts.count == 0) return;
     const Triangle& triangle = triangles_[cuts.first[0]];
     throw wrong(
-        "the surface cuts itself: {} pairs of its triangles cross, overlap or touch, the first is "
-        "at {}; mend it (Blender: Remesh modifier, or Boolean union; MeshLab: Uniform Mesh "
+        "the surface intersects itself: {} pairs of its triangles cross, overlap or touch, the "
+        "first at {}; repair it (Blender: Remesh modifier, or Boolean union; MeshLab: Uniform Mesh "
         "Resampling) and save it again",
         cuts.count,
         placeText((points_[triangle[0]] + points_[triangle[1]] + points_[triangle[2]]) / 3));
@@ -651,7 +650,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
   std::size_t at = 0;
   const auto take = [&](void* to, std::size_t count) {
     if (count > bytes.size() - at)
-      throw failure("{}: the conversion of the surface is not whole", file.string());
+      throw failure("{}: the converted surface is incomplete", file.string());
     std::memcpy(to, bytes.data() + at, count);
     at += count;
   };
@@ -659,7 +658,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
   take(counts.data(), sizeof counts);
   const auto limit = static_cast<std::int64_t>(bytes.size());
   if (counts[0] < 0 || counts[1] < 0 || counts[0] > limit || counts[1] > limit)
-    throw failure("{}: the conversion of the surface is not whole", file.string());
+    throw failure("{}: the converted surface is incomplete", file.string());
   TriangleSoup soup;
   soup.points.resize(static_cast<std::size_t>(counts[0]));
   soup.triangles.resize(static_cast<std::size_t>(counts[1]));

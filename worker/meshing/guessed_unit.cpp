@@ -33,7 +33,7 @@ std::optional<GuessedUnit> guessedUnit(double extent) {
     return std::nullopt;
   if (extent <= most_metres) {
     const bool sure = extent >= sure_metres;
-    return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is little"};
+    return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is small"};
   }
   if (extent < most_centimetres) {
     const std::string others = sizeIn(extent, unitOf("mm"));
@@ -47,12 +47,12 @@ std::optional<GuessedUnit> guessedUnit(double extent) {
     return GuessedUnit{unitOf("mm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("mm")),
                                                  sizeIn(extent, unitOf("cm")))};
   const bool sure = extent <= most_millimetres;
-  return GuessedUnit{unitOf("mm"), sure ? "" : sizeIn(extent, unitOf("mm")) + ", which is much"};
+  return GuessedUnit{unitOf("mm"), sure ? "" : sizeIn(extent, unitOf("mm")) + ", which is large"};
 }
 
 std::string whyNoUnit(double extent) {
   return fmt::format(
-      "the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of {:g} to {:g} m", extent,
+      "the body is {:.4g} wide, and no unit (m, cm, mm) gives it a width of {:g} to {:g} m", extent,
       smallest_body, largest_body);
 }
 
@@ -61,7 +61,7 @@ bool makesABody(double extent, const LengthUnit& unit) {
 }
 
 std::string whyNotIn(double extent, const LengthUnit& unit) {
-  return fmt::format("the body is {:.4g} wide, which is no organ in {} ({:g} to {:g} m)", extent,
+  return fmt::format("the body is {:.4g} wide, which in {} is not {:g} to {:g} m", extent,
                      unit.name, smallest_body, largest_body);
 }
 
@@ -70,7 +70,7 @@ LengthUnit unitNamed(const std::string& word) {
   if (found != length_units.end()) return *found;
   std::vector<std::string_view> words;
   for (const LengthUnit& unit : length_units) words.push_back(unit.word);
-  throw badInput("--unit {}: there is {}", word, listed(words));
+  throw badInput("--unit {}: write {}", word, listed(words));
 }
 
 }  // namespace palpate

@@ -71,8 +71,8 @@ ConvertedMesh convertMesh(const std::filesystem::path& input, const std::filesys
     throw badInput("{}", said.empty() ? input.string() + ": cannot be read" : said.back());
   std::vector<std::string> answer = linesOf(ran.out);
   if (ran.exit_code != 0 || answer.empty())
-    throw failure("{}: its conversion by Python failed (exit code {}): {}", input.string(),
-                  ran.exit_code, said.empty() ? "it does not say why" : said.back());
+    throw failure("{}: the conversion in Python failed (exit code {}): {}", input.string(),
+                  ran.exit_code, said.empty() ? "no message" : said.back());
   converted.is_volume = answer.front() == "volume";
   converted.notes.assign(answer.begin() + 1, answer.end());
   return converted;

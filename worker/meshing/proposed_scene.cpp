@@ -103,7 +103,7 @@ double areaAtEnd(const Mesh& mesh, int axis, bool below) {
 FixedProposal proposedFixed(const Mesh& mesh) {
   if (const auto group = fixedGroup(mesh))
     return {fmt::format("group = \"{}\"", *group),
-            fmt::format("the group \"{}\", by its name", *group)};
+            fmt::format("the group \"{}\", chosen by its name", *group)};
   int axis = 0;
   boundingBox(mesh).sizes().maxCoeff(&axis);
   const char word = "xyz"[axis];
@@ -111,7 +111,7 @@ FixedProposal proposedFixed(const Mesh& mesh) {
   const bool below = areaAtEnd(mesh, axis, true) >= 0.98 * areaAtEnd(mesh, axis, false);
   return {fmt::format("{} = {{ axis = \"{}\", fraction = {} }}", below ? "below" : "above", word,
                       fixed_end),
-          fmt::format("the {} {:.0f} % along {}, the longest axis: the broader end",
+          fmt::format("the {} {:.0f} % along {}, the broader end of the longest axis",
                       below ? "first" : "last", 100 * fixed_end, word)};
 }
 
@@ -176,53 +176,53 @@ class SceneText {
     const auto out = std::back_inserter(text);
     fmt::format_to(
         out,
-        R"(# A scene for palpate, proposed from the mesh: what to look at is marked with <-. `palpate check scene.toml`
-# tells what it amounts to and what a build will cost; docs/scene.md has every key.
+        R"(# A scene for palpate, proposed from the mesh. Check the lines marked with <-. `palpate check scene.toml`
+# prints a summary and the cost of a build. docs/scene.md explains every key.
 name = "{}"
 mesh = "{}"
-length_unit = "{}"{}# of the mesh and of every length here: the body is {:.3g} x {:.3g} x {:.3g} {}{}
+length_unit = "{}"{}# of the mesh and of all lengths here: the body is {:.3g} x {:.3g} x {:.3g} {}{}
 )",
         name_, mesh_file_, unit_.word, std::string(21 - unit_.word.size(), ' '), size[0], size[1],
         size[2], unit_.word,
         doubt_.empty()
             ? ""
-            : fmt::format("\n#                                    <- is it? {}", doubt_));
+            : fmt::format("\n#                                    <- check this: {}", doubt_));
     fmt::format_to(out, R"(
-[material]                           # <- of soft tissue: a liver after Peterlik et al., Computers & Graphics 34 (2010)
+[material]                           # <- soft tissue: a liver after Peterlik et al., Computers & Graphics 34 (2010)
 law = "mooney-rivlin"
-c10 = {:.1f}                         # Pa: the stiffness at small strains is 6 (c10 + c01), {:.0f} kPa
+c10 = {:.1f}                         # Pa; Young's modulus at small strains is 6 (c10 + c01), {:.0f} kPa
 c01 = {:.1f}                         # Pa
 )",
                    c10, tissue_young / 1000, c01);
     describeParts(text);
     fmt::format_to(out, R"(
-[fixed]                              # <- what holds the body: {}
+[fixed]                              # <- the nodes that hold the body: {}
 {}
 
-[[active]]                           # what is touched: a soft finger, anywhere on the surface that is not fixed
+[[active]]                           # the tool: a soft finger, anywhere on the surface that is not fixed
 name = "skin"
 surface = "all"                      # or {{ box = ... }}, {{ sphere = ... }}, {{ group = ... }}
 tool = "finger"
-radius = {:.4g}{}# {}: of the finger, at least the length of an edge of the mesh
+radius = {:.4g}{}# {}: radius of the finger, at least one edge of the mesh
 
 [workspace]                          # how far the finger pushes, and how finely that is computed
-radius = {:.4g}{}# {}: a limit: thick parts meet the device's largest force before, thin ones give way
-spacing = {:.4g}{}# {}: of the coarsest lattice of displacements
+radius = {:.4g}{}# {}: largest displacement; thick parts reach the largest force of the device earlier
+spacing = {:.4g}{}# {}: spacing of the coarsest lattice of displacements
 )",
                    fixed.why, fixed.toml, radius, pad(radius), unit_.word, depth, pad(depth),
                    unit_.word, depth / 2, pad(depth / 2, 1), unit_.word);
     fmt::format_to(out, R"(
 [accuracy]
-force_error = 0.05                   # relative: the lattice is refined where interpolation is not that good; a hand feels 7 %
-force_floor = 0.01                   # N: an error below it is always allowed
-levels = 1                           # cells are halved at most so often: quick; 0.03 and 2 levels are better
-probes = 100                         # exact solutions at random places, with which `palpate report` measures
+force_error = 0.05                   # relative: the lattice is refined where interpolation is worse; a hand feels 7 %
+force_floor = 0.01                   # N: a smaller error is always allowed
+levels = 1                           # most halvings of a cell; force_error = 0.03 with levels = 2 is better, but slower
+probes = 100                         # exact solutions at random places, from which `palpate report` measures errors
 
 [device]
-profile = "{}"                    # <- the haptic device: no force above what it renders, {} N, is computed
+profile = "{}"                    # <- the haptic device; forces above its limit, {} N, are not computed
 
 [storage]
-precision = "int16"                  # of displacements, which only the picture needs: half the room
+precision = "int16"                  # displacements, used only by the picture, take half the space
 )",
                    proposed_device.name, proposed_device.max_force);
     return text;
@@ -239,8 +239,8 @@ precision = "int16"                  # of displacements, which only the picture 
   void describeParts(std::string& text) const {
     if (mesh_.element_groups.size() < 2) return;
     text +=
-        "# The mesh names parts of the body: each may have a material of its own, and [material] "
-        "is then the rest.\n";
+        "# The mesh names parts of the body. Each may have its own material; [material] is then for "
+        "the rest.\n";
     for (const auto& [group, elements] : mesh_.element_groups)
       text += fmt::format("# [[region]] group = \"{}\"  ({} of {} tetrahedra)\n", group,
                           elements.size(), mesh_.tetrahedra.size());
@@ -269,7 +269,7 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
     const double radius = rounded(share * wanted / unit.metres);
     const double radius_m = radius * unit.metres;
     if (best && !mayBeBetter(radius_m, problem, best->warnings.size() - unavoidable)) continue;
-    if (best) spdlog::info("trying another finger, of radius {:.4g} {}", radius, unit.word);
+    if (best) spdlog::info("trying another finger of radius {:.4g} {}", radius, unit.word);
     const double depth =
         rounded(std::min(deepest * radius_m,
                          force_depth * proposed_device.max_force / (tissue_young * radius_m)) /
@@ -307,8 +307,8 @@ void refuseMeshName(const std::filesystem::path& file, const char* option) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '"' || c == '\\';
   });
   if (!fits)
-    throw badInput("{} {}: a scene cannot name this file; rename it: letters, digits, -, _", option,
-                   printable(name, longest_reason));
+    throw badInput("{} {}: a scene cannot name this file; rename it with letters, digits, - and _",
+                   option, printable(name, longest_reason));
 }
 
 }  // namespace palpate

@@ -16,10 +16,10 @@ class ScratchFolder {
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
     if (error)
-      throw failure("no folder to work in: {}; set TMPDIR to one that is there", error.message());
+      throw failure("no temporary folder: {}; set TMPDIR to an existing one", error.message());
     std::string name = (parent / "palpate-mesh-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
-      throw failure("{}: cannot make a folder to work in: {}; set TMPDIR to another one", name,
+      throw failure("{}: cannot make a temporary folder: {}; set TMPDIR to another one", name,
                     errnoText());
     path_ = name;
   }

@@ -55,7 +55,7 @@ std::string decisiveLine(const Ran& ran) {
                            line.find("error") != line.size() - 5;
     if (speaks && says_more && error.empty()) error = line;
   }
-  if (last.empty()) return fmt::format("ended with exit code {} without a word", ran.exit_code);
+  if (last.empty()) return fmt::format("ended with exit code {} and no message", ran.exit_code);
   return printable(error.empty() ? last : error, longest_reason);
 }
 
@@ -232,7 +232,7 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
   if (!attempt.problem.empty()) return std::nullopt;
   Tetrahedra made;
   try {
-    made.mesh = parseGmsh(attempt.msh, "what it made");
+    made.mesh = parseGmsh(attempt.msh, "its output");
   } catch (const Error& error) {
     attempt.problem = error.what();
     return std::nullopt;
@@ -245,7 +245,7 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
   }
   if (std::abs(change) > told_volume)
     made.notes.push_back(
-        fmt::format("the mesh has {:.2g} % {} volume than the surface: more nodes follow it better",
+        fmt::format("the mesh has {:.2g} % {} volume than the surface; more nodes follow it better",
                     100 * std::abs(change), change < 0 ? "less" : "more"));
   made.msh = std::move(attempt.msh);
   return made;
@@ -260,10 +260,9 @@ void refuseSize(double size, const ClosedSurface& surface, const std::string& so
   const double nodes = std::numbers::sqrt2 * surface.volume / (size * size * size);
   if (size < extent && nodes < most_nodes) return;
   throw badInput(
-      "{}: --size {:.4g} makes {}: the body is {:.4g} wide; is the size in the unit of the file?",
+      "{}: --size {:.4g} gives {}: the body is {:.4g} wide; is the size in the unit of the file?",
       source, size,
-      size < extent ? fmt::format("about {:.2g} nodes", nodes) : std::string("no element in it"),
-      extent);
+      size < extent ? fmt::format("about {:.2g} nodes", nodes) : std::string("no element"), extent);
 }
 
 /// Runs one attempt. If the program dies of a signal or takes too long, this becomes
@@ -326,10 +325,10 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
   const std::array<Way, 3> ways = {
       {{mesher != Mesher::tetgen, &Filling::byGmsh, nullptr},
        {again, &Filling::byGmshOnTriangles,
-        "filled by gmsh between the triangles as they are: it could not make new ones of the "
+        "filled by gmsh within the given triangles, because it could not make new ones of the "
         "wanted size"},
        {mesher != Mesher::gmsh, &Filling::byTetgen,
-        "filled by tetgen between the triangles as they are"}}};
+        "filled by tetgen within the given triangles"}}};
   std::vector<std::string> problems;
   bool all_missing = true;
   for (const Way& way : ways) {
@@ -342,17 +341,18 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
       const auto nodes = static_cast<double>(made->mesh.nodes.size());
       if (!fineness.size && std::abs(std::log(nodes / fineness.nodes)) > std::log(1 + near_enough))
         made->notes.push_back(
-            fmt::format("{} nodes were wanted; --size sets the length of edges", fineness.nodes));
+            fmt::format("{} nodes were requested; --size sets the edge length", fineness.nodes));
       return std::move(*made);
     }
     problems.push_back(last.problem);
     all_missing = all_missing && last.missing;
   }
-  throw failure("{}: no tetrahedra could be made in the surface: {}. {}", source,
-                fmt::join(problems, "; "),
-                all_missing ? (problems.size() > 1 ? "Install one of them" : "Install it")
-                            : "Make its triangles more even (MeshLab: Isotropic Remeshing; "
-                              "Blender: Remesh), or take another --size or --mesher");
+  throw failure(
+      "{}: cannot fill the surface with tetrahedra: {}. {}", source, fmt::join(problems, "; "),
+      all_missing
+          ? (problems.size() > 1 ? "Install one of them" : "Install it")
+          : "Make its triangles more even (MeshLab: Isotropic Remeshing; Blender: Remesh), or "
+            "change --size or --mesher");
 }
 
 }  // namespace palpate

@@ -110,7 +110,7 @@ TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
   for (std::size_t n = 0; n < soup.points.size(); n += 2) soup.points[n][0] += 5e-7;
   const ClosedSurface surface = closed(soup);
   EXPECT_EQ(surface.points.size(), box.points.size());
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("are one with them")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("merged with them")));
 }
 
 TEST(ClosedSurface, IsNotMeasuredByPointsThatNoTriangleUses) {
@@ -128,7 +128,7 @@ TEST(ClosedSurface, LeavesOutTrianglesWithoutAreaAndRepeatedOnes) {
   const ClosedSurface surface = closed(soup);
   EXPECT_EQ(surface.triangles.size(), soup.triangles.size() - 2);
   EXPECT_THAT(surface.notes, Contains(HasSubstr("1 triangles without area")));
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 triangles that are there twice")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 repeated triangles")));
 }
 
 TEST(ClosedSurface, TurnsASurfaceThatFacesInward) {
@@ -142,7 +142,7 @@ TEST(ClosedSurface, TurnsSingleTrianglesLikeTheirNeighbours) {
   TriangleSoup soup = sphereSurface(1);
   for (const std::size_t t : {0, 7, 8}) std::swap(soup.triangles[t][0], soup.triangles[t][1]);
   const ClosedSurface surface = closed(soup);
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("3 of 432 triangles faced another side")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("3 of 432 triangles")));
   EXPECT_NEAR(surface.volume, closed(sphereSurface(1)).volume, 1e-12);
 }
 
@@ -162,7 +162,7 @@ TEST(ClosedSurface, RefusesAnOpenOneSayingHowManyEdgesAndWhere) {
   TriangleSoup soup = sphereSurface(1);
   soup.triangles.pop_back();
   refuses(soup,
-          {"organ.stl: the surface is open", "3 of its edges", "the first is at (", "Close Holes"});
+          {"organ.stl: the surface is open", "3 of its edges", "the first at (", "Close Holes"});
   soup.triangles = {soup.triangles[0]};
   refuses(soup, {"is open", "3 of its edges"});
 }
@@ -172,14 +172,14 @@ TEST(ClosedSurface, ClosesGapsOfSomeHundredThousandthsOfTheBody) {
   EXPECT_EQ(surface.points.size(), sphereSurface(1).points.size());
   EXPECT_EQ(surface.triangles.size(), sphereSurface(1).triangles.size());
   EXPECT_NEAR(surface.volume, closed(sphereSurface(1)).volume, 1e-3);
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("gaps are closed")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("gaps were closed")));
 }
 
 TEST(ClosedSurface, TellsHolesFromGapsThatAreTooWideToBeClosed) {
   refuses(tornSphere(0.01), {"is open", "up to 0.0", "Merge Close Vertices"});
   TriangleSoup with_hole = tornSphere(0.01);
   with_hole.triangles.pop_back();
-  refuses(with_hole, {"Merge Close Vertices", "close the holes with 3 open edges"});
+  refuses(with_hole, {"Merge Close Vertices", "remaining holes (3 open edges)"});
   TriangleSoup with_narrow_gaps = tornSphere(1e-4);
   with_narrow_gaps.triangles.pop_back();
   refuses(with_narrow_gaps, {"3 of its edges", "Close Holes"});
@@ -210,7 +210,7 @@ TEST(ClosedSurface, RefusesWallsInside) {
   soup.triangles.push_back({t[1], t[0], middle + 1});
   soup.triangles.push_back({t[0], middle, middle + 1});
   soup.triangles.push_back({middle, t[1], middle + 1});
-  refuses(soup, {"1 of its edges have more than two triangles", "the first is at"});
+  refuses(soup, {"1 of its edges have more than two triangles", "the first at"});
 }
 
 TEST(ClosedSurface, RefusesOneThatCutsItself) {
@@ -221,7 +221,7 @@ TEST(ClosedSurface, RefusesOneThatCutsItself) {
   // A sphere one of whose corners was drawn through the other side.
   TriangleSoup drawn = sphereSurface(1);
   drawn.points[0] = -1.5 * drawn.points[0];
-  refuses(drawn, {"the surface cuts itself", "pairs of its triangles", "the first is at ("});
+  refuses(drawn, {"the surface intersects itself", "pairs of its triangles", "the first at ("});
 }
 
 TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAsked) {
@@ -231,7 +231,7 @@ TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAske
   const ClosedSurface surface = closed(soup, Bodies::largest);
   EXPECT_NEAR(surface.volume, 24, 1e-12);
   EXPECT_EQ(surface.points.size(), boxSurface({2, 3, 4}).points.size());
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("of 2 bodies the largest")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("the largest of 2 bodies")));
 }
 
 TEST(ClosedSurface, RefusesBodiesOfWhichEachIsInTheOther) {
@@ -256,9 +256,9 @@ TEST(ClosedSurface, RefusesWhatEnclosesNothing) {
   flat.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   flat.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 3, 1}, {0, 2, 3}};
   refuses(flat, {"encloses no volume"});
-  refuses({}, {"there is no triangle"});
-  refuses({{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}}, {"at one place"});
-  refuses({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, {"corner 2, there are 2"});
+  refuses({}, {"no triangles"});
+  refuses({{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}}, {"coincide"});
+  refuses({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, {"corner 2", "only 2"});
   refuses({{{0, 0, 0}, {1e300, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {"far beyond any body"});
 }
 
@@ -279,7 +279,7 @@ TEST(ClosedSurface, RefusesAOneSidedOne) {
       soup.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
       soup.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
     }
-  refuses(soup, {"one side only"});
+  refuses(soup, {"only one side"});
 }
 
 }  // namespace

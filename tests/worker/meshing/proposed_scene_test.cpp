@@ -123,7 +123,7 @@ TEST(ProposedScene, TellsWhatIsNotSureAndWhichPartsThereAre) {
   mesh.element_groups = {{"liver", {0, 1, 2}}, {"tumour", {3}}};
   const std::string toml =
       proposedScene(mesh, "organ", "organ.msh", unit("cm"), "20 cm wide, and more").toml;
-  EXPECT_THAT(toml, HasSubstr("<- is it? 20 cm wide, and more"));
+  EXPECT_THAT(toml, HasSubstr("<- check this: 20 cm wide, and more"));
   EXPECT_THAT(toml, HasSubstr("[[region]] group = \"tumour\"  (1 of"));
 }
 
@@ -136,7 +136,7 @@ TEST(ProposedScene, RefusesAMeshOfWhichNoneCanBeMade) {
   for (const Tetrahedron& t : other.tetrahedra)
     two.tetrahedra.push_back({t[0] + first, t[1] + first, t[2] + first, t[3] + first});
   finishMesh(two, "two boxes");
-  test::expectBadInput([&] { sceneOf(two); }, {"2 pieces that share no face", "nothing holds it"});
+  test::expectBadInput([&] { sceneOf(two); }, {"2 pieces that share no face", "no fixed node"});
 }
 
 }  // namespace

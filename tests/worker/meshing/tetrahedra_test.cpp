@@ -103,7 +103,7 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
   test::expectError(ExitCode::failed,
                     [&] { fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::gmsh); },
-                    {"organ.stl: no tetrahedra could be made", "Wrong topology", "--mesher"});
+                    {"organ.stl: cannot fill", "Wrong topology", "--mesher"});
 }
 
 TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
@@ -113,7 +113,7 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
   const test::FirstInPath ours(folder.path());
   test::writeScript(folder / "gmsh", "kill -SEGV $$");
   const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
-  EXPECT_THAT(filled.notes, Contains(HasSubstr("gmsh was ended by signal 11")));
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("gmsh was killed by signal 11")));
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
   // The first size is not near enough, and the second one crashes.
   test::writeScript(folder / "gmsh", "[ -e \"$0.ran\" ] && kill -SEGV $$\ntouch \"$0.ran\"\nPATH=" +
@@ -132,7 +132,7 @@ TEST_F(FilledSurface, KeepsItsVolumeWhereDetailsHaveMoreNodesThanAreWanted) {
                         at + "/first.msh \"$made\" && cp " + at + "/next.msh " + at + "/first.msh");
   const Tetrahedra filled = fill(test::boxSurface({100, 60, 40}), {.nodes = 100});
   EXPECT_NEAR(measure(filled.mesh).volume, 100 * 60 * 40, 1);
-  EXPECT_THAT(filled.notes, Contains(HasSubstr("100 nodes were wanted")));
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("100 nodes were requested")));
 }
 
 TEST_F(FilledSurface, DoesNotDependOnWhatItsUserSetInGmsh) {
