@@ -32,10 +32,10 @@ std::function<ExitCode()> prepareCheck(CLI::App& app) {
   app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
       ->required()
       ->type_name("FILE");
-  app.add_flag("--json", options->json, "One JSON object, lengths in metres");
+  app.add_flag("--json", options->json, "Print one JSON object, lengths in metres");
   app.footer(
-      "Of a state directory, palpate check DIRECTORY tells whether it is whole, and repairs it\n"
-      "with --repair: see palpate-scheduler check --help.");
+      "palpate check DIRECTORY checks a state directory for damage, and repairs it with --repair:\n"
+      "see palpate-scheduler check --help.");
   return [options] { return check(*options); };
 }
 

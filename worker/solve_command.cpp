@@ -76,7 +76,7 @@ class Solving {
     if (const double distance = (moved.center - near).norm();
         distance > mostPlaceDistance(problem_.mesh, moved.radius))
       spdlog::warn(
-          "--at is {:.4g} m away from the surface; the finger is at the nearest place of it",
+          "--at is {:.4g} m away from the surface; the finger is at the nearest surface point",
           distance);
     if (place_ == moved.center) return;
     place_.reset();  // until the finger is placed
@@ -199,20 +199,20 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches; not needed when there is only one")
+                 "Active node, or surface that a finger touches; not needed if there is only one")
       ->type_name("NAME");
   addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
   app.add_option("--steps", options->steps,
-                 "Equal transitions from rest; default: one per lattice spacing")
+                 "Number of equal transitions from rest [one per lattice spacing]")
       ->check(CLI::Range(1, 100000));
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
-      "Prints the force on the tool in N, "
-      "the stiffness d force / d displacement in N/m and the energy in J.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, "
-      "3 some displacement was not reached (the answer\n"
-      "says why), 130 interrupted.");
+      "Prints the force on the tool in N, the stiffness d force / d displacement in N/m and the\n"
+      "energy in J.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 a displacement was not reached "
+      "(the\n"
+      "answer gives the reason), 130 interrupted.");
   return [options] { return solve(*options); };
 }
 

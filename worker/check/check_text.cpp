@@ -89,7 +89,7 @@ void sayActives(std::string& text, const SceneReport& report) {
         counted(space.patch->nodes.size(), "node"), counted(space.unknowns, "unknown"));
   }
   if (shown < n_spaces)
-    say(text, "           and {} more, \"{}\" the last: {} {}\n", n_spaces - shown,
+    say(text, "           and {} more, the last is \"{}\"; {} {} in all\n", n_spaces - shown,
         report.spaces.back().patch->name, n_spaces,
         report.spaces.back().patch->finger ? "sites of a finger" : "active nodes");
 }
@@ -97,12 +97,12 @@ void sayActives(std::string& text, const SceneReport& report) {
 void sayDevice(std::string& text, const Scene& scene, double stiffness) {
   if (!scene.device) return;
   const DeviceProfile& profile = scene.device->profile;
-  say(text, "device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
+  say(text, "device     {}: up to {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
       profile.workspace_radius, profile.max_force, profile.max_stiffness);
   if (stiffness > profile.max_stiffness)
     say(text,
-        "           the tissue has up to {:.4g} N/m, stiffer than this device renders: it "
-        "may buzz, or feel softer\n",
+        "           the tissue has up to {:.4g} N/m, stiffer than this device renders: the device "
+        "may buzz, or the tissue may feel softer\n",
         stiffness);
   if (const auto radius = scene.device->wanted_radius)
     say(text, "           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
@@ -117,7 +117,7 @@ void sayAccuracy(std::string& text, const Scene& scene) {
   if (accuracy.adaptive())
     say(text, "accuracy   force to {:.3g} % or {:.3g} N: cells are halved {}\n",
         100 * accuracy.force_error, accuracy.force_floor,
-        accuracy.levels == 1 ? "once at most" : fmt::format("up to {} times", accuracy.levels));
+        accuracy.levels == 1 ? "at most once" : fmt::format("up to {} times", accuracy.levels));
   std::map<std::string, int> places;
   bool in_spaces = false;
   for (std::size_t s = 0; s < scene.active.size(); ++s)
@@ -143,14 +143,15 @@ void sayCost(std::string& text, const SceneReport& report) {
   const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
   say(text, "cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
-      duration(likely.seconds), onAllCores(likely), report.cores, likely.bytes / 1e6);
+      duration(likely.seconds), onAllCores(likely), counted(report.cores, "core"),
+      likely.bytes / 1e6);
   if (report.problem->scene.accuracy.adaptive())
     say(text,
-        "           with the cells that the ways find too coarse halved: about {} "
-        "configurations; {} on one core when none is\n",
+        "           with refinement of the cells that are too coarse along the trial paths: about "
+        "{} configurations; {} on one core without it\n",
         likely.configurations, duration(least.seconds));
   say(text,
-      "           from {} transitions on {} ways from rest, solved in {} with {}; "
+      "           estimated from {} transitions on {} trial paths from rest, solved in {} with {}; "
       "about {:.0f} % of the lattice points are reached\n",
       measured.transitions, measured.ways.size(), duration(measured.seconds), report.arithmetic,
       100 * report.cost.reached);

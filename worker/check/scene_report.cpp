@@ -34,7 +34,7 @@ std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
 void warnOfWays(SceneReport& report) {
   const std::vector<Way>& ways = report.measured.ways;
   if (!report.measured.no_rest.empty()) {
-    report.warnings.push_back("the body finds no rest state, so no configuration can be solved: " +
+    report.warnings.push_back("no rest state was found, so no configuration can be solved: " +
                               report.measured.no_rest);
     return;
   }
@@ -44,7 +44,7 @@ void warnOfWays(SceneReport& report) {
       })) {
     report.warnings.push_back(
         "none of " + std::to_string(ways.size()) +
-        " ways from rest gets to its first lattice point, so that hardly anything can be solved: " +
+        " trial paths from rest reaches its first point, so hardly anything can be solved: " +
         report.measured.no_first_step);
     return;
   }
@@ -59,9 +59,9 @@ void warnOfWays(SceneReport& report) {
   if (fingers && 2 * ended(WayEnd::failed) < ways.size()) return;
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
-      "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; "
-      "of {} ways from rest {} exceed workspace.max_force = {:.4g} N and {} cannot be solved, "
-      "half of them before {:.3g} m: make the radius smaller",
+      "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; of "
+      "{} trial paths from rest, {} exceed workspace.max_force = {:.4g} N and {} cannot be solved, "
+      "half of them before {:.3g} m; make the radius smaller",
       workspace.radius, 100 * report.cost.reached, ways.size(), ended(WayEnd::max_force),
       workspace.max_force, ended(WayEnd::failed), report.cost.usual_reach + workspace.spacing));
 }

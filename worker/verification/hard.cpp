@@ -47,7 +47,7 @@ std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
     path = walk(solver, *rest, push.displacement, push.transitions);
   const Outcome& outcome = path.outcome;
   if (!outcome.converged())
-    return {{fmt::format("{}: {}, the way it gets", push.name, name(outcome.failure().cause)),
+    return {{fmt::format("{}: {}, share of the path", push.name, name(outcome.failure().cause)),
              outcome.failure().step_reached, 1, 0}};
   return {{push.name + ": all valid", path.min_det_F > 0 ? 1.0 : 0.0, 1, 0},
           {push.name + ": force", outcome.equilibrium().force.norm(), force, tolerance, "N"}};

@@ -32,7 +32,7 @@ std::vector<Case> chosenCases(const VerifyOptions& options) {
   for (const std::string& name : options.names)
     if (std::ranges::none_of(chosen, has(name)))
       throw badInput(
-          "there is no verification problem with \"{}\" in its name; palpate verify names them all",
+          "there is no verification problem with \"{}\" in its name; palpate verify lists them all",
           name);
   std::erase_if(chosen, [&](const Case& problem) {
     const bool wanted =
@@ -88,9 +88,9 @@ ExitCode verify(const VerifyOptions& options) {
 
 std::function<ExitCode()> prepareVerify(CLI::App& app) {
   auto options = std::make_shared<VerifyOptions>();
-  app.add_option("NAME", options->names, "Only the problems with this in their name")
+  app.add_option("NAME", options->names, "Run only problems with this in their name")
       ->type_name("NAME");
-  app.add_flag("--all", options->all, "Also the problems that take longer than seconds");
+  app.add_flag("--all", options->all, "Also run problems that take longer than seconds");
   app.add_flag("--hard", options->hard, "Run the hard cases of the solver instead");
   app.add_flag("--json", options->json, "One JSON object per row");
   return [options] { return verify(*options); };
@@ -107,6 +107,6 @@ const Verb verify_verb = {
 
 int main(int argc, char** argv) {
   palpate::chooseBlasKernels(argv);
-  return palpate::runProgram(argc, argv, "palpate-verify: what is known beside what is computed",
+  return palpate::runProgram(argc, argv, "palpate-verify: computed results beside known solutions",
                              std::array{palpate::verify_verb});
 }
