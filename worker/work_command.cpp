@@ -90,7 +90,7 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
       return end;
     }
   }
-  spdlog::info("this build is computed with the {} kernels: going on with those", wanted_kernels);
+  spdlog::info("this build uses the {} kernels; restarting with them", wanted_kernels);
   beginAnewWith(wanted_kernels);
 }
 
@@ -221,7 +221,7 @@ class Supervisor {
     short_lives_ = lived_short ? short_lives_ + 1 : 0;
     const int number = WTERMSIG(status);
     if (short_lives_ >= most_short_lives) {
-      spdlog::error("worker {} died of signal {}, like {} before it right after their start", pid,
+      spdlog::error("worker {} died of signal {} right after its start, like {} before it", pid,
                     number, most_short_lives - 1);
       result_ = ExitCode::failed;
       return true;
@@ -248,11 +248,11 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.add_option("--give-up", options->session.give_up_s,
-                 "End after this many seconds without a word from the scheduler")
+                 "End after this many seconds without a message from the scheduler")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--drain", options->session.drain_s,
-                 "On SIGTERM, wait at most this many seconds for the solve in work")
+                 "On SIGTERM, wait at most this many seconds for the running solve")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--leave-idle", options->session.leave_idle_s,
@@ -272,8 +272,8 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
          })
       ->group("");
   app.footer(
-      "Workers keep nothing: start and stop them at any time, "
-      "on any machine that reaches the scheduler.");
+      "Workers store nothing. Start and stop them at any time, on any machine that reaches the "
+      "scheduler.");
   return [options] {
     checkEndpoint(options->session.endpoint);
     auto keys = options->keys.keys();  // here, so that a supervisor too reports missing keys

@@ -145,7 +145,7 @@ class DisturbedBuild {
     workers_.reset();
     // 0: the scheduler had just finished. It also gives up when too many workers were killed.
     if ((code == 128 + SIGKILL && workers_killed_) || code == 0 ||
-        output.find("right after their start") != std::string::npos)
+        output.find("right after its start") != std::string::npos)
       return;
     ADD_FAILURE() << "the supervisor ended with " << code << "\n" << output << story_;
   }

@@ -107,13 +107,13 @@ std::string whyOtherBlasKernels() {
   const std::string wanted = kernelsOfThisCpu();
   if (strcasecmp(blasKernels().c_str(), wanted.c_str()) == 0) return "";
   if (!choosesWhenLoaded())
-    return fmt::format("this OpenBLAS is built for {} alone: install one with DYNAMIC_ARCH",
+    return fmt::format("this OpenBLAS is built only for {}; install one with DYNAMIC_ARCH",
                        blasKernels());
   if (userChose())
     return fmt::format(
-        "{}={} chose them, this CPU runs {}: unset it, unless an older dataset is to be reproduced",
+        "{}={} is set, but this CPU supports {}; unset it, unless you reproduce an older dataset",
         core_type, environmentValue(core_type), wanted);
-  return fmt::format("this OpenBLAS runs {} and not {}, which this CPU has: update it",
+  return fmt::format("this OpenBLAS runs the {} kernels, but this CPU supports {}; update OpenBLAS",
                      blasKernels(), wanted);
 }
 

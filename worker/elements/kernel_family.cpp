@@ -49,7 +49,7 @@ const ElementKernels& chooseKernels() {
     if (kernels->family == wanted) return *kernels;
     names += names.empty() ? kernels->family : std::string(", ") + kernels->family;
   }
-  throw badInput("{}={}: this machine runs {}", family_variable, wanted, names);
+  throw badInput("{}={}: this machine supports {}", family_variable, wanted, names);
 }
 
 std::string arithmetic(const ElementKernels& kernels) {
@@ -68,7 +68,7 @@ std::vector<std::string> otherArithmetic() {
 void beginAnewWith(const std::string& arithmetic) {
   const auto others = otherArithmetic();
   if (std::ranges::find(others, arithmetic) == others.end())
-    throw failure("this machine does not compute with the {} kernels", arithmetic);
+    throw failure("this process cannot switch to the {} kernels", arithmetic);
   const std::size_t slash = arithmetic.find('/');
   if (setenv(family_variable, arithmetic.substr(0, slash).c_str(), 1) != 0)
     throw failure("{}: {}", family_variable, errnoText());
@@ -79,7 +79,7 @@ void beginAnewWith(const std::string& arithmetic) {
     arguments.push_back(line.data() + at);
   arguments.push_back(nullptr);
   execv("/proc/self/exe", arguments.data());
-  throw failure("this program cannot be started anew: {}", errnoText());
+  throw failure("cannot restart this program: {}", errnoText());
 }
 
 }  // namespace palpate

@@ -41,7 +41,7 @@ void SchedulerLink::connect() {
 /// meanwhile its key may be admitted, or the host name may become known.
 void SchedulerLink::tellTrouble(std::string trouble) {
   if (trouble.empty() || trouble == told_) return;
-  spdlog::warn("{} is not reached: {}; trying again", options_.endpoint, trouble);
+  spdlog::warn("cannot reach {}: {}; trying again", options_.endpoint, trouble);
   told_ = std::move(trouble);
 }
 
@@ -49,7 +49,7 @@ void SchedulerLink::tellTrouble(std::string trouble) {
 void SchedulerLink::send() {
   for (const Letter& letter : outbox_.take())
     if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes)
-      spdlog::debug("the scheduler does not take messages now");
+      spdlog::debug("the scheduler does not accept messages at the moment");
 }
 
 ExitCode SchedulerLink::run() {

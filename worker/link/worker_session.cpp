@@ -203,7 +203,7 @@ void WorkerSession::handleJob(const wire::Job& job, Time now) {
   const bool sensible = job.space() < problem_->active.size() && job.targets_size() > 0 &&
                         (job.start_id().empty() || job.start_id().size() == 32);
   if (!sensible) {
-    spdlog::warn("the scheduler sent job {} that makes no sense here; ignored", job.id());
+    spdlog::warn("ignored job {} of the scheduler, which is invalid for this build", job.id());
     return;
   }
   waiting_.push_back(job);
@@ -324,8 +324,8 @@ bool WorkerSession::solverHangs(Time now) {
   const auto limit = progress.hung_after;
   if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
   spdlog::error(
-      "the solver hangs: {} s at one target, many times the longest of this build; this worker "
-      "ends itself, and its targets go to others",
+      "the solver hangs: {} s on one target, many times the longest solve of this build; this "
+      "worker ends, and its targets go to others",
       std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count());
   return true;
 }
@@ -360,10 +360,10 @@ WorkerSession::Next WorkerSession::advance(Time now) {
     return Next::end;
   }
   if (now - last_heard_ > Seconds(options_.give_up_s))
-    throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
+    throw failure("no message from {} for {} s; is the scheduler running, and is this its address?",
                   options_.endpoint, options_.give_up_s);
   if (now - std::max(last_heard_, last_connected_) > reconnect_after) {
-    spdlog::warn("no word from {} for {} s; connecting anew", options_.endpoint,
+    spdlog::warn("no message from {} for {} s; connecting again", options_.endpoint,
                  std::chrono::duration_cast<std::chrono::seconds>(now - last_heard_).count());
     return Next::connect;
   }

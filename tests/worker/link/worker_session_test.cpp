@@ -281,7 +281,7 @@ TEST_F(WorkerSessionTest, ConnectsAnewAndThenGivesUpWhenNobodyAnswers) {
       session.connected(now);
     }
   };
-  test::expectError(ExitCode::failed, tryForEver, {"no word from"});
+  test::expectError(ExitCode::failed, tryForEver, {"no message from"});
 }
 
 }  // namespace
