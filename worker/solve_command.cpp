@@ -71,7 +71,7 @@ class Solving {
 
   /// Moves the finger to the point of the surface nearest to `near`.
   void moveTo(const Eigen::Vector3d& near) {
-    PALPATE_ASSERT(finger().has_value(), "requirePlace refused others");
+    PALPATE_ASSERT(finger().has_value(), "only fingers can be moved");
     const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
     if (const double distance = (moved.center - near).norm();
         distance > mostPlaceDistance(problem_.mesh, moved.radius))

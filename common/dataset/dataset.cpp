@@ -125,7 +125,7 @@ Dataset::Dataset(const std::filesystem::path& file)
   input_->fields.emplace(in, scene_, body_.mesh, spaces_);
   probe_places_ = splitOff(spaces_);
   PALPATE_ASSERT(spaces_.size() + probe_places_.size() == scene_.active.size(),
-                 "areasOf() numbers spaces, and places of probes, by the scene");
+                 "areasOf() numbers spaces and probes in scene order");
   for (SpaceTable& space : spaces_) space.max_force = scene_.workspace.max_force;
   content_id_ = idIn(in, layout::content_attribute);
   build_id_ = idIn(in, layout::build_attribute);
@@ -155,7 +155,7 @@ NodalFields Dataset::surfaceFields(std::size_t space) const {
   const std::size_t n_points = table.points.size();
   NodalFields all = input_->fields->read(space, table, 0, n_points);
   if (surface.size() == stored.size() && all.pressure.empty()) return all;
-  PALPATE_ASSERT(stored.size() == body_.mesh.nodes.size(), "stored are these or all nodes");
+  PALPATE_ASSERT(stored.size() == body_.mesh.nodes.size(), "all nodes are stored");
   return {rowsOfNodes(all.displacement, stored.size(), 3, surface),
           rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
 }

@@ -241,7 +241,7 @@ std::size_t Reader::rowsOf(const std::string& path) const {
 
 void Reader::readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const {
   PALPATE_ASSERT(bytes.size() == countOf(info.shape) * typeOf(info.element).size,
-                 "callers made room for the shape that array() gave them");
+                 "the buffer must fit the shape of the array");
   if (!bytes.empty())
     check(H5Dread(openArray(info.path).get(), typeOf(info.element).id, H5S_ALL, H5S_ALL,
                   H5P_DEFAULT, bytes.data()),

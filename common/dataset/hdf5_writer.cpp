@@ -13,7 +13,7 @@ constexpr unsigned gzip_level = 4;
 /// Returns the bytes of `count` missing values: NaN, or the lowest int16.
 std::string noValues(Element element, std::size_t count) {
   PALPATE_ASSERT(element == Element::float32 || element == Element::int16,
-                 "the elements that Reader reads by rows");
+                 "Reader reads only these elements by rows");
   const std::vector<float> floats(count, std::numeric_limits<float>::quiet_NaN());
   const std::vector<std::int16_t> integers(count, std::numeric_limits<std::int16_t>::lowest());
   return std::string(element == Element::float32 ? bytesOf(std::span(floats))
@@ -84,7 +84,7 @@ void Writer::setNumber(const std::string& object, const char* attribute, double 
 
 Handle Writer::create(const std::string& path, Element element, const Shape& shape,
                       hid_t properties, const char* unit) {
-  PALPATE_ASSERT(path.starts_with('/'), "arrays are sorted by their whole paths in the hash");
+  PALPATE_ASSERT(path.starts_with('/'), "the hash sorts arrays by their absolute paths");
   check(H5Pset_obj_track_times(properties, false), path);
   const Handle space =
       own(shape.empty() ? H5Screate(H5S_SCALAR)
@@ -106,7 +106,7 @@ void Writer::finish(Handle& dataset, ArrayInfo info) {
 void Writer::writeBytes(const std::string& path, Element element, const Shape& shape,
                         std::string_view bytes, const char* unit) {
   PALPATE_ASSERT(bytes.size() == countOf(shape) * typeOf(element).size,
-                 "an array is written whole");
+                 "the bytes must fit the shape");
   const Handle properties = own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path);
   Handle dataset = create(path, element, shape, properties.get(), unit);
   if (!bytes.empty())
@@ -140,7 +140,7 @@ RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape sh
 void RowWriter::addBytes(std::string_view row) {
   constexpr std::size_t at_once = std::size_t{1} << 20;
   PALPATE_ASSERT(row.size() == row_bytes_ && next_ < info_.shape[0],
-                 "rows come in order, whole, and each once");
+                 "a row must be complete, and none too many");
   ++next_;
   hasher_.add(row);
   pending_ += row;
@@ -162,14 +162,14 @@ void RowWriter::flush() {
 
 void RowWriter::skip() {
   PALPATE_ASSERT(layout_ == RowLayout::compressed && next_ < info_.shape[0],
-                 "only chunks can be left out");
+                 "only rows of compressed arrays can be skipped");
   ++next_;
   hasher_.add(no_values_);
 }
 
 void RowWriter::finish() {
   flush();
-  PALPATE_ASSERT(next_ == info_.shape[0], "every row is added or skipped");
+  PALPATE_ASSERT(next_ == info_.shape[0], "every row must be added or skipped");
   info_.hash = hasher_.finish();
   writer_.finish(dataset_, info_);
 }

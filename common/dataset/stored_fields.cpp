@@ -111,7 +111,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
           quantized ? bytesOf(std::span(integers.values)) : bytesOf(std::span(displacement));
       const auto pressure = pressures ? std::span(given.pressure) : std::span<const float>();
       PALPATE_ASSERT(bytes.size() + pressure.size_bytes() == bytes_each,
-                     "estimates of datasets count what is written");
+                     "storedBytes() must match the bytes written");
       if (pressures) pressures->addBytes(bytesOf(pressure));
       displacements.addBytes(bytes);
       steps.push_back(integers.step);
@@ -157,7 +157,7 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
 NodalFields FieldsReader::read(std::size_t space, const SpaceTable& table, std::size_t first,
                                std::size_t count) const {
   const std::vector<PointRecord>& points = table.points;
-  PALPATE_ASSERT(first + count <= points.size(), "a space has rows for its own points only");
+  PALPATE_ASSERT(first + count <= points.size(), "the rows must belong to the space");
   const std::size_t first_row = first_rows_.at(space) + first;
   NodalFields rows;
   rows.pressure.resize(count * n_pressures_);

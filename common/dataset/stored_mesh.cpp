@@ -65,7 +65,7 @@ void writeMesh(hdf5::Writer& out, const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   PALPATE_ASSERT(
       mesh.edges.empty() == (problem.scene.discretization.displacement == DisplacementSpace::p1),
-      "readMesh asks the scene whether there are mid-edge nodes");
+      "readMesh expects mid-edge nodes only with P2 displacement");
   out.makeGroup("/mesh");
   out.writeList(points_path, mesh.nodes, "m");
   out.writeList(tetrahedra_path, mesh.tetrahedra, "1");

@@ -91,11 +91,11 @@ or with organ.msh (here in millimetres) and this as organ.toml:
   [[active]]
   name = "tip"
   near = [58, 134, 2.5]                       # touched: the surface node nearest to this
-  radius = 15                                 # and what lies within 15 mm of it
+  radius = 15                                 # and the nodes within 15 mm of it
   [workspace]
   radius = 100
   spacing = 20
-say
+run
   palpate check organ.toml
   palpate build organ.toml -o organ.h5
   palpate query organ.h5 --active tip --displacement 0.01 0 0       # metres in, newtons out

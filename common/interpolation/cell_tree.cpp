@@ -110,7 +110,7 @@ void CellTree::hang(CellSlot& slot) const {
         (coarsest.leaf < 0 || leaves_[at(place.leaf)].level < leaves_[at(coarsest.leaf)].level))
       coarsest = place;
   }
-  PALPATE_ASSERT(coarsest.leaf >= 0, "a slot is a corner of a leaf, which is beside it");
+  PALPATE_ASSERT(coarsest.leaf >= 0, "every slot is a corner of a leaf");
   if (isCorner(coarsest.local)) return;
   slot.kind = SlotKind::hanging;
   slot.number = -1;

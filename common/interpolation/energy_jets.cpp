@@ -26,11 +26,11 @@ class Fitter {
         fits_(fits),
         inconsistent_(inconsistent) {
     PALPATE_ASSERT(std::ranges::is_sorted(inconsistent),
-                   "inconsistentEdges sorts them, joined() searches them");
+                   "inconsistentEdges sorts edges, joined() searches them");
     PALPATE_ASSERT(inconsistent.empty() || inconsistent.back().a < space.lattice.size(),
                    "inconsistentEdges joins points of this space");
     PALPATE_ASSERT(tree.spacing() == space.lattice.spacing() && tree.unit() == space.lattice.unit(),
-                   "slots of the tree are named in coordinates of the space");
+                   "the tree must have the lattice of the space");
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
     edge_.assign(tree.slots().size(), 0);

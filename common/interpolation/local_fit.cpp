@@ -194,7 +194,7 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 }
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
-  PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "a value is held against nothing");
+  PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "this needs known slopes");
   // Sums of squared residuals of difference quotients, with the prediction of the derivative and
   // without it.
   double with = 0, without = 0;
@@ -227,7 +227,7 @@ int LocalFits::degreeFor(std::size_t sources) const {
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
                                        int degree) {
   PALPATE_ASSERT(!sources.empty() && 2 <= degree && degree <= LocalPolynomial::degree,
-                 "sources are the nearest solved points, of which there is one at least");
+                 "a fit needs a solved point and a valid degree");
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const Factors& factors = factorsOf(sources, edge, 0, degree);

@@ -264,7 +264,7 @@ Roles Admission::rolesOf(const PublicKey& key) {
         spdlog::warn("{}; the keys admitted before stay admitted", error.what());
       trouble_ = error.what();
     }
-  PALPATE_ASSERT(roles_.contains(own_), "the own key is let in, whatever the list says");
+  PALPATE_ASSERT(roles_.contains(own_), "the own key is always admitted");
   const auto found = roles_.find(key);
   return found == roles_.end() ? Roles::none : found->second;
 }

@@ -311,7 +311,7 @@ std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, dou
 }
 
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh) {
-  PALPATE_ASSERT(!nodes.empty(), "a line has a node");
+  PALPATE_ASSERT(!nodes.empty(), "collinearity needs a node");
   const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
   const std::int32_t far = *std::ranges::max_element(
       nodes, {}, [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); });
@@ -346,7 +346,7 @@ MeshQuality measure(const Mesh& mesh) {
   quality.mean_edge =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   const std::vector<NodeSet> pieces = piecesOf(mesh);
-  PALPATE_ASSERT(!pieces.empty(), "the first tetrahedron is of a piece");
+  PALPATE_ASSERT(!pieces.empty(), "a mesh has at least one piece");
   quality.pieces = static_cast<std::int32_t>(pieces.size());
   std::vector<bool> seen(mesh.nodes.size());
   for (const NodeSet& piece : pieces)
@@ -369,7 +369,7 @@ void finishMesh(Mesh& mesh, const std::string& source) {
   deriveSurface(mesh, source);
   // Tetrahedra with positive volumes have an outer surface; without one their volumes would add up
   // to zero.
-  PALPATE_ASSERT(!mesh.surface.empty(), "nearestOnSurface and fingers look for a triangle of it");
+  PALPATE_ASSERT(!mesh.surface.empty(), "a mesh needs a surface triangle");
 }
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ constexpr double most_cubes = 48;  ///< largest number of cubes along each axis
 
 NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
     : points_(std::move(points)), reach_(reach) {
-  PALPATE_ASSERT(!points_.empty() && reach > 0, "a grid is made around something");
+  PALPATE_ASSERT(!points_.empty() && reach > 0, "a grid needs points and a reach");
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : points_) box.extend(point);
   lowest_ = box.min().array() - reach;

@@ -47,7 +47,7 @@ Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept {
 }
 
 SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
-  PALPATE_ASSERT(place.allFinite() && !mesh.surface.empty(), "readers refuse anything else");
+  PALPATE_ASSERT(place.allFinite() && !mesh.surface.empty(), "readers refuse other input");
   const Eigen::Vector3d point = withinSquares(place);
   SurfacePoint nearest;
   double least = std::numeric_limits<double>::infinity();
@@ -59,7 +59,7 @@ SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
     least = distance;
     nearest = {triangle, barycentric};
   }
-  PALPATE_ASSERT(nearest.triangle >= 0, "positionOf takes a point of a triangle");
+  PALPATE_ASSERT(nearest.triangle >= 0, "the nearest point must lie on a triangle");
   return nearest;
 }
 

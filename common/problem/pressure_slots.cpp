@@ -30,7 +30,7 @@ PressureSlots::PressureSlots(PressureSpace space, const Mesh& mesh,
     : first_(pressureNodes(space, mesh), no_region) {
   if (first_.empty()) return;
   PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(),
-                 "selectRegions gave each one a region");
+                 "selectRegions gave each tetrahedron a region");
   for (const Material& material : materials)
     same_as_.push_back(
         static_cast<std::uint16_t>(std::ranges::find(materials, material) - materials.begin()));

@@ -368,7 +368,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   PALPATE_ASSERT(
       std::ranges::none_of(
           scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),
-      "what travels and what a dataset holds names every active node");
+      "expandSurfaces left no surface");
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);

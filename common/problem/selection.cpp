@@ -339,7 +339,7 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
 
 std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
                                             const NodeSet& fixed) {
-  PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts them");
+  PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts the fixed nodes");
   const NodeSet surface = surfaceNodes(mesh);
   std::vector<ActiveSelection> expanded, probes;
   const auto expand = [&](const ActiveSelection& selection) {
@@ -389,8 +389,7 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
     // Always include the active node itself. With a radius of 0, round-off could exclude it.
     if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
   }
-  PALPATE_ASSERT(contains(patch.nodes, patch.node),
-                 "the tool moves what displacements are named by");
+  PALPATE_ASSERT(contains(patch.nodes, patch.node), "a tool always moves its active node");
   if (weighted) patch.weights = weightsOf(patch, mesh, selection.radius);
   return patch;
 }
@@ -432,7 +431,7 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const Mesh& mesh) {
   if (!hasFibers(regions)) return {};
   PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(),
-                 "selectRegions gave each one a region");
+                 "selectRegions gave each tetrahedron a region");
   std::vector<const std::vector<Eigen::Vector3d>*> fields;
   const auto line = [&](std::size_t region) { return regions[region].lines.of("fiber"); };
   for (std::size_t r = 0; r < regions.size(); ++r)

@@ -182,7 +182,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
     for (std::size_t n = before; n < pieces.size(); ++n)
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
-  PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
+  PALPATE_ASSERT(wanted == triangles.end(), "the triangles must ascend");
   const FreeShare free_share(mesh, fixed, radius);
   return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {

@@ -64,7 +64,7 @@ std::string surfaceToml(const SurfaceSelection& surface) {
 }
 
 std::string activeToml(const ActiveSelection& active) {
-  PALPATE_ASSERT(active.near || active.node || active.surface, "readActive wants exactly one");
+  PALPATE_ASSERT(active.near || active.node || active.surface, "readActive requires one");
   const std::string place = active.surface ? "surface = " + surfaceToml(*active.surface)
                             : active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
                                           : fmt::format("node = {}", *active.node);

@@ -75,7 +75,7 @@ void Lattice::check(double radius, double spacing) {
 
 Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const PushedPart& part)
     : radius_(radius), divisions_(divisions) {
-  PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "cells are halved exactly");
+  PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "this is a power of 2");
   check(radius, spacing);
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
@@ -88,7 +88,7 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
     return !part.contains(spacing_ * Eigen::Vector3d(p[0], p[1], p[2]), spacing_ / 2);
   });
   uniform_size_ = size();
-  PALPATE_ASSERT(uniform_size_ > 0 && points_.front() == LatticePoint{}, "number 0 is rest");
+  PALPATE_ASSERT(uniform_size_ > 0 && points_.front() == LatticePoint{}, "point 0 is at rest");
   for (LatticePoint& point : points_)
     for (std::int32_t& coordinate : point) coordinate *= divisions;
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
@@ -145,7 +145,7 @@ void Lattice::add(const LatticePoint& point) {
 }
 
 Lattice Lattice::first(std::int32_t count) const {
-  PALPATE_ASSERT(count >= uniform_size_ && count <= size(), "what was added can be left out");
+  PALPATE_ASSERT(count >= uniform_size_ && count <= size(), "only added points can be left out");
   Lattice part = *this;
   part.points_.resize(static_cast<std::size_t>(count));
   std::erase_if(part.added_, [count](const auto& added) { return added.second >= count; });
@@ -231,7 +231,7 @@ bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell) {
 }
 
 LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions) {
-  PALPATE_ASSERT(cell.level > 0, "cells of level 0 are in no other");
+  PALPATE_ASSERT(cell.level > 0, "cells of level 0 have no parent");
   LatticeCell parent = {cell.lowest, cell.level - 1};
   const std::int32_t edge = divisions >> parent.level;
   // Round down to a multiple of `edge`, also if the coordinate, and with it the remainder, is

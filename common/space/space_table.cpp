@@ -87,7 +87,7 @@ SpaceTable tableOf(const SpaceRows& rows) {
   rows.eachAttempt([&](const FailedAttempt& attempt) { table.attempts.push_back(attempt); });
   for (std::int32_t n = 0; n < rows.probes(); ++n) table.probes.push_back(rows.probe(n));
   PALPATE_ASSERT(std::ssize(table.points) == table.lattice.size(),
-                 "the first points of a lattice are the space's");
+                 "the points of a space are the first of its lattice");
   return table;
 }
 
@@ -111,7 +111,7 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
 std::string faultOf(const SpaceRows& space) {
   const Lattice& lattice = space.lattice();
   const std::int32_t size = space.points();
-  PALPATE_ASSERT(size <= lattice.size(), "points are the first of the lattice");
+  PALPATE_ASSERT(size <= lattice.size(), "a space has no more points than its lattice");
   const auto isPoint = [size](std::int32_t n) { return n >= 0 && n < size; };
   for (std::int32_t n = 0; n < size; ++n) {
     if (isFarOutside(lattice.point(n), lattice))

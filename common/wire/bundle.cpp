@@ -20,8 +20,8 @@ std::size_t payloadBytesOf(const wire::Message& message) {
 }  // namespace
 
 void Bundler::add(wire::Message message, std::string_view payload) {
-  PALPATE_ASSERT(payload.size() == payloadBytesOf(message), "or nobody could tell payloads apart");
-  PALPATE_ASSERT(!message.has_bundle(), "there are no bundles in bundles");
+  PALPATE_ASSERT(payload.size() == payloadBytesOf(message), "messages announce their payloads");
+  PALPATE_ASSERT(!message.has_bundle(), "a bundle must not contain a bundle");
   const std::size_t bytes = message.ByteSizeLong() + payload.size();
   if (bytes_ + bytes > bundle_bytes || open_.message.bundle().messages_size() == bundle_messages)
     close();
@@ -43,7 +43,7 @@ void Bundler::close() {
 
 std::vector<Letter> Bundler::take() {
   close();
-  PALPATE_ASSERT(bytes_ == 0 && open_.payload.empty(), "a payload leaves with its message");
+  PALPATE_ASSERT(bytes_ == 0 && open_.payload.empty(), "payloads leave with messages");
   return std::exchange(closed_, {});
 }
 
@@ -72,7 +72,7 @@ std::vector<Incoming> unbundled(Incoming incoming) {
     at += part.payload.size();
     if (!message.has_bundle() && isReadable(message)) part.message = std::move(message);
   }
-  PALPATE_ASSERT(at == payload.size(), "a bundle of other payloads was not taken apart");
+  PALPATE_ASSERT(at == payload.size(), "the payloads must have the announced sizes");
   return parts;
 }
 

@@ -142,7 +142,7 @@ bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
 bool isListenedAt(const std::string& path) {
   struct sockaddr_un address {};
   address.sun_family = AF_UNIX;
-  PALPATE_ASSERT(path.size() < sizeof address.sun_path, "longer ones were refused");
+  PALPATE_ASSERT(path.size() < sizeof address.sun_path, "longer paths were refused");
   path.copy(address.sun_path, path.size());
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) throw failure("ipc://{}: cannot check for a listener: {}", path, errnoText());
@@ -337,7 +337,7 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
   }
   std::string bound = socket.get(zmq::sockopt::last_endpoint);
   PALPATE_ASSERT(!bound.empty() && !(bound.starts_with("tcp://") && bound.ends_with(":*")),
-                 "workers and people are told this one");
+                 "the endpoint must name the actual port");
   return bound;
 }
 
@@ -423,7 +423,7 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
   cost.set_seconds(outcome.cost.seconds);
   if (!outcome.converged()) {
     const Failure& failure = outcome.failure();
-    PALPATE_ASSERT(stopsTransitions(failure.cause), "fromWire takes no other");
+    PALPATE_ASSERT(stopsTransitions(failure.cause), "fromWire accepts no other causes");
     wire::Failure& message = *result.mutable_failure();
     message.set_cause(static_cast<std::uint32_t>(failure.cause));
     message.set_step_reached(failure.step_reached);

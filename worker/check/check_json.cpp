@@ -65,7 +65,7 @@ std::string sceneReportJson(const SceneReport& report) {
                       {"tool", space.tool},
                       {"patch_nodes", space.patch->nodes.size()},
                       {"unknowns", space.unknowns}});
-  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
+  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "each region needs a count");
   nlohmann::ordered_json regions = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Material& material = scene.regions[r].material;

@@ -58,7 +58,7 @@ void sayModuli(std::string& text, const SceneReport& report) {
 
 void sayBody(std::string& text, const SceneReport& report) {
   const Scene& scene = report.problem->scene;
-  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
+  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "each region needs a count");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const Region& region = scene.regions[r];
     // If the scene assigns no groups, its only region has no name.

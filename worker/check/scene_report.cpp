@@ -38,7 +38,7 @@ void warnOfWays(SceneReport& report) {
                               report.measured.no_rest);
     return;
   }
-  PALPATE_ASSERT(!ways.empty(), "where there is a rest state a way was measured");
+  PALPATE_ASSERT(!ways.empty(), "from a rest state a path is measured");
   if (std::ranges::all_of(ways, [](const Way& way) {
         return way.end == WayEnd::failed && way.steps.size() == 1;
       })) {

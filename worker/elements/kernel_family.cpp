@@ -41,7 +41,7 @@ std::vector<const ElementKernels*> supportedKernels() {
 const ElementKernels& chooseKernels() {
   const auto supported = supportedKernels();
   PALPATE_ASSERT(supported.front()->family == name(cpuFamily()),
-                 "builds compare the words of arithmeticOf() with those of arithmetic()");
+                 "arithmetic() must use the family names of arithmeticOf()");
   const std::string_view wanted = chosenFamily();
   if (wanted.empty()) return *supported.front();
   std::string names;

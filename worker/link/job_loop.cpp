@@ -25,10 +25,9 @@ class ProblemSolver {
 
   void solve(const ReadyJob& ready, Mailbox& mailbox) {
     const wire::Job& job = ready.job;
-    PALPATE_ASSERT(ready.start || job.start_id().empty(),
-                   "a job is handed over when its start configuration is here");
+    PALPATE_ASSERT(ready.start || job.start_id().empty(), "a job needs its start configuration");
     PALPATE_ASSERT(job.space() < problem_->active.size() && job.targets_size() > 0,
-                   "jobs that make no sense are not handed over");
+                   "invalid jobs are not handed over");
     solver_.chooseTool(job.space());
     Failure start_failure;
     const auto start =

@@ -313,7 +313,7 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
 
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source) {
-  PALPATE_ASSERT(surface.volume > 0 && !surface.triangles.empty(), "closedSurface() faces outward");
+  PALPATE_ASSERT(surface.volume > 0 && !surface.triangles.empty(), "the surface must face outward");
   if (fineness.size) refuseSize(*fineness.size, surface, source);
   Filling filling(surface, folder);
   struct Way {

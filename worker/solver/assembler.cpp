@@ -99,7 +99,7 @@ void Assembler::hold(const std::vector<std::int32_t>& nodes, const std::vector<s
   for (const std::int32_t node : nodes) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t unknown = unknowns_.at({node, i});
-      PALPATE_ASSERT(unknown >= 0, "a problem whose tool holds a fixed node is refused");
+      PALPATE_ASSERT(unknown >= 0, "held nodes must not be fixed");
       held_[unknown] = by_tool ? 1 : 0;
     }
     changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());

@@ -39,7 +39,7 @@ class Newton {
 
   NewtonResult solveFrom(State start) {
     PALPATE_ASSERT(start.displacement == displacement_,
-                   "Newton moves everything but the tool, whose place the caller chose");
+                   "the start must have the displacement of the tool");
     now_.state = std::move(start);
     system_.assemble(now_.state, now_.residual);
     if (!std::isfinite(now_.residual.norm)) now_.cause = causeOfNotFinite(now_.residual);

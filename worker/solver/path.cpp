@@ -39,7 +39,7 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
 
 Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
              int transitions, Rescue rescue) {
-  PALPATE_ASSERT(transitions >= 1, "a walk of no transition would have no outcome");
+  PALPATE_ASSERT(transitions >= 1, "a walk needs at least one transition");
   Reached path;
   Cost total;
   const Eigen::Vector3d origin = start.state.displacement;
@@ -65,7 +65,7 @@ Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d
       break;
     }
     PALPATE_ASSERT(reached.end && reached.end->state.displacement == next,
-                   "a transition that converged can be gone on from, where it was to lead");
+                   "a converged transition must end at its target");
     path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium().min_det_F);
     path.end = std::move(reached.end);
     at = &*path.end;

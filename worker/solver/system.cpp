@@ -18,16 +18,16 @@ State undeformed(const BodyModel& model, const PressureSlots& pressures) {
 
 BodyModel checked(BodyModel model) {
   const Mesh& mesh = model.mesh;
-  PALPATE_ASSERT(!model.materials.empty(), "forces are scaled by the softest material");
-  PALPATE_ASSERT(model.region_of.size() == mesh.tetrahedra.size(), "an element is of a material");
-  PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(), "a displacement is fixed or unknown");
+  PALPATE_ASSERT(!model.materials.empty(), "a body needs a material");
+  PALPATE_ASSERT(model.region_of.size() == mesh.tetrahedra.size(), "each element needs a material");
+  PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(), "displacements are fixed or free");
   PALPATE_ASSERT(model.load.empty() || model.load.size() == model.fixed.size(),
-                 "loads are numbered as displacements are");
+                 "each displacement needs a load, or none has one");
   PALPATE_ASSERT(model.fibers.empty() || model.fibers.size() == mesh.tetrahedra.size(),
-                 "fibres run in every element, or there are none");
+                 "each element needs fibres, or none has them");
   PALPATE_ASSERT(
       mesh.mid_edge_nodes.empty() == (model.discretization.displacement == DisplacementSpace::p1),
-      "quadratic displacements have nodes on the edges, linear ones have not");
+      "only P2 displacement has mid-edge nodes");
   return model;
 }
 
@@ -163,7 +163,7 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
 
 void System::run(const State& state, Residual& residual, Tangent* tangent) const {
   PALPATE_ASSERT(state.u.size() == rest_.u.size() && state.q.size() == rest_.q.size(),
-                 "kernels read the state by the node numbers of this body");
+                 "the state must be of this body");
   // Callers pass the same Residual for many states, so it may hold old values.
   residual.energy = 0;
   residual.min_det_F = std::numeric_limits<double>::infinity();

@@ -52,8 +52,7 @@ Factorization TangentSolver::factorize(const Tangent& tangent) {
 
 bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   const Eigen::Index n = system_.unknowns();
-  PALPATE_ASSERT(columns.rows() == n + border_.cols(),
-                 "the factors are of a tangent with the tool that is chosen now");
+  PALPATE_ASSERT(columns.rows() == n + border_.cols(), "the factors must be of the current tool");
   Eigen::MatrixXd inner = columns.topRows(n);
   if (!solver_->solve(inner)) return false;
   if (border_.cols() > 0) {

@@ -130,7 +130,7 @@ void TransitionSolver::placeFinger(const std::string& what, const Finger& finger
   finger_ = checkedFinger(what, problem_.mesh, problem_.fixed, finger);
   PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
                      finger_->curvatures.size() == finger_->nodes.size(),
-                 "weights are differentiated by s at each of their nodes");
+                 "each node needs derivatives of its weight by s");
   tool_ = {finger_->nodes, finger_->weights};
   system_.chooseTool(tool_);
   near_tool_ = {};
@@ -149,7 +149,7 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
   State state = system_.restState();
   PALPATE_ASSERT(
       fields.displacement.size() == state.u.size() && fields.pressure.size() == state.q.size(),
-      "fields were decoded for the mesh of this problem");
+      "the fields must be of this problem");
   std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
   for (std::size_t node = 0; node < state.q.size(); ++node)
     state.q[node] = fields.pressure[node] / system_.pressureScale();
@@ -338,7 +338,7 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
                                             const Linearization& here) const {
   const Tangent& tangent = here.tangent;
   PALPATE_ASSERT(here.sensitivity.solution.cols() == here.right_hand_sides.cols(),
-                 "judge() solved for each of them");
+                 "each right-hand side needs a solution");
   // The stiffness is K_aa + S^T K S + 2 S^T C. As K S = -C + R with the residual R, it equals K_aa
   // + C^T S + S^T R. Errors of S enter squared.
   const Eigen::MatrixXd S = here.sensitivity.solution.leftCols<3>();
@@ -403,7 +403,7 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
 /// `way`: metres that the tool has moved since the branch was stable. Fails with Cause::bifurcation
 /// if no stable equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
-  PALPATE_ASSERT(isUnstable(before.failure), "a stable body has no mode to be pushed along");
+  PALPATE_ASSERT(isUnstable(before.failure), "only an unstable body has a mode to follow");
   const State& unstable = before.end.state;
   std::optional<Step> found;
   Cost cost = {.factorizations = 1};
@@ -441,11 +441,10 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
 void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& target,
                                  Configuration& reached) const {
   const Equilibrium& end = reached.equilibrium;
-  PALPATE_ASSERT(isUsable(end), "fields of forces are interpolated from these numbers");
+  PALPATE_ASSERT(isUsable(end), "the results must be finite and not too large");
   PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
-                 "the scene wants no inverted element in its dataset");
-  PALPATE_ASSERT(state.displacement == target,
-                 "the configuration is stored under the lattice point of its target");
+                 "the scene rejects inverted elements");
+  PALPATE_ASSERT(state.displacement == target, "a configuration must lie at its target");
   reached.fields.displacement.assign(state.u.begin(), state.u.end());
   reached.fields.pressure.reserve(state.q.size());
   for (const double q : state.q)
@@ -454,7 +453,7 @@ void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& targ
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
   PALPATE_ASSERT(start.sensitivity.rows() == system_.unknowns() + system_.multipliers(),
-                 "a start was made ready with the tool that is chosen now");
+                 "the start must be prepared for the current tool");
   const double began = threadSeconds();
   Reached reached;
   Cost& cost = reached.outcome.cost;
@@ -510,7 +509,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       break;
     }
   }
-  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "a way that is not finished has failed");
+  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "an unfinished transition has failed");
   if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;

@@ -55,7 +55,7 @@ Mesh latticeBox(const std::array<int, 3>& cells) {
 /// lower of two node numbers on the lower triangle with the higher one on the upper triangle.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
-  PALPATE_ASSERT(a < b && b < c, "neighbours agree on a diagonal by the order of their nodes");
+  PALPATE_ASSERT(a < b && b < c, "nodes must ascend, so that neighbours choose the same diagonal");
   tetrahedra.push_back({a, b, c, c + above});
   tetrahedra.push_back({a, b, b + above, c + above});
   tetrahedra.push_back({a, a + above, b + above, c + above});

@@ -39,7 +39,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
 }
 
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes) {
-  PALPATE_ASSERT(!nodes.empty(), "a body that nothing holds has no equilibrium of its own");
+  PALPATE_ASSERT(!nodes.empty(), "there must be nodes to hold");
   for (const std::int32_t node : nodes)
     for (const char axis : axes) body.fixed[3 * node + (axis - 'x')] = 1;
 }
@@ -69,7 +69,7 @@ std::vector<Triangle> facesWhere(const Mesh& mesh,
     if (std::all_of(face.begin(), face.end(),
                     [&](std::int32_t node) { return chosen(mesh.nodes[node]); }))
       faces.push_back(face);
-  PALPATE_ASSERT(!faces.empty(), "a problem loads a side that its mesh has");
+  PALPATE_ASSERT(!faces.empty(), "the loaded side must have faces");
   return faces;
 }
 
