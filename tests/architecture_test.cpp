@@ -208,7 +208,7 @@ TEST(Architecture, NoProgramUsesAnother) {
   EXPECT_THAT(wrong, ::testing::IsEmpty()) << "what two programs need belongs to common";
 }
 
-TEST(Architecture, WhatAnswersWithoutAWindowReachesNeitherPictureNorDevices) {
+TEST(Architecture, QueriesLinkNeitherPictureNorDevices) {
   Names reached;
   addReachable(linkedFolders(), "viewer/query", reached);
   EXPECT_THAT(reached, ::testing::Contains("viewer/answers"));

@@ -124,7 +124,7 @@ bool isThere(std::string word) {
   return false;
 }
 
-TEST(Docs, EveryFileNamedInTextIsThere) {
+TEST(Docs, EveryFileNamedInTextExists) {
   static const std::regex code("`([^`]+)`"), word(R"(([^\s,;:()]+))");
   std::vector<std::string> missing;
   int named = 0;
@@ -140,7 +140,7 @@ TEST(Docs, EveryFileNamedInTextIsThere) {
   EXPECT_GE(named, 50);
 }
 
-TEST(Docs, EveryPageNamedInCodeIsThere) {
+TEST(Docs, EveryPageNamedInCodeExists) {
   static const std::regex page(R"(\b(docs/[\w/-]+\.md))");
   std::vector<std::string> missing;
   for (const std::string& file : sourceTree().files) {
@@ -165,7 +165,7 @@ bool holdsCode(const std::string& folder) {
   return false;
 }
 
-TEST(Docs, EveryFolderWithCodeSaysInFifteenLinesWhatItHolds) {
+TEST(Docs, EveryCodeFolderHasAReadmeOfAtMostFifteenLines) {
   std::vector<std::string> wrong;
   for (const std::string& folder : sourceTree().folders) {
     const std::string above = folderOf(folder);
@@ -181,7 +181,7 @@ TEST(Docs, EveryFolderWithCodeSaysInFifteenLinesWhatItHolds) {
 }
 
 /// Every `Suite.Case` of a page that promises something.
-TEST(Docs, EveryTestThatHoldsAPromiseIsThere) {
+TEST(Docs, EveryTestNamedOnAPageExists) {
   std::set<std::string> tests;
   const std::regex begins(R"(^TEST(_F|_P)?\((\w+), *(\w+)\))");
   for (const std::string& file : sourceTree().files)

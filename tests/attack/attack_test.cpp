@@ -185,7 +185,7 @@ struct AttackTest : testing::Test {
 
 std::string randomText(std::size_t bytes) { return std::string(bytes, '\x5a'); }
 
-TEST_F(AttackTest, OfLongMessagesByAWorker) {
+TEST_F(AttackTest, LongMessagesFromAWorker) {
   withstand("long messages", {"closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemy = loner(context, target, "long", "worker", 1);
@@ -197,7 +197,7 @@ TEST_F(AttackTest, OfLongMessagesByAWorker) {
             });
 }
 
-TEST_F(AttackTest, OfLargeFrames) {
+TEST_F(AttackTest, LargeFrames) {
   // It is not copied, and must outlive the threads of libzmq that send it. They encrypt all of it,
   // at the lowest priority, before anybody hears of it.
   static const std::string frame(100 << 20, 'x');
@@ -211,7 +211,7 @@ TEST_F(AttackTest, OfLargeFrames) {
   });
 }
 
-TEST_F(AttackTest, OfWorkersThatAskForTheProblemAndReadNothing) {
+TEST_F(AttackTest, WorkersThatRequestTheProblemAndNeverRead) {
   withstand("slow readers", {"unread_answers", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemies = crowd(context, target, "slow", "worker", 20);
@@ -228,7 +228,7 @@ TEST_F(AttackTest, OfWorkersThatAskForTheProblemAndReadNothing) {
             });
 }
 
-TEST_F(AttackTest, OfWorkersThatHoardWork) {
+TEST_F(AttackTest, WorkersThatHoardWork) {
   withstand("hoarders", {}, [](zmq::context_t& context, test::Fortress& target) {
     auto enemies = crowd(context, target, "hoarder", "worker", 30);
     return [enemies, round = 0]() mutable {
@@ -249,7 +249,7 @@ TEST_F(AttackTest, OfWorkersThatHoardWork) {
   EXPECT_GE(fortress->workers(), 34u);
 }
 
-TEST_F(AttackTest, OfHellosWithoutEnd) {
+TEST_F(AttackTest, EndlessHellos) {
   // Whether that many come that the connection is closed depends on the machine.
   std::atomic<std::int64_t> answers = 0;
   withstand("hellos", {}, [&](zmq::context_t& context, test::Fortress& target) {
@@ -262,7 +262,7 @@ TEST_F(AttackTest, OfHellosWithoutEnd) {
   EXPECT_GT(answers, 0) << "nothing reached it";
 }
 
-TEST_F(AttackTest, OfSmallMessagesThatMeanNothing) {
+TEST_F(AttackTest, MeaninglessSmallMessages) {
   withstand("garbage", {"bad_messages", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemies = crowd(context, target, "garbage", "worker", 10);
@@ -275,7 +275,7 @@ TEST_F(AttackTest, OfSmallMessagesThatMeanNothing) {
             });
 }
 
-TEST_F(AttackTest, OfQuestionsForTheStatus) {
+TEST_F(AttackTest, FloodOfStatusRequests) {
   withstand("questions", {"closed_connections", "unread_answers"},
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemies = crowd(context, target, "curious", "observer", 10);
@@ -290,7 +290,7 @@ TEST_F(AttackTest, OfQuestionsForTheStatus) {
             });
 }
 
-TEST_F(AttackTest, OfResultsThatNobodyAskedFor) {
+TEST_F(AttackTest, UnrequestedResults) {
   withstand("forged results", {"bad_messages", "closed_connections"},
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemy = loner(context, target, "forger");
@@ -307,7 +307,7 @@ TEST_F(AttackTest, OfResultsThatNobodyAskedFor) {
 }
 
 /// What an observer says that workers and operators may say.
-TEST_F(AttackTest, OfAnObserverThatWantsMore) {
+TEST_F(AttackTest, AnObserverThatExceedsItsRole) {
   withstand("an observer", {"bad_messages"}, [](zmq::context_t& context, test::Fortress& target) {
     auto enemy = loner(context, target, "observer", "observer");
     return [enemy] {
@@ -347,7 +347,7 @@ class RawConnection {
   bool connected_ = false;
 };
 
-TEST_F(AttackTest, OfConnectionsThatSayNothing) {
+TEST_F(AttackTest, SilentConnections) {
   withstand("idle connections", {}, [](zmq::context_t&, test::Fortress& target) {
     auto held = std::make_shared<std::deque<RawConnection>>();
     return [held, &target] {
@@ -358,7 +358,7 @@ TEST_F(AttackTest, OfConnectionsThatSayNothing) {
   });
 }
 
-TEST_F(AttackTest, OfStrangersWithoutAKey) {
+TEST_F(AttackTest, StrangersWithoutAKey) {
   withstand("strangers", {}, [](zmq::context_t&, test::Fortress& target) {
     auto held = std::make_shared<std::deque<RawConnection>>();
     return [held, &target, n = 0]() mutable {

@@ -146,7 +146,7 @@ struct AccidentTest : test::SmallBuild {
   }
 };
 
-TEST_F(AccidentTest, AWorkerWhoseSolverHangsEndsItselfAndAnotherFinishesItsWork) {
+TEST_F(AccidentTest, AWorkerWithAHungSolverEndsAndAnotherFinishesItsWork) {
   // Much longer than any solve takes on a machine that is busy: the second worker ends by it too.
   auto scheduler = serve({"--hung-after", "10"});
   const std::string endpoint = endpointIn("served");
@@ -163,7 +163,7 @@ TEST_F(AccidentTest, AWorkerWhoseSolverHangsEndsItselfAndAnotherFinishesItsWork)
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, AWorkerToldToEndSaysGoodbyeInTimeWhateverItsSolverDoes) {
+TEST_F(AccidentTest, AWorkerToldToEndSaysGoodbyeInTimeDespiteItsSolver) {
   auto scheduler = serve();
   const std::string endpoint = endpointIn("served");
   auto worker = work(endpoint, {"--drain", "1"});
@@ -180,7 +180,7 @@ TEST_F(AccidentTest, AWorkerToldToEndSaysGoodbyeInTimeWhateverItsSolverDoes) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, AKilledWorkerIsReplacedAndToldOfByItsSupervisor) {
+TEST_F(AccidentTest, AKilledWorkerIsReplacedAndReportedByItsSupervisor) {
   auto scheduler = serve();
   auto workers = start("palpate-worker", {"work", "--connect", endpointIn("served"), "-j", "2"});
   ASSERT_TRUE(journalGrows(*scheduler, "served", 10000));
@@ -193,7 +193,7 @@ TEST_F(AccidentTest, AKilledWorkerIsReplacedAndToldOfByItsSupervisor) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, DamageInTheJournalCostsWhatIsDamaged) {
+TEST_F(AccidentTest, DamageInTheJournalLosesOnlyDamagedRecords) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
   build->stop(SIGKILL);
@@ -204,7 +204,7 @@ TEST_F(AccidentTest, DamageInTheJournalCostsWhatIsDamaged) {
   EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, DamageThatShowsWhileItRunsIsMendedBeforeAnythingIsSealed) {
+TEST_F(AccidentTest, DamageFoundDuringTheRunIsRepairedBeforeSealing) {
   auto scheduler = serve();
   const std::string endpoint = endpointIn("served");
   auto worker = work(endpoint);
@@ -220,7 +220,7 @@ TEST_F(AccidentTest, DamageThatShowsWhileItRunsIsMendedBeforeAnythingIsSealed) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, AStateDirectoryThatIsTakenAwayEndsTheSchedulerWithAWord) {
+TEST_F(AccidentTest, ARemovedStateDirectoryEndsTheSchedulerWithAnError) {
   auto scheduler = serve();
   auto worker = work(endpointIn("served"));
   ASSERT_TRUE(journalGrows(*scheduler, "served", 10000));
@@ -236,7 +236,7 @@ TEST_F(AccidentTest, AStateDirectoryThatIsTakenAwayEndsTheSchedulerWithAWord) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(AccidentTest, AMachineThatWasSuspendedLosesNobody) {
+TEST_F(AccidentTest, ASuspendedMachineLosesNoWorker) {
   // Longer than any silence of a worker that is forgiven, when there is time for it.
   const std::chrono::seconds asleep(test::longTestsAreWanted() ? 65 : 4);
   auto build = startBuild("out.h5", "2");

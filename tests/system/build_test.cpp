@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 struct SystemTest : test::SmallBuild {};
 
-TEST_F(SystemTest, RefusesAFolderThatIsNotThereBeforeAnythingIsComputed) {
+TEST_F(SystemTest, RefusesAMissingFolderBeforeComputing) {
   for (const std::vector<std::string>& where : {std::vector<std::string>{"-o", "nowhere/out.h5"},
                                                 {"-o", "out.h5", "--state", "nowhere/state"}}) {
     std::vector<std::string> arguments = {"build", "cube.toml", "-j", "1"};
@@ -44,13 +44,13 @@ TEST_F(SystemTest, DoesNotTakeADamagedDatasetForFinishedWork) {
   EXPECT_EQ(test::contentOf(directory / "damaged.h5"), damaged);
 }
 
-TEST_F(SystemTest, AFullDiskBehindTheLogEndsNoWork) {
+TEST_F(SystemTest, AFullDiskForTheLogEndsNoWork) {
   const test::CommandResult build = palpate("build cube.toml -o out.h5 -j 1 2> /dev/full");
   EXPECT_TRUE(build.exit_code == 0 || build.exit_code == 3) << build.exit_code;
   EXPECT_THAT(build.output, HasSubstr("sealed"));
 }
 
-TEST_F(SystemTest, ALimitOfFileSizesIsNamedAndTheBuildGoesOnWithoutIt) {
+TEST_F(SystemTest, AFileSizeLimitIsNamedAndTheBuildResumesWithoutIt) {
   const test::CommandResult limited = test::runCommand(
       "(cd '" + directory.path().string() +
       "' && ulimit -f 400 && " PALPATE_BIN_DIR "/palpate build cube.toml -o out.h5 -j 1 -q)");
@@ -76,7 +76,7 @@ std::string librariesHere() {
                      EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
 }
 
-TEST_F(SystemTest, TheShippedLiverHasTheContentThatItHadBefore) {
+TEST_F(SystemTest, TheShippedLiverHasTheRecordedContent) {
   // A change that moves forces moves these; write the new content here when it was meant. The
   // libraries choose code by the processor even so: two kinds of machines are known.
   const std::vector<std::string> contents = {
@@ -131,7 +131,7 @@ TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(SystemTest, HowMuchAWorkerSaysHoldsForTheProcessesThatItStarts) {
+TEST_F(SystemTest, ChildProcessesInheritAWorkersLogLevel) {
   auto scheduler = serve("served", "served.h5");
   const std::string endpoint = endpointIn("served");
   auto quiet = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1", "-q"});
@@ -156,7 +156,7 @@ TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
 }
 
-TEST_F(SystemTest, ASecondSchedulerIsRefusedASocketAtWhichTheFirstListens) {
+TEST_F(SystemTest, ASecondSchedulerIsRefusedTheSocketOfTheFirst) {
   auto first = serve("first", "first.h5", {}, "ipc://scheduler.ipc");
   endpointIn("first");
   auto second = serve("second", "second.h5", {}, "ipc://scheduler.ipc");
@@ -168,7 +168,7 @@ TEST_F(SystemTest, ASecondSchedulerIsRefusedASocketAtWhichTheFirstListens) {
 }
 
 /// The file `endpoint` leads to another one, which took the address over.
-TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
+TEST_F(SystemTest, AnotherBuildsSchedulerAtTheSameAddressIsNotMistaken) {
   std::filesystem::create_directory(directory / "other");
   writeScene(directory / "other", 2000);
   auto mine = serve("mine", "mine.h5");
@@ -184,7 +184,7 @@ TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
   EXPECT_TRUE(mine->running() && other->running());
 }
 
-TEST_F(SystemTest, AnInterruptedBuildGoesOn) {
+TEST_F(SystemTest, AnInterruptedBuildResumes) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
   EXPECT_EQ(build->stop(SIGINT), 130) << build->output();
@@ -198,7 +198,7 @@ TEST_F(SystemTest, AnInterruptedBuildGoesOn) {
   EXPECT_THAT(third->output(), HasSubstr("nothing to do"));
 }
 
-TEST_F(SystemTest, SignalsThatComeTogetherAreOneAndLetTheWorkersFinish) {
+TEST_F(SystemTest, SimultaneousSignalsCountAsOneAndLetWorkersFinish) {
   // As timeout(1) does: the process, and then its group.
   for (const int number : {SIGTERM, SIGINT}) {
     auto build = startBuild("out.h5", "2");
@@ -225,7 +225,7 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
 }
 
 /// As systemd starts it.
-TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
+TEST_F(SystemTest, AServiceManagerIsToldReadinessAndProgress) {
   const test::NotifySocket manager(directory.path());
   auto scheduler = serve("state", "out.h5");
   std::string all;
@@ -241,7 +241,7 @@ TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
 }
 
 /// One worker as on a machine of 2004, one as on this machine.
-TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBits) {
+TEST_F(SystemTest, NewerMachinesUseCommonKernelsForTheSameBits) {
   if (cpuFamily() == CpuFamily::baseline)
     GTEST_SKIP() << "this CPU has no kernels but baseline: changing them was NOT tested";
   // Where a person has chosen them, workers have no others.
@@ -265,7 +265,7 @@ TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBi
   EXPECT_EQ(test::contentOf(directory / "out.h5"), of_old_machines);
 }
 
-TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
+TEST_F(SystemTest, APausedBuildStaysPausedAfterAKillUntilResumed) {
   const auto ask = [&](const std::string& verb) { return told(verb + " out.h5.state"); };
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
@@ -281,7 +281,7 @@ TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
   EXPECT_THAT(ask("resume"), HasSubstr("the next build there continues"));
 }
 
-TEST_F(SystemTest, APartialDatasetIsSealedWhileTheBuildGoesOnAndCanBeAsked) {
+TEST_F(SystemTest, APartialDatasetCanBeSealedAndQueriedDuringTheBuild) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
   const std::string seal = "seal out.h5.state -o now.h5";
@@ -304,7 +304,7 @@ TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {
                              testing::Not(HasSubstr("busy")), testing::Not(HasSubstr("idle"))));
 }
 
-TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
+TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreRefusedWithReasons) {
   auto first = serve("state", "out.h5");
   const std::string endpoint = endpointIn("state");
   auto second = serve("state", "out.h5");
@@ -320,7 +320,7 @@ TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
   EXPECT_THAT(other->output(), HasSubstr("another --state"));
 }
 
-TEST_F(SystemTest, AChangedSceneIsBuiltAndWhatWasBeforeIsKeptUnderAnotherName) {
+TEST_F(SystemTest, AChangedSceneIsBuiltAndTheOldBuildKeptUnderANewName) {
   const auto built = [this](const std::string& out) {
     auto build = startBuild(out, "1");
     expectFinished(*build);
@@ -346,7 +346,7 @@ TEST_F(SystemTest, AChangedSceneIsBuiltAndWhatWasBeforeIsKeptUnderAnotherName) {
   EXPECT_THAT(built(aside), HasSubstr("is already the dataset of this scene"));
 }
 
-TEST_F(SystemTest, UnfinishedWorkOfASceneThatChangesGoesOnUnderItsNewName) {
+TEST_F(SystemTest, UnfinishedWorkOfAChangedSceneResumesUnderItsNewName) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50'000));
   build->stop(SIGKILL);

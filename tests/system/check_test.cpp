@@ -27,7 +27,7 @@ struct CheckStateTest : test::SmallBuild {
   }
 };
 
-TEST_F(CheckStateTest, TellsDamageByItsExitCodeAndRepairsItSoThatTheBuildGoesOn) {
+TEST_F(CheckStateTest, ReportsDamageByExitCodeAndRepairsItForTheBuild) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
   // On a busy machine it would be done before it is looked at twice.
@@ -49,7 +49,7 @@ TEST_F(CheckStateTest, TellsDamageByItsExitCodeAndRepairsItSoThatTheBuildGoesOn)
   check("out.h5.state", 0);
 }
 
-TEST_F(CheckStateTest, RefusesWhatIsNoStateDirectoryAndStillChecksScenes) {
+TEST_F(CheckStateTest, RefusesOtherDirectoriesAndStillChecksScenes) {
   std::filesystem::create_directory(directory / "folder");
   EXPECT_THAT(check("folder", 2), HasSubstr("folder: is not a state directory"));
   check("folder --repair", 2);

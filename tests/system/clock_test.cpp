@@ -25,7 +25,7 @@ struct ClockTest : test::SmallBuild {
   }
 };
 
-TEST_F(ClockTest, MachinesThatAreDaysApartMakeTheSameDataset) {
+TEST_F(ClockTest, ClocksThatAreDaysApartGiveTheSameDataset) {
   auto scheduler = startAt(
       "+40min", "palpate-scheduler",
       {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state", "-o", "out.h5"});

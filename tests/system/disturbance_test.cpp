@@ -231,7 +231,7 @@ struct DisturbanceTest : test::SmallBuild {
 
 TEST_F(DisturbanceTest, TwentyKillsAndStopsLeaveNoTrace) { disturbAndFinish(20, 2); }
 
-TEST_F(DisturbanceTest, NorDoAThousand) {
+TEST_F(DisturbanceTest, AThousandKillsAndStopsLeaveNoTrace) {
   if (!test::longTestsAreWanted())
     GTEST_SKIP() << "1000 kills and stops take minutes and were NOT tested; "
                     "set PALPATE_LONG_TESTS=1 (deploy/test --nightly does)";
@@ -250,7 +250,7 @@ struct RemoteWorkerTest : test::SmallBuild {
   test::OwnNetwork network;
 };
 
-TEST_F(RemoteWorkerTest, WhatAKilledOneHeldIsHandedOutAgainWithoutWaitingForItsSilence) {
+TEST_F(RemoteWorkerTest, AKilledWorkersTargetsAreReassignedAtOnce) {
   const bool two_networks = network.joinAnother();
   const std::string address = two_networks ? "10.77.0.1" : "127.0.0.1";
   auto scheduler = serve("served", "served.h5", {}, "tcp://" + address + ":*");

@@ -56,7 +56,7 @@ TEST_F(KeysTest, AnotherUserGetsInOnlyAfterBothKnowEachOthersKeys) {
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
 }
 
-TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
+TEST_F(KeysTest, AWorkerWaitsForAdmissionAndLeavesOnWithdrawal) {
   serve({"--keys", "head"});
   expectDone("node", "key new");
   expectDone("node", "key trust " + keyOf("head"));
@@ -73,7 +73,7 @@ TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
               testing::AnyOf(HasSubstr("no longer allowed"), HasSubstr("no more work")));
 }
 
-TEST_F(KeysTest, OfABuildAreItsOwnAndItsStateDirectoryKnowsThem) {
+TEST_F(KeysTest, ABuildHasItsOwnKeysInItsStateDirectory) {
   // Paused before it begins, else it is done before it is asked.
   auto first = SmallBuild::serve("out.h5.state", "out.h5");
   endpointIn("out.h5.state");
@@ -95,7 +95,7 @@ TEST_F(KeysTest, ABuildNeedsNoHome) {
   EXPECT_THAT(result.exit_code, testing::AnyOf(0, 3)) << result.output;
 }
 
-TEST_F(KeysTest, WithoutThemEverybodyIsLetInAndThatHasToBeTyped) {
+TEST_F(KeysTest, AdmittingEverybodyNeedsAnExplicitOption) {
   serve({"--insecure"});
   EXPECT_THAT(run("anybody", "status " + endpoint + " --insecure").output, HasSubstr("scene cube"));
   EXPECT_THAT(run("anybody", "status state").output, HasSubstr("scene cube"));
@@ -105,7 +105,7 @@ TEST_F(KeysTest, WithoutThemEverybodyIsLetInAndThatHasToBeTyped) {
   expectFinished(*scheduler);
 }
 
-TEST_F(KeysTest, ThatOthersMayReadAreRefused) {
+TEST_F(KeysTest, KeysThatOthersMayReadAreRefused) {
   expectDone("head", "key new");
   test::runCommand("chmod 755 '" + (directory / "head").string() + "'");
   auto refused = SmallBuild::serve("state", "out.h5", {"--keys", "head"});

@@ -54,7 +54,7 @@ struct MovingTest : test::SmallBuild {
   }
 };
 
-TEST_F(MovingTest, GoesOnElsewhereWithItsKeysToTheSameDataset) {
+TEST_F(MovingTest, AMovedBuildWithItsKeysGivesTheSameDataset) {
   const std::string before = losesItsMachine("state");
   copy("state", "moved");
   copy("head", "moved-head");
@@ -68,7 +68,7 @@ TEST_F(MovingTest, GoesOnElsewhereWithItsKeysToTheSameDataset) {
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
 }
 
-TEST_F(MovingTest, WithOtherKeysWorkersSayWhatIsToBeDoneAndWaitForIt) {
+TEST_F(MovingTest, WithOtherKeysWorkersExplainTheRemedyAndWait) {
   losesItsMachine("state");
   copy("state", "moved");
   introduce("other-head");

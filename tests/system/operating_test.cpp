@@ -55,7 +55,7 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   told("check out.h5.state");  // they are no damage
 }
 
-TEST_F(OperatingTest, WhatASchedulerRecordedIsToldWhereItEndsWhileItIsAsked) {
+TEST_F(OperatingTest, StatusShowsTheRecordsOfASchedulerThatEndsMeanwhile) {
   auto scheduler = serve("state", "out.h5");
   const std::string endpoint = endpointIn("state");
   scheduler->signal(SIGSTOP);  // the system accepts who asks, and nobody answers
@@ -107,7 +107,7 @@ TEST_F(OperatingTest, EventsAreFollowedWhileTheyHappen) {
   EXPECT_THAT(eventsOf("state --event stopped").at(0).at("reason"), "signal");
 }
 
-TEST_F(OperatingTest, ALogForProgramsHoldsNothingElse) {
+TEST_F(OperatingTest, AJsonLogHoldsOnlyJson) {
   auto scheduler = serve("state", "out.h5", {"--log-format", "json"});
   endpointIn("state");
   EXPECT_TRUE(test::says(*scheduler, "listening"));

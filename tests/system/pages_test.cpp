@@ -68,7 +68,7 @@ struct PagesTest : test::SmallBuild {
   }
 };
 
-TEST_F(PagesTest, MetricsAreAsPrometheusWantsThem) {
+TEST_F(PagesTest, MetricsAreValidForPrometheus) {
   if (!isInstalled("promtool")) GTEST_SKIP() << "NOT TESTED: promtool (Debian: prometheus)";
   begin({"--metrics", "0"});
   const std::string address = "127.0.0.1:" + std::to_string(portOf("metrics"));
@@ -141,7 +141,7 @@ TEST_F(PagesTest, TheDashboardExplainsAPoint) {
 }
 
 /// Host names are whatever a machine says.
-TEST_F(PagesTest, NamesOfMachinesAreNoScripts) {
+TEST_F(PagesTest, NamesOfMachinesCannotBecomeScripts) {
   if (!isInstalled("chromium")) GTEST_SKIP() << "NOT TESTED: chromium is not installed";
   if (geteuid() != 0) GTEST_SKIP() << "NOT TESTED: only root gives a machine another name";
   begin({"--dashboard"});
@@ -161,7 +161,7 @@ TEST_F(PagesTest, NamesOfMachinesAreNoScripts) {
                          HasSubstr("<title>cube")));
 }
 
-TEST_F(PagesTest, WhatIsAskedWronglyIsSaid) {
+TEST_F(PagesTest, InvalidRequestsAreExplained) {
   begin({"--dashboard"});
   const int port = portOf("dashboard");
   EXPECT_THAT(test::httpGet(port, "/explain.json?active=tip&i=9&j=0&k=0"),

@@ -276,7 +276,7 @@ struct PowerCutTest : DiskTest {
   std::map<std::string, std::size_t> recovered;
 };
 
-TEST_F(PowerCutTest, ACopyOfTheDiskHoldsWhatWasSyncedAndNothingElse) {
+TEST_F(PowerCutTest, ACopyOfTheDiskHoldsExactlyTheSyncedBytes) {
   const Disk disk(directory.path(), "live");
   ASSERT_EQ(disk.format(), "");
   ASSERT_EQ(disk.mounted(), "");
@@ -297,14 +297,14 @@ TEST_F(PowerCutTest, ACopyOfTheDiskHoldsWhatWasSyncedAndNothingElse) {
 
 TEST_F(PowerCutTest, NothingAcknowledgedIsLostAndTheDatasetIsTheSame) { cutAndRecover(6); }
 
-TEST_F(PowerCutTest, NorIsItByTwoHundred) {
+TEST_F(PowerCutTest, TwoHundredCutsLoseNothingAcknowledged) {
   if (!test::longTestsAreWanted())
     GTEST_SKIP() << "200 power cuts take minutes and were NOT tested; set PALPATE_LONG_TESTS=1 "
                     "(deploy/test --nightly does)";
   cutAndRecover(200);
 }
 
-TEST_F(DiskTest, AFullOneEndsTheBuildWhichGoesOnWhenThereIsRoom) {
+TEST_F(DiskTest, AFullDiskEndsTheBuildWhichResumesWhenThereIsRoom) {
   const Disk disk(directory.path(), "live");
   ASSERT_EQ(disk.format(), "");
   ASSERT_EQ(disk.mounted(), "");

@@ -40,7 +40,7 @@ TEST(Programs, NameTheLimitOfTheSystemThatStopsThem) {
   }
 }
 
-TEST(Programs, FailWhenTheirAnswerFindsNoRoom) {
+TEST(Programs, FailIfTheirOutputCannotBeWritten) {
   const std::string scene = std::string(PALPATE_SOURCE_DIR) + "/deploy/scenes/liver/liver.toml";
   for (const std::string verb : {"doctor", "check", "solve --displacement 0.001 0 0"}) {
     const std::string command = std::string(PALPATE_BIN_DIR "/palpate ") + verb +

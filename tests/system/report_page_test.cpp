@@ -144,7 +144,7 @@ TEST_F(ReportPageTest, ShowsTwoDatasetsSideBySide) {
 }
 
 // It once began with the errors of every 2nd point, a lattice of 18, as if they were its own.
-TEST_F(ReportPageTest, BeginsWithNoErrorsOfAPartOfTheLattice) {
+TEST_F(ReportPageTest, FirstFigureShowsNoErrorsOfAThinnedLattice) {
   test::SampleDataset sample;
   sample.seal(directory / "bare.h5");
   sample.refine();
@@ -157,7 +157,7 @@ TEST_F(ReportPageTest, BeginsWithNoErrorsOfAPartOfTheLattice) {
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('.card').length"), 6);
 }
 
-TEST_F(ReportPageTest, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
+TEST_F(ReportPageTest, SaysThatASingleConfigurationCannotBeMeasured) {
   test::SampleDataset sample;
   for (SpaceTable& space : sample.spaces)
     for (std::size_t n = 1; n < space.points.size(); ++n) {

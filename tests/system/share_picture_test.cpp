@@ -94,7 +94,7 @@ TEST_F(SharePictureTest, AnActiveNodeIsTouchedByAThinTool) {
 }
 
 /// A coarse lattice: near its middle the bound is small, farther out a hand would notice it.
-TEST_F(SharePictureTest, AForceIsBlueUntilAHandCouldNoticeItsErrorThenAmberAndCalledUncertain) {
+TEST_F(SharePictureTest, AForceTurnsAmberWhenAHandCouldNoticeItsError) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
   if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.1, 0.1))) return;
   test::Browser browser;
@@ -127,7 +127,7 @@ TEST_F(SharePictureTest, AForceIsBlueUntilAHandCouldNoticeItsErrorThenAmberAndCa
 }
 
 /// Below a force that a hand feels there is no error that it notices.
-TEST_F(SharePictureTest, WhatAHandDoesNotFeelIsNotUncertain) {
+TEST_F(SharePictureTest, AnErrorThatAHandDoesNotFeelIsNotUncertain) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   open(browser);

@@ -42,13 +42,13 @@ struct ShareTroubleTest : test::SharedPage {
   }
 };
 
-TEST_F(ShareTroubleTest, WithoutWebGl) {
+TEST_F(ShareTroubleTest, ExplainsAMissingWebGl) {
   if (!makePage()) return;
   test::Browser browser({"--disable-3d-apis"});
   EXPECT_THAT(sentenceOf(browser), HasSubstr("WebGL"));
 }
 
-TEST_F(ShareTroubleTest, WhenGraphicsStopUntilTheyAreThereAgain) {
+TEST_F(ShareTroubleTest, ExplainsStoppedGraphicsUntilTheyReturn) {
   if (!makePage()) return;
   test::Browser browser;
   open(browser);
@@ -69,7 +69,7 @@ TEST_F(ShareTroubleTest, WhenGraphicsStopUntilTheyAreThereAgain) {
       "  return pixel[0] > pixel[2] + 20; })()"));
 }
 
-TEST_F(ShareTroubleTest, WhenItBreaksButNotWhenAScriptOfOthersDoes) {
+TEST_F(ShareTroubleTest, ExplainsItsOwnErrorsButNotThoseOfOtherScripts) {
   if (!makePage()) return;
   test::Browser browser;
   open(browser);
@@ -80,21 +80,21 @@ TEST_F(ShareTroubleTest, WhenItBreaksButNotWhenAScriptOfOthersDoes) {
   EXPECT_THAT(troubleOf(browser), HasSubstr("nothing is not defined"));
 }
 
-TEST_F(ShareTroubleTest, WithoutWebAssembly) {
+TEST_F(ShareTroubleTest, ExplainsAMissingWebAssembly) {
   if (!makePage()) return;
   test::Browser browser;
   browser.runFirst("delete window.WebAssembly");
   EXPECT_THAT(sentenceOf(browser), HasSubstr("WebAssembly"));
 }
 
-TEST_F(ShareTroubleTest, InABrowserThatLacksWhatItCalls) {
+TEST_F(ShareTroubleTest, ExplainsABrowserThatLacksAFunction) {
   if (!makePage()) return;
   test::Browser browser;
   browser.runFirst("delete window.DecompressionStream");
   EXPECT_THAT(sentenceOf(browser), HasSubstr("too old"));
 }
 
-TEST_F(ShareTroubleTest, InABrowserThatDoesNotKnowItsSyntax) {
+TEST_F(ShareTroubleTest, ExplainsABrowserThatDoesNotKnowItsSyntax) {
   if (!makePage()) return;
   std::string code = bytesOf(page());
   const std::string known = "const byId = ";
@@ -104,7 +104,7 @@ TEST_F(ShareTroubleTest, InABrowserThatDoesNotKnowItsSyntax) {
   EXPECT_THAT(sentenceOf(browser), HasSubstr("too old"));
 }
 
-TEST_F(ShareTroubleTest, WithoutJavaScript) {
+TEST_F(ShareTroubleTest, ExplainsDisabledJavaScript) {
   if (!makePage()) return;
   test::Browser browser;
   browser.send("Emulation.setScriptExecutionDisabled", {{"value", true}});
@@ -114,7 +114,7 @@ TEST_F(ShareTroubleTest, WithoutJavaScript) {
               AllOf(HasSubstr("JavaScript"), Not(HasSubstr("Press depth"))));
 }
 
-TEST_F(ShareTroubleTest, OfAFileThatIsNotWhole) {
+TEST_F(ShareTroubleTest, ExplainsAnIncompleteFile) {
   if (!makePage()) return;
   const std::string whole = bytesOf(page());
   test::Browser browser;

@@ -101,7 +101,7 @@ TEST_F(ShareWindowsTest, NothingOverlapsAndTheOrganIsInTheMiddle) {
   }
 }
 
-TEST_F(ShareWindowsTest, AWindowMayChangeItsSize) {
+TEST_F(ShareWindowsTest, ThePageFollowsTheSizeOfItsWindow) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   open(browser);

@@ -161,7 +161,7 @@ struct SlurmFaultsTest : SlurmTest {
   }
 };
 
-TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
+TEST_F(SlurmTest, ABuildEndsDespiteALostNodeAndExpiredJobs) {
   auto scheduler = serve();
   auto all = fleet({"--connect", endpointIn("state"), "--most", "4", "--minutes", "1"});
   ASSERT_TRUE(test::eventually([] { return jobs().find("RUNNING there") != std::string::npos; }))
@@ -190,7 +190,7 @@ TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
   EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
 }
 
-TEST_F(SlurmFaultsTest, AnOptionThatSlurmRefusesEndsTheFleetWithSlurmsWords) {
+TEST_F(SlurmFaultsTest, ARefusedOptionEndsTheFleetWithSlurmsMessage) {
   auto scheduler = serve();
   endpointIn("state");
   struct Case {
@@ -210,7 +210,7 @@ TEST_F(SlurmFaultsTest, AnOptionThatSlurmRefusesEndsTheFleetWithSlurmsWords) {
   EXPECT_EQ(jobs(), "");
 }
 
-TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftThoughFleetAndSlurmAreKilledMeanwhile) {
+TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
   ASSERT_EQ(test::runCommand("ip addr add 10.77.0.3/24 dev here").exit_code, 0);
   auto scheduler = serveWide("0.0.0.0");
   const std::string endpoint = endpointIn("state");
@@ -269,7 +269,7 @@ TEST_F(SlurmFaultsTest, JobsThatDieAtOnceAreTriedOneByOneUntilOneLives) {
   EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
 }
 
-TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsLeftOutAndTheOtherOneBuilds) {
+TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsExcludedAndTheOtherBuilds) {
   const std::string program = installElsewhere();
   const std::string broken = (directory / "bin" / "broken-worker").string();
   writeBrokenWorker(broken);

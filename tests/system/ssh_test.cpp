@@ -53,7 +53,7 @@ struct SshTest : test::SmallBuild {
   }
 };
 
-TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTheEnd) {
+TEST_F(SshTest, WorkersRestartAfterABrokenConnectionAndNoneIsLeft) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("known"));
   ASSERT_TRUE(journalGrows(*scheduler, "state", 10000)) << fleet->output();
@@ -78,7 +78,7 @@ TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
   EXPECT_TRUE(scheduler->running());
 }
 
-TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
+TEST_F(SshTest, AnUnknownMachineIsNotTrustedAndTriedAgain) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("nobody"));
   EXPECT_TRUE(test::says(
@@ -88,7 +88,7 @@ TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
   EXPECT_EQ(fleet->stop(SIGTERM), 130);
 }
 
-TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilSomebodyPutsItThere) {
+TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilInstalled) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("known"), path("worker"));
   EXPECT_TRUE(test::says(*fleet, "exit code 127 (--program is not there")) << fleet->output();
@@ -98,7 +98,7 @@ TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilSomebodyPutsItThere) {
   EXPECT_TRUE(workers().empty());
 }
 
-TEST(SshCommand, SaysWhatIsNoMachine) {
+TEST(SshCommand, NamesAnInvalidMachine) {
   const std::string program = PALPATE_BIN_DIR "/palpate-scheduler";
   for (const char* host : {"node:0", "node:many", "-oProxyCommand=x", ":4"}) {
     const auto result =

@@ -39,7 +39,7 @@ struct UnitsTest : testing::Test {
   }
 };
 
-TEST_F(UnitsTest, AreReadBySystemdWithoutAWord) {
+TEST_F(UnitsTest, AreReadBySystemdWithoutAWarning) {
   for (const char* unit : {"palpate-serve@liver.service", "palpate-work.service"}) {
     const auto verified = analyze("verify --man=no", unit);
     EXPECT_EQ(verified.exit_code, 0) << verified.output;

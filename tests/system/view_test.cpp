@@ -58,7 +58,7 @@ struct ViewTest : testing::Test {
   std::string content(const char* file) const { return test::contentOf(directory / file); }
 };
 
-TEST_F(ViewTest, TheVirtualHandTouchesAndEveryRunIsTheSameToTheBit) {
+TEST_F(ViewTest, TheVirtualHandTouchesTheSameToTheBitInEveryRun) {
   const auto first = measured({"cube.h5", "--fast", "--duration", "4", "--record", "first.h5"});
   EXPECT_EQ(first.at("ticks"), 4000);
   EXPECT_GE(first.at("contacts"), 1);
@@ -85,7 +85,7 @@ TEST_F(ViewTest, EndsAfterItsDurationOnTheClock) {
   EXPECT_EQ(run.at("ticks"), 500);
 }
 
-TEST_F(ViewTest, AnInterruptAndAClosedTerminalKeepItsMeasurementsAndItsRecording) {
+TEST_F(ViewTest, AnInterruptOrClosedTerminalKeepsItsResults) {
   for (const int number : {SIGINT, SIGHUP}) {
     std::filesystem::remove(directory / "run.h5");
     auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
@@ -96,7 +96,7 @@ TEST_F(ViewTest, AnInterruptAndAClosedTerminalKeepItsMeasurementsAndItsRecording
   }
 }
 
-TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
+TEST_F(ViewTest, AClosedPipeKeepsTheRecording) {
   const auto run = test::runCommand(
       "cd '" + directory.path().string() + "' && " +
       PALPATE_BIN_DIR
@@ -105,7 +105,7 @@ TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
-TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
+TEST_F(ViewTest, AnUnwritablePictureFolderKeepsTheRecording) {
   const test::VirtualScreen screen;
   auto run = start({"cube.h5", "--record-video", "frames", "--record", "run.h5"});
   ASSERT_TRUE(test::eventually(
@@ -118,7 +118,7 @@ TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
-TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
+TEST_F(ViewTest, ReplacingTheDatasetMeanwhileChangesNothing) {
   auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
   ASSERT_TRUE(test::says(*run, "virtual hand at"));
   seal(2);
@@ -140,7 +140,7 @@ TEST_F(ViewTest, SaysWhatToDoWithoutADisplay) {
   EXPECT_THAT(run->output(), HasSubstr("--headless"));
 }
 
-TEST_F(ViewTest, TellsAWrongDeviceBeforeTheDisplayIsAskedFor) {
+TEST_F(ViewTest, ReportsAWrongDeviceBeforeOpeningTheDisplay) {
   auto run = start({"cube.h5", "--device", "falcon"});
   EXPECT_EQ(run->wait(), 2);
   EXPECT_THAT(run->output(), HasSubstr("--device falcon"));
@@ -200,7 +200,7 @@ TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
 }
 
 /// F5 once prepared in the thread that draws, so that nobody heard Ctrl-C.
-TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReadAgain) {
+TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReloaded) {
   const test::VirtualScreen screen;
   using Clock = std::chrono::steady_clock;
   std::vector<std::string> arguments(20, "cube.h5");
@@ -218,7 +218,7 @@ TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReadAgain) {
   EXPECT_LT(Clock::now() - asked, prepared / 2);
 }
 
-TEST_F(ViewTest, FeelsWhatWasReadAgain) {
+TEST_F(ViewTest, FeelsReloadedDatasets) {
   const test::VirtualScreen screen;
   std::filesystem::copy(directory / "cube.h5", directory / "soft.h5");
   auto run = start({"cube.h5", "--device", "virtual", "--json"});
@@ -240,7 +240,7 @@ TEST_F(ViewTest, FeelsWhatWasReadAgain) {
   EXPECT_GT(measuredBy(*run, 130).at("largest_force"), 1.5 * soft);
 }
 
-TEST_F(ViewTest, RefusesWhatItCannotFeel) {
+TEST_F(ViewTest, RefusesInvalidArguments) {
   struct Case {
     std::vector<std::string> arguments;
     int code;

@@ -29,7 +29,7 @@ class LoadedModelsTest : public testing::Test {
 };
 
 /// All methods of all spaces were once prepared before the start: half a minute for 356 spaces.
-TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheStartAndTheRestBeside) {
+TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheRunAndTheRestDuringIt) {
   LoadedModels loaded({file}, {.methods = {"trilinear", "potential"}});
   EXPECT_FALSE(loaded.first().isPrepared(0)) << "it can be seen before";
   loaded.prepareFirst();
@@ -39,7 +39,7 @@ TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheStartAndTheRestBeside) {
   while (!loaded.first().isPrepared(1)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-TEST_F(LoadedModelsTest, PreparesPressuresBesideTheRun) {
+TEST_F(LoadedModelsTest, PreparesPressuresDuringTheRun) {
   test::PressedBody(test::cubeMesh(0.1, 4), {{112}, {113}}).seal(file);
   LoadedModels loaded({file}, {.methods = {"trilinear"}, .pressures = true});
   loaded.prepareFirst();
@@ -49,7 +49,7 @@ TEST_F(LoadedModelsTest, PreparesPressuresBesideTheRun) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {
+TEST_F(LoadedModelsTest, ReportsItsProgressInTheWaitingThread) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   test::TouchableBody(mesh, test::wholeSurface(mesh)).seal(file);
   LoadedModels loaded({file}, {});
@@ -67,7 +67,7 @@ TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {
   EXPECT_TRUE(loaded.first().isPrepared(0));
 }
 
-TEST_F(LoadedModelsTest, PreparesNothingMoreForOneWhoGoes) {
+TEST_F(LoadedModelsTest, StopsPreparingWhenTheUserLeaves) {
   LoadedModels loaded({file, file}, {});
   int asked = 0;
   EXPECT_FALSE(loaded.prepareFirst([&](const HapticModel&, double) {
@@ -80,7 +80,7 @@ TEST_F(LoadedModelsTest, PreparesNothingMoreForOneWhoGoes) {
   for (const HapticModel* model : loaded.pointers()) EXPECT_TRUE(model->isPrepared(0));
 }
 
-TEST_F(LoadedModelsTest, AreReadAgainBesideAndHandedOverWhole) {
+TEST_F(LoadedModelsTest, AreReloadedInTheBackgroundAndHandedOverComplete) {
   ModelsReload reload({file, file}, {});
   while (!reload.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const auto fresh = reload.take();
@@ -91,7 +91,7 @@ TEST_F(LoadedModelsTest, AreReadAgainBesideAndHandedOverWhole) {
 }
 
 /// F5 once kept the window and Ctrl-C waiting until all was prepared.
-TEST_F(LoadedModelsTest, APreparationThatNobodyWaitsForEndsSoon) {
+TEST_F(LoadedModelsTest, AnUnneededPreparationEndsSoon) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   test::TouchableBody(mesh, test::wholeSurface(mesh)).seal(file);
   const std::vector<std::filesystem::path> files(8, file);

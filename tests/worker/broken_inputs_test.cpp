@@ -68,7 +68,7 @@ struct BrokenScene : testing::Test {
   const test::TemporaryDirectory directory;
 };
 
-TEST_F(BrokenScene, IsAnsweredWithFileLineKeyAndRemedy) {
+TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
   test::putInto(directory / "scene.toml", sound_scene);
   EXPECT_NO_THROW(loadProblem(directory / "scene.toml"));
   // The mesh it names.
@@ -210,7 +210,7 @@ struct BrokenMesh : testing::Test {
   const test::TemporaryDirectory directory;
 };
 
-TEST_F(BrokenMesh, IsAnsweredWithFileLineAndWhatIsWrong) {
+TEST_F(BrokenMesh, IsRefusedWithFileLineAndReason) {
   const std::string febio_head =
       "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n<Mesh>\n"
       "<Nodes>\n<node id=\"1\">0,0,0</node>\n</Nodes>\n";

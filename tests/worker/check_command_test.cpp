@@ -35,7 +35,7 @@ class CheckCommand : public ::testing::Test, protected test::BlobOnDisk {
   std::vector<std::string> warnings() { return report().at("warnings"); }
 };
 
-TEST_F(CheckCommand, CountsWhatWillBeSolved) {
+TEST_F(CheckCommand, CountsThePointsToSolve) {
   const json found = report();
   EXPECT_EQ(found.at("mesh").at("nodes"), 125);
   EXPECT_EQ(found.at("mesh").at("tetrahedra"), 384);
@@ -49,7 +49,7 @@ TEST_F(CheckCommand, CountsWhatWillBeSolved) {
   EXPECT_THAT(found.at("warnings"), IsEmpty());
 }
 
-TEST_F(CheckCommand, PrintsTheSameForPeople) {
+TEST_F(CheckCommand, PrintsTheSummaryForPeople) {
   const CommandResult result = check();
   EXPECT_EQ(result.exit_code, 0);
   for (const char* part : {"125 nodes", "384 tetrahedra", "\"xmin\"", "mooney-rivlin", "c10 = 1300",
@@ -77,7 +77,7 @@ workspace = { radius = 100, spacing = 20 }
     EXPECT_THAT(result.output, HasSubstr(part));
 }
 
-TEST_F(CheckCommand, CountsQuadraticUnknownsAndSaysWhatTheToolIs) {
+TEST_F(CheckCommand, CountsQuadraticUnknownsAndDescribesTheTool) {
   scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
   scene.active[0].tool = ToolKind::weighted_average;
   scene.storage.displacement = StoredNodes::all;
@@ -92,7 +92,7 @@ TEST_F(CheckCommand, CountsQuadraticUnknownsAndSaysWhatTheToolIs) {
   EXPECT_EQ(found.at("displacement"), "P2");
 }
 
-TEST_F(CheckCommand, CountsTheSitesOfAFingerAndWhatTheyReach) {
+TEST_F(CheckCommand, CountsTheSitesOfAFingerAndTheirPoints) {
   scene.active[0] = {.name = "skin",
                      .radius = 0.06,
                      .tool = ToolKind::finger,
@@ -124,13 +124,13 @@ TEST_F(CheckCommand, PrintsRegionsAndGravity) {
 }
 
 /// problem_warnings_test knows them all.
-TEST_F(CheckCommand, PrintsWhatIsDoubtfulAboutTheProblem) {
+TEST_F(CheckCommand, PrintsTheWarningsAboutTheProblem) {
   scene.active[0].radius = 0;
   EXPECT_THAT(warnings(), Contains(HasSubstr("radius = 0")));
   EXPECT_THAT(check().output, HasSubstr("warning    active \"tip\""));
 }
 
-TEST_F(CheckCommand, MeasuresWhatABuildWillCost) {
+TEST_F(CheckCommand, EstimatesTheCostOfABuild) {
   const json found = report();
   EXPECT_GE(found.at("measured").at("transitions"), 5);
   EXPECT_GT(found.at("measured").at("reached"), 0.9);
@@ -146,7 +146,7 @@ TEST_F(CheckCommand, WarnsOfAWorkspaceThatTheForceLimitCutsOff) {
   EXPECT_THAT(warnings(), Contains(HasSubstr("workspace.max_force = 0.5 N")));
 }
 
-TEST_F(CheckCommand, IsContentWithAFingersWorkspaceThatTheForceEnds) {
+TEST_F(CheckCommand, AcceptsAFingersWorkspaceThatTheForceLimitCutsOff) {
   scene.active[0] = {.name = "skin",
                      .radius = 0.06,
                      .tool = ToolKind::finger,
@@ -156,7 +156,7 @@ TEST_F(CheckCommand, IsContentWithAFingersWorkspaceThatTheForceEnds) {
   EXPECT_THAT(warnings(), Not(Contains(HasSubstr("workspace.max_force"))));
 }
 
-TEST_F(CheckCommand, SaysThatABodyFindsNoRestUnderItsWeight) {
+TEST_F(CheckCommand, ReportsABodyWithoutARestStateUnderItsWeight) {
   scene.regions[0].material.density = 1e7;
   scene.gravity = {0, 0, -9.81};
   const CommandResult result = check();
@@ -164,7 +164,7 @@ TEST_F(CheckCommand, SaysThatABodyFindsNoRestUnderItsWeight) {
   EXPECT_THAT(result.output, HasSubstr("no rest state"));
 }
 
-TEST_F(CheckCommand, PromisesNothingWhereNothingCanBeSolved) {
+TEST_F(CheckCommand, EstimatesNothingIfNothingCanBeSolved) {
   scene.regions[0].material = {.law = LawName::yeoh, .c10 = 1500, .c20 = -50000};
   scene.workspace.radius = 0.08;
   scene.workspace.spacing = 0.08;
@@ -185,7 +185,7 @@ TEST_F(CheckCommand, SumsUpTheActiveNodesOfASurface) {
   EXPECT_THAT(check().output, AllOf(HasSubstr("and 68 more"), HasSubstr("73 active nodes")));
 }
 
-TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
+TEST_F(CheckCommand, ReportsTheLimitsCutByADevice) {
   scene.workspace.max_force = 8.5;
   scene.device = Device{device_profiles[0]};  // touch: 75 mm, 3.3 N
   EXPECT_EQ(report().at("lattice").at("radius"), 0.075);
@@ -194,7 +194,7 @@ TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
                                     HasSubstr("workspace.max_force cut from 8.5 to 3.3")));
 }
 
-TEST_F(CheckCommand, EstimatesTheCostOfAnAdaptiveBuildByTheErrorOfItsWays) {
+TEST_F(CheckCommand, EstimatesAnAdaptiveBuildFromTheErrorOfTrialSolves) {
   scene.accuracy = {.force_error = 0.03, .levels = 1, .probes = 10};
   scene.workspace.spacing = 0.1;
   const json found = report();

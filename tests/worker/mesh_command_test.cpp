@@ -39,7 +39,7 @@ class MeshCommand : public ::testing::Test {
   test::TemporaryDirectory directory;
 };
 
-TEST_F(MeshCommand, MakesASceneOfAnStlThatCheckFindsSound) {
+TEST_F(MeshCommand, MakesASceneFromAnStlThatCheckFindsSound) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeStl(test::sphereSurface(60, 8), directory / "organ.stl");
@@ -71,7 +71,7 @@ TEST_F(MeshCommand, ProposesSoundScenesForABoxAndTheShippedLiver) {
   }
 }
 
-TEST_F(MeshCommand, WarnsOfSoManyTrianglesThatTheyTakeAMinute) {
+TEST_F(MeshCommand, WarnsOfTriangleCountsThatTakeAMinute) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeBinaryStl(test::sphereSurface(60, 130), directory / "organ.stl");
   // Said before anything is filled, which this size is not.
@@ -104,7 +104,7 @@ TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
   EXPECT_THAT(refused.output, HasSubstr("has tetrahedra, which are not changed"));
 }
 
-TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
+TEST_F(MeshCommand, RefusesImpossibleOptionsBeforeMeshing) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   for (const auto& [arguments, words] :
        {std::pair("mesh organ.stl -o organ.vtu", "give it the extension .msh"),
@@ -133,7 +133,7 @@ TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
   EXPECT_THAT(worker("mesh organ.stl -o organ.msh --straight").output, HasSubstr("is a surface"));
 }
 
-TEST_F(MeshCommand, TriesNoOtherFingerOnABodyThatIsThinEverywhere) {
+TEST_F(MeshCommand, ProposesNoOtherFingerForABodyThatIsThinEverywhere) {
   test::writeGmsh22(test::boxMesh({0.06, 0.06, 0.004}, {6, 6, 1}), directory / "plate.msh");
   const CommandResult made = worker("new plate --mesh plate.msh");
   EXPECT_EQ(made.exit_code, 0) << made.output;
@@ -141,7 +141,7 @@ TEST_F(MeshCommand, TriesNoOtherFingerOnABodyThatIsThinEverywhere) {
               AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));
 }
 
-TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
+TEST_F(MeshCommand, DoesNotChangeAMeshInTheFolderOfANewScene) {
   test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "box.msh");
   std::filesystem::create_directory(directory / "organ");
   std::ofstream(directory / "organ/box.msh") << "mine";
@@ -166,7 +166,7 @@ TEST_F(MeshCommand, RefusesFilesThatASceneCannotName) {
   EXPECT_EQ(readScene(directory / "organ/scene.toml").mesh, directory / "organ/Nierenlänge 1.msh");
 }
 
-TEST_F(MeshCommand, NamesThePackagesOfWhatIsNotInstalled) {
+TEST_F(MeshCommand, NamesThePackagesOfMissingPrograms) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   if (test::runCommand("test -x /usr/bin/python3").exit_code == 0) {
     PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
@@ -179,7 +179,7 @@ TEST_F(MeshCommand, NamesThePackagesOfWhatIsNotInstalled) {
   EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));
 }
 
-TEST_F(MeshCommand, SaysThatAMesherEndedWithoutAWord) {
+TEST_F(MeshCommand, ReportsAMesherThatEndedSilently) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   test::writeScript(directory / "gmsh", "exit 7");
@@ -190,7 +190,7 @@ TEST_F(MeshCommand, SaysThatAMesherEndedWithoutAWord) {
               AllOf(HasSubstr("gmsh: ended with exit code 7"), HasSubstr("MeshLab")));
 }
 
-TEST_F(MeshCommand, NamesTheUnitThatAMeshFits) {
+TEST_F(MeshCommand, NamesThePlausibleUnitOfAMesh) {
   test::writeGmsh22(test::boxMesh({120, 80, 60}, {9, 6, 5}), directory / "box.msh");
   const CommandResult refused = worker("new organ --mesh box.msh --unit m");
   EXPECT_EQ(refused.exit_code, 2);
@@ -199,7 +199,7 @@ TEST_F(MeshCommand, NamesTheUnitThatAMeshFits) {
   EXPECT_FALSE(std::filesystem::exists(directory / "organ"));
 }
 
-TEST_F(MeshCommand, WithoutAFolderToWorkInSaysWhatSetsOne) {
+TEST_F(MeshCommand, WithoutATemporaryFolderSaysHowToSetOne) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   const CommandResult refused = worker("mesh organ.stl -o organ.msh", "env TMPDIR=gone");
   EXPECT_EQ(refused.exit_code, 1);

@@ -32,7 +32,7 @@ class SolveCommand : public ::testing::Test, protected test::BlobOnDisk {
   }
 };
 
-TEST_F(SolveCommand, WarnsOfWhatIsDoubtfulAboutTheProblem) {
+TEST_F(SolveCommand, PrintsTheWarningsAboutTheProblem) {
   scene.active[0].radius = 0;
   EXPECT_THAT(solve("--displacement 0.001 0 0").output, HasSubstr("single node (radius = 0)"));
 }
@@ -69,7 +69,7 @@ TEST_F(SolveCommand, AnswersForAFingerAnywhereOnTheSurface) {
               HasSubstr("away from the surface"));
 }
 
-TEST_F(SolveCommand, SaysWhatIsWrongWithAPlace) {
+TEST_F(SolveCommand, ExplainsAnInvalidPlace) {
   EXPECT_THAT(solve("--at 0.1 0 0 --displacement 0.001 0 0").output, HasSubstr("\"tip\""));
   scene.active[0].tool = ToolKind::finger;
   EXPECT_THAT(solve("--at 100 0 20 --displacement 0.001 0 0").output, HasSubstr("(100, 0, 20)"));
@@ -78,7 +78,7 @@ TEST_F(SolveCommand, SaysWhatIsWrongWithAPlace) {
   EXPECT_EQ(solve("--at 0.1 0 --displacement 0.001 0 0").exit_code, 2);
 }
 
-TEST_F(SolveCommand, GoesOnBehindAPlaceOfAListWhereNoFingerCanStand) {
+TEST_F(SolveCommand, ContinuesAfterAPlaceWhereNoFingerCanStand) {
   scene.active[0].tool = ToolKind::finger;
   scene.active[0].radius = 0.06;
   std::ofstream(directory / "lines") << "-0.1 0 0 0.004 0 0\n0.1 0 0.02 -0.004 0 0\n";
@@ -94,7 +94,7 @@ TEST_F(SolveCommand, GoesOnBehindAPlaceOfAListWhereNoFingerCanStand) {
   EXPECT_THAT(solve(words).output, HasSubstr("failed        refused"));
 }
 
-TEST_F(SolveCommand, WantsToKnowWhereOnASurfaceOfSites) {
+TEST_F(SolveCommand, NeedsAPlaceOnASurfaceOfSites) {
   scene.active[0] = {.name = "skin",
                      .radius = 0.05,
                      .tool = ToolKind::finger,
@@ -106,7 +106,7 @@ TEST_F(SolveCommand, WantsToKnowWhereOnASurfaceOfSites) {
   EXPECT_THAT(result.output, AllOf(HasSubstr("at            0.1"), HasSubstr("drive")));
 }
 
-TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
+TEST_F(SolveCommand, AnswersAllLinesBeforeAnUnreadableOne) {
   std::ofstream(directory / "lines") << "0.001 0 0\n\n# not a number\nx 0 0\n0.002 0 0\n";
   const CommandResult result = solve("--json --displacement - < " + (directory / "lines").string());
   EXPECT_EQ(result.exit_code, 2);
@@ -115,7 +115,7 @@ TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
   EXPECT_THAT(result.output, ::testing::Not(HasSubstr("[0.002,")));
 }
 
-TEST_F(SolveCommand, TellsAFailedDisplacementByItsCauseAndExitCode) {
+TEST_F(SolveCommand, ReportsAFailureByCauseAndExitCode) {
   scene.regions[0].material = {.law = LawName::st_venant_kirchhoff, .young = 5000, .poisson = 0.3};
   scene.discretization.pressure = PressureSpace::none;
   const CommandResult result = solve("--json --displacement -0.2 0 0 --steps 1");

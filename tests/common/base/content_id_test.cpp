@@ -26,7 +26,7 @@ TEST(ContentId, RoundTripsAsHexAndAsBytes) {
   EXPECT_EQ(id.shortHex(), std::string(id_of_abc).substr(0, 12));
 }
 
-TEST(ContentId, RefusesWhatIsNotOne) {
+TEST(ContentId, RefusesInvalidIds) {
   const std::string hex = id_of_abc;
   EXPECT_FALSE(ContentId::fromHex(hex.substr(1)));
   EXPECT_FALSE(ContentId::fromHex(hex + "0"));
@@ -34,7 +34,7 @@ TEST(ContentId, RefusesWhatIsNotOne) {
   EXPECT_FALSE(ContentId::fromBytes(std::string(31, 'a')));
 }
 
-TEST(ContentId, OfNothingIsNotTheEmptyId) {
+TEST(ContentId, HashOfNoBytesIsNotTheEmptyId) {
   EXPECT_NE(ContentId::of(""), ContentId());
   EXPECT_EQ(ContentId().hex(), std::string(64, '0'));
 }

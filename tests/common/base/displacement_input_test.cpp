@@ -41,14 +41,14 @@ TEST(DisplacementInput, ReadsThreeNumbersFromTheCommandLine) {
   EXPECT_THAT(read({"-0.01", "+2e-3", "0"}), ElementsAre(Eigen::Vector3d(-0.01, 0.002, 0)));
 }
 
-TEST(DisplacementInput, ReadsOneDisplacementPerLineAndPassesOverCommentsAndEmptyLines) {
+TEST(DisplacementInput, ReadsOneDisplacementPerLineSkippingCommentsAndBlanks) {
   EXPECT_THAT(read({"-"}, "1 2 3\n\n# x y z\n  -.5,\t0 , 1e-3\r\n4,5,6"),
               ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-0.5, 0, 0.001),
                           Eigen::Vector3d(4, 5, 6)));
   EXPECT_TRUE(read({"-"}).empty());
 }
 
-TEST(DisplacementInput, NamesWhatIsNotANumberAndItsLine) {
+TEST(DisplacementInput, NamesAnInvalidNumberAndItsLine) {
   for (const char* line :
        {"0 0", "0 0 0 0", "0 0 x", "0 nan 0", "-inf 0 0", "0 0 1e999", "0 0 0.1m", "0x1 0 0"})
     expectBadInput([&] { read({"-"}, std::string("0 0 0\n\n") + line + "\n0 0 0\n"); },
@@ -57,7 +57,7 @@ TEST(DisplacementInput, NamesWhatIsNotANumberAndItsLine) {
   expectBadInput([] { read({"0", "0"}); }, {"--displacement", "three numbers", "found 2"});
 }
 
-TEST(DisplacementInput, KnowsMillimetresGivenForMetres) {
+TEST(DisplacementInput, RecognisesMillimetresGivenAsMetres) {
   EXPECT_TRUE(looksLikeMillimetres({13, 7, -21}, 0.1));
   EXPECT_TRUE(looksLikeMillimetres({0, 0.5, 0}, 0.1));
   EXPECT_FALSE(looksLikeMillimetres({0.013, 0.007, -0.021}, 0.1));
@@ -65,7 +65,7 @@ TEST(DisplacementInput, KnowsMillimetresGivenForMetres) {
   EXPECT_FALSE(looksLikeMillimetres({1300, 0, 0}, 0.1)) << "nor is it that in millimetres";
 }
 
-TEST(DisplacementInput, WarnsOfMillimetresOnceAndGoesOn) {
+TEST(DisplacementInput, WarnsOfMillimetresOnceAndContinues) {
   testing::internal::CaptureStdout();  // where spdlog logs as long as no program says otherwise
   EXPECT_EQ(read({"-"}, "0 0 0.01\n13 7 -21\n14 7 -21\n").size(), 3u);
   const std::string logged = testing::internal::GetCapturedStdout();

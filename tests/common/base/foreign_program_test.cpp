@@ -14,7 +14,7 @@ namespace {
 using test::expectBadInput;
 using test::expectError;
 
-TEST(ForeignProgram, IsRunWithItsWordsAsTheyAreAndAnswers) {
+TEST(ForeignProgram, GetsItsArgumentsUnchangedAndReturnsItsOutput) {
   const Ran ran = runToItsEnd({.words = {"sh", "-c", "cat; echo \"$1\" >&2; exit 7", "sh", "a  $b"},
                                .package = "dash",
                                .input = std::string(300000, 'x')});
@@ -23,7 +23,7 @@ TEST(ForeignProgram, IsRunWithItsWordsAsTheyAreAndAnswers) {
   EXPECT_EQ(ran.err, "a  $b\n");
 }
 
-TEST(ForeignProgram, ThatIsNotThereIsNamedWithItsPackage) {
+TEST(ForeignProgram, AMissingProgramIsNamedWithItsPackage) {
   expectBadInput([] { runToItsEnd({.words = {"no-such-program"}, .package = "no-package"}); },
                  {"no-such-program is not installed here", "(Debian: no-package)"});
   EXPECT_TRUE(isInstalled("sh"));
@@ -32,12 +32,12 @@ TEST(ForeignProgram, ThatIsNotThereIsNamedWithItsPackage) {
   EXPECT_FALSE(isInstalled("/etc/passwd"));
 }
 
-TEST(ForeignProgram, ThatMayNotBeRunIsNoMissingPackage) {
+TEST(ForeignProgram, WithoutExecutePermissionIsNotReportedAsMissing) {
   expectError(ExitCode::failed, [] { runToItsEnd({.words = {"/etc/passwd"}, .package = "none"}); },
               {"/etc/passwd cannot be run", "denied"});
 }
 
-TEST(ForeignProgram, ThatTakesTooLongIsKilledAndWhatItSaidIsTold) {
+TEST(ForeignProgram, IsKilledAfterItsTimeoutAndItsOutputReported) {
   expectError(ExitCode::failed,
               [] {
                 runToItsEnd({.words = {"sh", "-c", "echo thinking >&2; exec sleep 60"},
@@ -47,7 +47,7 @@ TEST(ForeignProgram, ThatTakesTooLongIsKilledAndWhatItSaidIsTold) {
               {"sh did not finish within 1 s", "thinking"});
 }
 
-TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
+TEST(ForeignProgram, IsKilledTogetherWithItsChildren) {
   const test::TemporaryDirectory directory;
   const std::string file = directory / "late";
   expectError(
@@ -62,7 +62,7 @@ TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(ForeignProgram, IsRunWhereThisProcessHasNoStandardFiles) {
+TEST(ForeignProgram, RunsIfThisProcessHasNoStandardStreams) {
   const int in = dup(STDIN_FILENO);
   close(STDIN_FILENO);
   const Ran ran = runToItsEnd({.words = {"cat"}, .package = "coreutils", .input = "asked"});
@@ -71,7 +71,7 @@ TEST(ForeignProgram, IsRunWhereThisProcessHasNoStandardFiles) {
   EXPECT_EQ(ran.out, "asked");
 }
 
-TEST(ForeignProgram, ThatASignalEndsIsTold) {
+TEST(ForeignProgram, ReportsTheSignalThatEndedIt) {
   expectError(ExitCode::failed,
               [] {
                 runToItsEnd({.words = {"sh", "-c", "kill -9 $$"}, .package = "dash"});

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-TEST(LogLines, EveryLineIsOneObjectWhateverTheMessageHolds) {
+TEST(LogLines, EveryLineIsOneJsonObjectForAnyMessage) {
   std::ostringstream out;
   spdlog::logger logger("test", std::make_shared<spdlog::sinks::ostream_sink_st>(out));
   logger.set_formatter(jsonLines("palpate-worker", "work"));

@@ -23,7 +23,7 @@ struct CoresOfGroupsTest : testing::Test {
   }
 };
 
-TEST_F(CoresOfGroupsTest, TheLeastOfAllGroupsAroundOneCounts) {
+TEST_F(CoresOfGroupsTest, TheSmallestLimitOfAllEnclosingGroupsApplies) {
   write("groups", "0::/slice/job/step");
   write("mounted/slice/cpu.max", "200000 100000");
   write("mounted/slice/job/cpu.max", "150000 100000");
@@ -31,7 +31,7 @@ TEST_F(CoresOfGroupsTest, TheLeastOfAllGroupsAroundOneCounts) {
   EXPECT_EQ(cores(), 1.5);
 }
 
-TEST_F(CoresOfGroupsTest, AreReadOfVersionOneToo) {
+TEST_F(CoresOfGroupsTest, ReadsVersionOneToo) {
   write("groups", "1:cpu,cpuacct:/docker/abc\n0::/");
   // In a container, where the path is that of the machine.
   write("mounted/cpu,cpuacct/cpu.cfs_quota_us", "300000");
@@ -41,14 +41,14 @@ TEST_F(CoresOfGroupsTest, AreReadOfVersionOneToo) {
   EXPECT_FALSE(cores());
 }
 
-TEST_F(CoresOfGroupsTest, NoneIsSetWhereThereAreNoGroups) {
+TEST_F(CoresOfGroupsTest, WithoutGroupsThereIsNoLimit) {
   EXPECT_FALSE(cores());
   write("groups", "nonsense\n0::/../elsewhere");
   write("mounted/cpu.max", "max 100000");
   EXPECT_FALSE(cores());
 }
 
-TEST(Machine, AProcessThatMayRunOnOneCoreHasOne) {
+TEST(Machine, AProcessPinnedToOneCoreHasOne) {
   EXPECT_GE(coreCount(), 1u);
   std::jthread([] {
     cpu_set_t allowed, one;

@@ -13,7 +13,7 @@ TEST(Markup, TextInJsonCannotEndItsScript) {
   EXPECT_EQ(scriptJson("[\"</script><b>\"]"), "[\"\\u003c/script>\\u003cb>\"]");
 }
 
-TEST(Markup, ValuesStandInPlaceOfTheirNamesAndAreNotFilledThemselves) {
+TEST(Markup, ValuesReplaceTheirNamesAndAreNotExpandedAgain) {
   EXPECT_EQ(filledMarkup("<p>{{a}} and {{b}}</p>{}", {{"a", "{{b}}"}, {"b", "2"}}),
             "<p>{{b}} and 2</p>{}");
 }

@@ -11,14 +11,14 @@
 namespace palpate {
 namespace {
 
-TEST(InParallel, DoesEveryTaskOnce) {
+TEST(InParallel, RunsEveryTaskOnce) {
   std::vector<std::atomic<int>> done(1000);
   inParallel(done.size(), [&](std::size_t n) { ++done[n]; });
   for (const std::atomic<int>& times : done) EXPECT_EQ(times, 1);
   inParallel(0, [](std::size_t) { FAIL(); });
 }
 
-TEST(InParallel, ThrowsWhatATaskThrewWhenAllHaveEnded) {
+TEST(InParallel, RethrowsATasksExceptionAfterAllHaveEnded) {
   constexpr int tasks = 10000;
   std::atomic<int> begun = 0, ended = 0;
   EXPECT_THROW(inParallel(tasks,

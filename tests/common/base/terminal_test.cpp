@@ -19,7 +19,7 @@ TEST(Fitted, LeavesAPageThatFitsAsItIs) {
   EXPECT_EQ(fitted("", {24, 80}), "\n");
 }
 
-TEST(Fitted, FillsNoMoreThanTheWindowAndSaysHowMuchIsLeftOut) {
+TEST(Fitted, FitsTheWindowAndCountsTheLinesLeftOut) {
   for (std::size_t rows = 1; rows < 60; ++rows)
     for (const std::size_t columns : {1u, 20u, 80u, 200u}) {
       const std::string text = fitted(page(50, 100), {rows, columns});

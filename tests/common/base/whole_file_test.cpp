@@ -19,7 +19,7 @@ namespace palpate {
 namespace {
 
 /// A mark on a damaged record was once given up when the system took a part of it.
-TEST(WriteAt, GoesOnWhereTheSystemTookAPartOnlyAndSaysWhyWhenItTakesNoMore) {
+TEST(WriteAt, CompletesPartialWritesAndReportsTheErrorThatStopsIt) {
   const test::TemporaryDirectory directory;
   const std::string file = (directory / "file").string();
   const int out = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -55,7 +55,7 @@ struct ReplacedFile : testing::Test {
   }
 };
 
-TEST_F(ReplacedFile, IsTheOneThatALinkNames) {
+TEST_F(ReplacedFile, IsTheTargetOfALink) {
   std::filesystem::create_directory(directory / "disk");
   std::filesystem::create_symlink("disk/data", link);
   std::filesystem::create_symlink("link", directory / "second");
@@ -75,13 +75,13 @@ TEST_F(ReplacedFile, MustBeReachableThroughItsLinks) {
   test::expectError(ExitCode::failed, [&] { replaceFile(file, "", "text"); }, {"loop"});
 }
 
-TEST_F(ReplacedFile, IsNoDeviceAndNoPipe) {
+TEST_F(ReplacedFile, IsNeitherADeviceNorAPipe) {
   ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
   test::expectError(ExitCode::failed, [&] { replaceFile(file, "", "text"); }, {"pipe"});
   EXPECT_TRUE(std::filesystem::is_fifo(file));
 }
 
-TEST_F(ReplacedFile, LosesNothingThatSeveralProcessesAddAtTheSameTime) {
+TEST_F(ReplacedFile, KeepsTheAdditionsOfConcurrentProcesses) {
   constexpr int processes = 8, lines = 20;
   replaceFile(file, "", "text");
   std::vector<pid_t> children;
@@ -98,7 +98,7 @@ TEST_F(ReplacedFile, LosesNothingThatSeveralProcessesAddAtTheSameTime) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
 }
 
-TEST_F(ReplacedFile, TakesThePlaceOfWhatAKillLeftAndIsAsPrivateAsAsked) {
+TEST_F(ReplacedFile, ReplacesLeftoversOfAKillWithTheRequestedPermissions) {
   std::ofstream(directory / "file.tmp") << "left behind, and longer than the new one";
   ASSERT_EQ(chmod((directory / "file.tmp").c_str(), 0644), 0);
   replaceFile(

@@ -158,11 +158,11 @@ for n in range(changes):
   }
 };
 
-TEST_F(ChangedDataset, IsReadAsLongAsNothingChanged) {
+TEST_F(ChangedDataset, IsReadIfNothingChanged) {
   for (const Hashes hashes : {Hashes::as_they_were, Hashes::forged}) expectErrors(hashes, {{""}});
 }
 
-TEST_F(ChangedDataset, IsRefusedWhenOthersMadeOrChangedIt) {
+TEST_F(ChangedDataset, IsRefusedIfForeignOrModified) {
   const auto version = [](const char* numbers) {
     return fmt::format("f.attrs['format_version'] = np.array({}, 'int32')", numbers);
   };
@@ -206,7 +206,7 @@ TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
 }
 
 /// Files from before fingers had a width reach all of their part of the ball.
-TEST_F(ChangedDataset, OfFingersNeedsNoWidth) {
+TEST_F(ChangedDataset, IsReadWithoutAFingerWidth) {
   test::FingerBody().seal(file);
   expectErrors(Hashes::forged, {{"del f['spaces/finger_width']"},
                                 {"f['spaces/finger_width'][2] = -1", "/spaces/finger"}});
@@ -238,7 +238,7 @@ TEST_F(ChangedDataset, FieldsAreComparedWithTheirOwnHash) {
   test::expectError(ExitCode::failed, [&] { dataset.surfaceFields(0); }, {"point 3 of tip"});
 }
 
-TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {
+TEST_F(ChangedDataset, IsRefusedForImpossibleCellsOfARefinedSpace) {
   sample.refine();
   sample.seal(file);
   expectErrors(Hashes::forged,
@@ -251,7 +251,7 @@ TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {
                 {"f['inconsistent_edges'][0, 0] = -2", "an inconsistent edge joins"}});
 }
 
-TEST_F(ChangedDataset, OfANewerMinorVersionOrOfVersion2IsReadWithoutWhatIsNotKnown) {
+TEST_F(ChangedDataset, NewerMinorVersionsAndVersion2AreReadWithoutUnknownParts) {
   const std::string version = "f.attrs['format_version'] = np.array(";
   expectErrors(Hashes::forged,
                {{version + "[3, 7], 'int32')\nf['rest/error'] = np.zeros((2, 3))"},

@@ -75,13 +75,13 @@ class SealedDataset : public ::testing::Test {
   std::filesystem::path copy = directory / "copy.h5";
 };
 
-TEST_F(SealedDataset, GivesBackEveryRecord) {
+TEST_F(SealedDataset, ReturnsEveryRecord) {
   const Dataset dataset(file);
   ASSERT_EQ(dataset.spaces().size(), 2u);
   for (std::size_t s = 0; s < 2; ++s) expectSealed(dataset.spaces()[s], sample.spaces[s]);
 }
 
-TEST_F(SealedDataset, GivesBackEveryCause) {
+TEST_F(SealedDataset, ReturnsEveryCause) {
   const auto failed = std::find_if(sample.spaces[0].points.begin(), sample.spaces[0].points.end(),
                                    [](const PointRecord& p) { return p.tag == Tag::failed; });
   sample.spaces[0].attempts.clear();
@@ -93,7 +93,7 @@ TEST_F(SealedDataset, GivesBackEveryCause) {
   }
 }
 
-TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {
+TEST_F(SealedDataset, ReturnsRefinedLatticesProbesAndInconsistentEdges) {
   sample.refine();
   sample.seal(file);
   const Dataset dataset(file);
@@ -107,7 +107,7 @@ TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {
             displacementsOf(dataset.storedNodes(), sample.fields(1, edge.lattice.size() - 1)));
 }
 
-TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
+TEST_F(SealedDataset, ReturnsQuadraticMeshesAndWeightedPatches) {
   for (const PressureSpace pressure : {PressureSpace::none, PressureSpace::p1, PressureSpace::p2}) {
     SampleDataset quadratic(pressure, DisplacementSpace::p2);
     quadratic.problem.scene.storage.displacement = StoredNodes::all;
@@ -126,7 +126,7 @@ TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
   }
 }
 
-TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
+TEST_F(SealedDataset, ReturnsFingersAndTheirConfigurationalForces) {
   const test::FingerBody& body = fingers();
   body.seal(file);
   const Dataset dataset(file);
@@ -135,7 +135,7 @@ TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
   test::expectSame(dataset.spaces()[2].points.at(5), body.spaces[2].points.at(5));
 }
 
-TEST_F(SealedDataset, KeepsPlacesOfProbesApartFromWhatIsTouched) {
+TEST_F(SealedDataset, KeepsProbePlacesApartFromTouchedSpaces) {
   const test::FingerBody& body = fingers();
   body.seal(directory / "probed.h5");
   const Dataset dataset(directory / "probed.h5");
@@ -160,7 +160,7 @@ TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {
   expectError(ExitCode::failed, [&] { quadratic.seal(copy); }, {"copy.h5", "nodal fields"});
 }
 
-TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
+TEST_F(SealedDataset, ReturnsMeshLatticeSceneAndNames) {
   const Dataset dataset(file);
   EXPECT_EQ(dataset.mesh().nodes, sample.problem.mesh.nodes);
   EXPECT_EQ(dataset.mesh().tetrahedra, sample.problem.mesh.tetrahedra);
@@ -175,7 +175,7 @@ TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
   EXPECT_NO_THROW(dataset.verifyAll());
 }
 
-TEST_F(SealedDataset, GivesBackTheSurfaceOfSolvedPoints) {
+TEST_F(SealedDataset, ReturnsTheSurfaceOfSolvedPoints) {
   const Dataset dataset(file);
   EXPECT_EQ(dataset.surfaceNodes(), surfaceNodes(sample.problem.mesh));
   EXPECT_EQ(dataset.storedNodes(), dataset.surfaceNodes());
@@ -231,7 +231,7 @@ TEST_F(SealedDataset, QuantizesWithinItsBound) {
   }
 }
 
-TEST_F(SealedDataset, IsReadWhereNothingIsSolved) {
+TEST_F(SealedDataset, IsReadWithoutASolvedPoint) {
   for (PointRecord& point : sample.spaces[1].points) {
     point = {};
     point.tag = Tag::failed;
@@ -275,7 +275,7 @@ TEST_F(SealedDataset, KeepsAVeryLongScene) {
   EXPECT_GT(Dataset(copy).sceneToml().size(), 150000u);
 }
 
-TEST_F(SealedDataset, IsReadWhileThisProcessHasItOpenOtherwise) {
+TEST_F(SealedDataset, IsReadWhileOpenInThisProcessWithOtherLocking) {
   for (const auto& [locks, without] :
        {std::pair(false, false), {false, true}, {true, false}, {true, true}}) {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -289,7 +289,7 @@ TEST_F(SealedDataset, IsReadWhileThisProcessHasItOpenOtherwise) {
   }
 }
 
-TEST_F(SealedDataset, IsNotCalledDamagedWhenItWasLeftOpenForWriting) {
+TEST_F(SealedDataset, IsNotCalledDamagedIfLeftOpenForWriting) {
   EXPECT_FALSE(hdf5::isOpenForWriting(file));
   std::filesystem::copy_file(file, copy);
   test::leaveOpenForWriting(copy);
@@ -342,7 +342,7 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
 }
 
 // What is sealed is read before it is renamed: the reader refuses it.
-TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) {
+TEST_F(SealedDataset, IsRefusedIfInterpolatingItsNumbersOverflows) {
   const auto refused = [&](auto&& forge) {
     SampleDataset forged = sample;
     forge(forged);
@@ -359,7 +359,7 @@ TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) 
   expectError(ExitCode::failed, [&] { sample.seal(copy); }, {"/mesh/points", "far too large"});
 }
 
-TEST_F(SealedDataset, NamesWhatIsNoDataset) {
+TEST_F(SealedDataset, AFileThatIsNotADatasetIsNamed) {
   expectBadInput([&] { Dataset(directory / "none.h5"); }, {"none.h5", "no such"});
   expectBadInput([&] { Dataset(directory.path()); }, {directory.path().string(), "not a file"});
   putInto(copy, "name = \"liver\"\n");
@@ -368,7 +368,7 @@ TEST_F(SealedDataset, NamesWhatIsNoDataset) {
   expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
 }
 
-TEST_F(SealedDataset, IsReplacedWholeAndIgnoresWhatAKilledSealingLeft) {
+TEST_F(SealedDataset, IsReplacedAsAWholeDespiteLeftoversOfAKilledSealing) {
   const std::string before = bytesIn(file);
   putInto(aside, before.substr(0, before.size() / 2));
   EXPECT_NO_THROW(readAll(file));
@@ -379,7 +379,7 @@ TEST_F(SealedDataset, IsReplacedWholeAndIgnoresWhatAKilledSealingLeft) {
             sample.spaces[1].points[5].equilibrium.energy);
 }
 
-TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
+TEST_F(SealedDataset, IsKeptIfItsReplacementCannotBeSealed) {
   const std::string before = bytesIn(file);
   const FieldsSource broken = [this](std::size_t space, std::int32_t point) {
     return point == 30 ? throw failure("journal segment 3 is damaged")
@@ -394,7 +394,7 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
   EXPECT_FALSE(std::filesystem::exists(aside));
 }
 
-TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
+TEST_F(SealedDataset, IsNotSealedFromMismatchedArguments) {
   const auto seal = [&](const std::vector<SpaceTable>& spaces) {
     sealDataset(
         directory / "no.h5", sample.problem, rowsOf(spaces), "portable",
@@ -412,7 +412,7 @@ TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
   EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
 }
 
-TEST_F(SealedDataset, IsNotSealedFromTablesThatContradictThemselves) {
+TEST_F(SealedDataset, IsNotSealedFromInconsistentTables) {
   sample.refine();
   const auto refused = [&](auto&& spoil, const std::string& fault) {
     SampleDataset spoiled = sample;
@@ -443,7 +443,7 @@ TEST_F(SealedDataset, IsNotSealedFromTablesThatContradictThemselves) {
   EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
 }
 
-TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
+TEST_F(SealedDataset, IsKeptIfTheDiskIsFull) {
   const std::string before = bytesIn(file);
   // A file size limit makes write() fail as a full disk does; in a child, because it is for the
   // whole process.
@@ -461,7 +461,7 @@ TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
   }
 }
 
-TEST_F(SealedDataset, IsNotSealedIntoADirectoryOrToNowhere) {
+TEST_F(SealedDataset, IsNotSealedToADirectoryOrAMissingFolder) {
   expectBadInput([&] { sample.seal(directory.path()); }, {directory.path().string(), "directory"});
   expectError(ExitCode::failed, [&] { sample.seal(directory / "no" / "such" / "x.h5"); },
               {"x.h5", "No such file"});

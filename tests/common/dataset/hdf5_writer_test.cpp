@@ -68,7 +68,7 @@ void writeRowByRow(Writer& writer, const std::string& path, const std::vector<T>
   rows.finish();
 }
 
-TEST_F(Hdf5WriterTest, AListRowByRowIsTheSameBytesAsAWholeOne) {
+TEST_F(Hdf5WriterTest, AListWrittenByRowsHasTheSameBytesAsAWholeOne) {
   std::vector<std::int32_t> numbers(300001);
   std::vector<ContentId> ids(mebibyte / 32 + 1);
   for (std::size_t n = 0; n < numbers.size(); ++n) numbers[n] = static_cast<std::int32_t>(n * n);
@@ -99,7 +99,7 @@ TEST_F(Hdf5WriterTest, AListRowByRowIsTheSameBytesAsAWholeOne) {
 }
 
 /// As the points of a space are: its numbers go into twenty lists, point by point.
-TEST_F(Hdf5WriterTest, ListsThatAreWrittenInTurnsDoNotMix) {
+TEST_F(Hdf5WriterTest, InterleavedListsDoNotMix) {
   const auto list = vectors(100000);
   std::vector<double> lengths;
   Writer writer(file);
@@ -118,7 +118,7 @@ TEST_F(Hdf5WriterTest, ListsThatAreWrittenInTurnsDoNotMix) {
 }
 
 /// A build may have ten million points.
-TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
+TEST_F(Hdf5WriterTest, TheMemoryOfAListDoesNotGrowWithItsLength) {
   expectToEndWell(RLIM_INFINITY, [&] {
     constexpr hsize_t rows = 64 * mebibyte / 32;
     const auto peak = [] {
@@ -140,7 +140,7 @@ TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
   EXPECT_GT(std::filesystem::file_size(file), 64 * mebibyte);
 }
 
-TEST_F(Hdf5WriterTest, AListOfAFileThatIsClosedIsAnErrorThatNamesBoth) {
+TEST_F(Hdf5WriterTest, AnOpenListOfAClosedFileIsAnErrorThatNamesBoth) {
   const auto addTo = [&](std::size_t before, std::size_t after) {
     Writer writer(file);
     RowWriter list = writer.list<double>("/energy", before + after, "J");
@@ -155,7 +155,7 @@ TEST_F(Hdf5WriterTest, AListOfAFileThatIsClosedIsAnErrorThatNamesBoth) {
 }
 
 /// Before the whole list was computed in vain; the process may go on with another file.
-TEST_F(Hdf5WriterTest, ADiskThatTakesNoMoreIsToldSoonAndIsSurvived) {
+TEST_F(Hdf5WriterTest, AFullDiskIsReportedSoonAndSurvived) {
   for (const rlim_t room : {0 * mebibyte, mebibyte / 2, 3 * mebibyte}) {
     SCOPED_TRACE(room);
     expectToEndWell(room, [&] {
@@ -181,7 +181,7 @@ TEST_F(Hdf5WriterTest, ADiskThatTakesNoMoreIsToldSoonAndIsSurvived) {
   }
 }
 
-TEST_F(Hdf5WriterTest, AFullDeviceIsToldInTheWordsOfTheSystem) {
+TEST_F(Hdf5WriterTest, AFullDeviceIsReportedWithTheSystemsMessage) {
   expectToEndWell(RLIM_INFINITY, [] {
     expectError(ExitCode::failed,
                 [] {
@@ -195,7 +195,7 @@ TEST_F(Hdf5WriterTest, AFullDeviceIsToldInTheWordsOfTheSystem) {
 }
 
 /// The last bytes are written when the file is closed.
-TEST_F(Hdf5WriterTest, ADiskThatIsFullAtTheVeryEndIsToldByClosing) {
+TEST_F(Hdf5WriterTest, ADiskThatFillsAtTheEndIsReportedByClosing) {
   const auto write = [&] {
     Writer writer(file);
     writeRowByRow(writer, "/force", vectors(1000));
@@ -214,7 +214,7 @@ TEST_F(Hdf5WriterTest, ADiskThatIsFullAtTheVeryEndIsToldByClosing) {
   });
 }
 
-TEST_F(Hdf5WriterTest, RowsThatAreSkippedReadAsNoNumbers) {
+TEST_F(Hdf5WriterTest, SkippedRowsReadAsNaN) {
   Writer writer(file);
   RowWriter floats(writer, "/displacement", Element::float32, {3, 2}, "m", RowLayout::compressed);
   RowWriter integers(writer, "/quantized", Element::int16, {2, 2}, "1", RowLayout::compressed);
@@ -259,7 +259,7 @@ TEST_F(Hdf5WriterTest, EveryRowIsWrittenOrSkippedOnce) {
       << "readers take it for a table";
 }
 
-TEST_F(Hdf5WriterTest, AnArrayIsWrittenWholeAndUnderItsWholePath) {
+TEST_F(Hdf5WriterTest, AnArrayIsWrittenAsAWholeUnderItsFullPath) {
   Writer writer(file);
   const std::vector<double> six(6);
   EXPECT_THROW(writer.write<double>("/a", {2, 2}, six, "m"), std::logic_error);
@@ -298,7 +298,7 @@ TEST_F(Hdf5WriterTest, AttributesAreReadBack) {
 }
 
 /// HDF5 stamps with seconds, unless it is told not to.
-TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
+TEST_F(Hdf5WriterTest, EqualCallsGiveEqualBytesAtAnyTime) {
   const auto write = [&](const char* name) {
     Writer writer(directory / name);
     writer.makeGroup("/group");
@@ -318,7 +318,7 @@ TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
   EXPECT_TRUE(test::bytesIn(directory / "first.h5") == test::bytesIn(directory / "second.h5"));
 }
 
-TEST_F(Hdf5WriterTest, WhatIsThereIsReplacedAndWhereNothingCanBeIsSaid) {
+TEST_F(Hdf5WriterTest, ExistingFilesAreReplacedAndImpossiblePathsReported) {
   std::ofstream(file) << std::string(3 * mebibyte, 'x');
   Writer writer(file);
   writeRowByRow(writer, "/force", vectors(2));

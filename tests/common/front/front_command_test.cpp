@@ -41,7 +41,7 @@ TEST_F(FrontCommand, HoldsOpenBlasToOneThreadBeforeItIsLoaded) {
   EXPECT_EQ(palpate("check x").output, "1\n");
 }
 
-TEST_F(FrontCommand, NamesALimitOfMemoryUnderWhichOpenBlasWouldWaitForEver) {
+TEST_F(FrontCommand, NamesAMemoryLimitThatWouldHangOpenBlas) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
 #endif
@@ -81,7 +81,7 @@ TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
   EXPECT_THAT(result.output, AllOf(HasSubstr("palpate-answers"), HasSubstr("cmake --build")));
 }
 
-TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
+TEST_F(FrontCommand, PrintsTheOverviewOfAllVerbsWithoutArguments) {
   const CommandResult result = palpate("--help");
   EXPECT_EQ(result.exit_code, 0);
   for (const char* verb :
@@ -92,14 +92,14 @@ TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
   EXPECT_EQ(palpate("help").output, result.output);
 }
 
-TEST_F(FrontCommand, SceneInTheOverviewIsRead) {
+TEST_F(FrontCommand, TheSceneInTheOverviewIsValid) {
   const std::string text = palpate("--help").output;
   const std::size_t begin = text.find("  mesh = ");
   ASSERT_NE(begin, std::string::npos);
   EXPECT_NO_THROW(parseScene(text.substr(begin, text.find("\nsay\n") - begin), "overview"));
 }
 
-TEST_F(FrontCommand, HelpVerbAsksTheProgram) {
+TEST_F(FrontCommand, HelpVerbShowsTheProgramsHelp) {
   EXPECT_EQ(palpate("help solve").output, "palpate-worker:solve --help\n");
 }
 

@@ -54,7 +54,7 @@ TEST(BranchCheck, FindsNothingOnSmoothBranchesHoweverCoarse) {
   }
 }
 
-TEST(BranchCheck, ExplainsAPolynomialToTheOrderOfItsRules) {
+TEST(BranchCheck, IsExactForPolynomialsUpToTheOrderOfItsRules) {
   const PolynomialEnergy quartic(4, radius);
   const SpaceTable space = solvedSpace(Lattice(radius, 0.005), quartic);
   const auto other = *space.lattice.indexOf({1, 1, 0});
@@ -84,13 +84,13 @@ TEST(BranchCheck, FindsTheSameJumpsInABodyWithTinyForces) {
   EXPECT_EQ(inconsistentEdges(soft), edgesAcross(lattice));
 }
 
-TEST(BranchCheck, FindsBranchesThatDifferInEnergyAlone) {
+TEST(BranchCheck, FindsBranchesThatDifferOnlyInEnergy) {
   const Lattice lattice(radius, 0.005);
   EXPECT_EQ(inconsistentEdges(withJump(solvedSpace(lattice, StiffeningEnergy()), 0, 1e-3)),
             edgesAcross(lattice));
 }
 
-TEST(BranchCheck, SuspectsEveryInconsistentEdgeAndThoseThatAreTooLong) {
+TEST(BranchCheck, SuspectsInconsistentEdgesAndEdgesThatAreTooLong) {
   const SpaceTable jump = withJump(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()), 2, 0);
   EXPECT_EQ(suspectEdges(jump), inconsistentEdges(jump));
 
@@ -99,7 +99,7 @@ TEST(BranchCheck, SuspectsEveryInconsistentEdgeAndThoseThatAreTooLong) {
   EXPECT_GT(suspectEdges(coarse).size(), inconsistentEdges(coarse).size());
 }
 
-TEST(BranchCheck, LeavesPointsAloneThatAreNotSolved) {
+TEST(BranchCheck, IgnoresUnsolvedPoints) {
   SpaceTable space = withJump(solvedSpace(Lattice(radius, 0.01), StiffeningEnergy()), 2, 0);
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
   EXPECT_THAT(inconsistentEdges(space), IsEmpty());

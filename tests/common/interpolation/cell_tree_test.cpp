@@ -47,7 +47,7 @@ TEST(CellTree, FindsALeafForEveryDisplacementOfTheBall) {
       EXPECT_GE(tree.find(end * Vector3d::Unit(axis)).leaf, 0);
 }
 
-TEST(CellTree, FindsNoLeafElsewhere) {
+TEST(CellTree, FindsNoLeafOutsideTheBall) {
   const CellTree tree(spaceWithSplits({}));
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Vector3d& p :
@@ -56,7 +56,7 @@ TEST(CellTree, FindsNoLeafElsewhere) {
     EXPECT_EQ(tree.find(p).leaf, -1);
 }
 
-TEST(CellTree, HasCellsThatReachIntoTheBallOnly) {
+TEST(CellTree, HasOnlyCellsThatReachIntoTheBall) {
   // Of the 27 of an octant those whose nearest corner is within 3 spacings: not (2, 2, 1), on the
   // sphere, and alike, nor (2, 2, 2).
   EXPECT_EQ(CellTree(spaceWithSplits({})).leaves().size(), 184U);
@@ -81,7 +81,7 @@ TEST(CellTree, TellsSolvedGhostAndHangingCornersApart) {
   EXPECT_EQ(kind({768, 768, 512}), SlotKind::hanging) << "on a face of an eighth";
 }
 
-TEST(CellTree, TreatsATerminatingPointOfACrushedElementLikeOneThatFailed) {
+TEST(CellTree, TreatsATerminatingPointOfACrushedElementAsFailed) {
   SpaceTable space = test::solvedSpace(Lattice(radius, spacing), test::StiffeningEnergy());
   double largest = 0;
   for (const PointRecord& point : space.points)
@@ -129,7 +129,7 @@ TEST(CellTree, OrdersHangingSlotsSoThatInterpolantsAreContinuous) {
   }
 }
 
-TEST(CellTree, KnowsLeavesWithoutAnySolvedCorner) {
+TEST(CellTree, RecognisesLeavesWithoutASolvedCorner) {
   SpaceTable space = spaceWithSplits({});
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (space.lattice.point(n)[0] > 0) space.points[n].tag = Tag::failed;

@@ -52,7 +52,7 @@ TEST(LocalFits, ContinueEnergiesOfTheThirdDegree) {
   }
 }
 
-TEST(LocalFits, CompleteASolvedPointByWhatIsAround) {
+TEST(LocalFits, CompleteASolvedPointFromItsNeighbours) {
   LocalFits fits(unit);
   const SourcesAround around(3);
   const LocalPolynomial polynomial =
@@ -62,7 +62,7 @@ TEST(LocalFits, CompleteASolvedPointByWhatIsAround) {
   EXPECT_LT((polynomial.at(beside).force - cubic(beside).force).norm(), 1e-6);
 }
 
-TEST(LocalFits, SayTheSameOfSourcesThatAreRememberedAndForgotten) {
+TEST(LocalFits, GiveTheSameResultForCachedAndForgottenSources) {
   LocalFits fits(unit);
   const SourcesAround often(0), once(1);
   const auto of = [&](const SourcesAround& around) {
@@ -133,7 +133,7 @@ TEST(LocalFits, JudgeSlopesByTheValuesAroundWhenFarOff) {
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::value);
 }
 
-TEST(LocalFits, FitWhatDoesNotCount) {
+TEST(LocalFits, ReplaceDerivativesThatDoNotCount) {
   KnownToTheThirdOrder around;
   LocalFits fits(unit, finger_fit);
   const Eigen::Vector3d beside(0.004, -0.002, 0.003);
@@ -151,7 +151,7 @@ TEST(LocalFits, FitWhatDoesNotCount) {
   expectRight(fits.extrapolate(around.sources, 6, 4));
 }
 
-TEST(LocalFits, StayFiniteWhereNobodyKnowsAnOrder) {
+TEST(LocalFits, StayFiniteIfAnOrderIsUnknownEverywhere) {
   KnownToTheThirdOrder around;
   LocalFits fits(unit, finger_drive_fit);
   around.sources.resize(1);

@@ -36,7 +36,7 @@ struct KeyFolderTest : testing::Test {
   }
 };
 
-TEST(KeyPair, IsTheOneOfItsSecret) {
+TEST(KeyPair, HasThePublicKeyOfItsSecret) {
   // RFC 7748, section 6.1: Bob.
   const auto secret =
       Bytes32::fromHex("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb");
@@ -55,7 +55,7 @@ TEST(PublicKey, IsSixtyFourHexadecimalDigitsAndNothingElse) {
   EXPECT_FALSE(PublicKey::fromBytes(std::string(31, 'x')));
 }
 
-TEST(Roles, OfAnOperatorAreThoseOfAnObserverToo) {
+TEST(Roles, AnOperatorIsAnObserverToo) {
   EXPECT_TRUE(include(rolesOf("operator"), Roles::observer));
   EXPECT_FALSE(include(rolesOf("operator"), Roles::worker));
   EXPECT_FALSE(include(rolesOf("worker,observer"), Roles::system_operator));
@@ -65,7 +65,7 @@ TEST(Roles, OfAnOperatorAreThoseOfAnObserverToo) {
   EXPECT_EQ(wordsOf(Roles::system_operator), "operator");
 }
 
-TEST(Roles, ThatDoNotExistAreRefusedWithAListOfThoseThatDo) {
+TEST(Roles, UnknownRolesAreRefusedWithTheListOfValidOnes) {
   for (const char* wrong : {"", "root", "worker,", "worker operator", "simulator"})
     expectBadInput([&] { rolesOf(wrong); }, {"worker, observer, operator"});
 }
@@ -81,7 +81,7 @@ TEST_F(KeyFolderTest, MakesAKeyThatNobodyElseCanRead) {
   EXPECT_NE(folder.replaceOwn().open(), key);
 }
 
-TEST_F(KeyFolderTest, GivesTwoThatMakeAKeyAtTheSameTimeTheSame) {
+TEST_F(KeyFolderTest, ConcurrentCreationsGetTheSameKey) {
   for (int round = 0; round < 20; ++round) {
     const KeyFolder shared(directory / std::to_string(round));
     const pid_t child = test::startChild([&] {
@@ -94,7 +94,7 @@ TEST_F(KeyFolderTest, GivesTwoThatMakeAKeyAtTheSameTimeTheSame) {
   }
 }
 
-TEST_F(KeyFolderTest, KeepsEveryKeyThatSeveralProcessesLetInAndWithdrawAtTheSameTime) {
+TEST_F(KeyFolderTest, KeepsConcurrentAdmissionsAndWithdrawals) {
   folder.ownOrNew();
   constexpr int processes = 20;
   for (int n = 0; n < processes; ++n)
@@ -114,7 +114,7 @@ TEST_F(KeyFolderTest, KeepsEveryKeyThatSeveralProcessesLetInAndWithdrawAtTheSame
   for (const AllowedKey& key : left) EXPECT_EQ(key.name.substr(0, 3), "new");
 }
 
-TEST_F(KeyFolderTest, IsRefusedWhenOthersCouldReadOrChangeIt) {
+TEST_F(KeyFolderTest, IsRefusedIfOthersCouldReadOrChangeIt) {
   folder.ownOrNew();
   ASSERT_EQ(chmod(folder.path().c_str(), 0750), 0);
   expectBadInput([&] { folder.own(); }, {"chmod 0700", folder.path().string()});
@@ -127,7 +127,7 @@ TEST_F(KeyFolderTest, IsRefusedWhenOthersCouldReadOrChangeIt) {
   }
 }
 
-TEST_F(KeyFolderTest, SaysWhichLineMakesNoSense) {
+TEST_F(KeyFolderTest, NamesAnInvalidLine) {
   folder.ownOrNew();
   const std::string key = KeyPair::make().open().hex();
   write("allowed", "# nobody\n\n" + key + " worker,king node\n");
@@ -140,7 +140,7 @@ TEST_F(KeyFolderTest, SaysWhichLineMakesNoSense) {
   expectBadInput([&] { folder.own(); }, {"own.key", "--replace"});
 }
 
-TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
+TEST_F(KeyFolderTest, KeepsAdmittedKeysUntilTheyAreWithdrawn) {
   const PublicKey first = KeyPair::make().open(), second = KeyPair::make().open();
   folder.allow({first, roles("worker"), "node one"});
   folder.allow({second, roles("observer"), ""});
@@ -155,7 +155,7 @@ TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
   EXPECT_TRUE(folder.allowed().empty());
 }
 
-TEST_F(KeyFolderTest, TakesNoNameThatWouldLetAnotherKeyIn) {
+TEST_F(KeyFolderTest, RefusesANameThatWouldAdmitAnotherKey) {
   const PublicKey key = KeyPair::make().open(), other = KeyPair::make().open();
   for (const std::string& name : {"node\n" + other.hex() + " operator", std::string("node # 1")})
     expectBadInput([&] { folder.allow({key, roles("worker"), name}); }, {"not a name"});
@@ -164,7 +164,7 @@ TEST_F(KeyFolderTest, TakesNoNameThatWouldLetAnotherKeyIn) {
   EXPECT_EQ(folder.allowed().size(), 1U);
 }
 
-TEST_F(KeyFolderTest, KnowsAServerByItsEndpointElseByTheStarElseByTheOwnKey) {
+TEST_F(KeyFolderTest, FindsAServersKeyByEndpointThenStarThenOwnKey) {
   const PublicKey own = folder.ownOrNew().open();
   const PublicKey one = KeyPair::make().open(), any = KeyPair::make().open();
   EXPECT_EQ(folder.serverAt("tcp://head:7411"), own);
@@ -176,7 +176,7 @@ TEST_F(KeyFolderTest, KnowsAServerByItsEndpointElseByTheStarElseByTheOwnKey) {
   EXPECT_THAT(folder.servers(), ElementsAre(Pair("*", any), Pair("tcp://head:7411", one)));
 }
 
-TEST_F(KeyFolderTest, IsChosenByWordByVariableOrByHome) {
+TEST_F(KeyFolderTest, IsChosenByOptionVariableOrHome) {
   EXPECT_EQ(chosenKeyFolder("here").path(), "here");
   setenv("PALPATE_KEYS", "/from/variable", 1);
   EXPECT_EQ(chosenKeyFolder("").path(), "/from/variable");
@@ -202,13 +202,13 @@ struct AdmissionTest : KeyFolderTest {
   }
 };
 
-TEST_F(AdmissionTest, LetsTheOwnKeyDoEverythingAndStrangersNothing) {
+TEST_F(AdmissionTest, AllowsTheOwnKeyEverythingAndStrangersNothing) {
   Admission admission(folder);
   EXPECT_EQ(admission.rolesOf(own), Roles::all);
   EXPECT_EQ(admission.rolesOf(other), Roles::none);
 }
 
-TEST_F(AdmissionTest, LearnsOfKeysThatAreLetInAndWithdrawnWhileItRuns) {
+TEST_F(AdmissionTest, FollowsAdmissionsAndWithdrawalsWhileItRuns) {
   Admission admission(folder);
   folder.allow({other, roles("worker"), "node"});
   EXPECT_TRUE(eventuallyLets(admission, other, true));
@@ -217,7 +217,7 @@ TEST_F(AdmissionTest, LearnsOfKeysThatAreLetInAndWithdrawnWhileItRuns) {
   EXPECT_TRUE(eventuallyLets(admission, other, false));
 }
 
-TEST_F(AdmissionTest, KeepsTheLastGoodListWhenANewOneMakesNoSense) {
+TEST_F(AdmissionTest, KeepsTheLastValidListIfANewOneIsInvalid) {
   folder.allow({other, roles("worker"), "node"});
   Admission admission(folder);
   write("allowed", "nonsense\n");

@@ -31,7 +31,7 @@ TEST(BumpIntegrals, SumUpToTheIntegralOfTheBumpOnAnyMesh) {
 
 /// Far wider than the triangle the bump is 1 on it: a third of the area for each vertex of a linear
 /// one, nothing for the vertices and a third for the middles of a quadratic one.
-TEST(BumpIntegrals, AreThoseOfTheShapeFunctionsUnderAFlatBump) {
+TEST(BumpIntegrals, EqualThoseOfTheShapeFunctionsUnderAFlatBump) {
   Mesh mesh = test::tetrahedronMesh(1e-4);
   mesh.surface = {{0, 1, 2}};
   const double area = 0.5e-8;

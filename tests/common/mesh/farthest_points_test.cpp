@@ -24,7 +24,7 @@ TEST(FarthestPoints, AreTakenFarthestFirstUntilNoneIsFar) {
                                             Eigen::Vector3d(0.05, 0, 0)));
 }
 
-TEST(FarthestPoints, AreCloserWhereTheirDistanceIsSmaller) {
+TEST(FarthestPoints, AreDenserWhereTheirDistanceIsSmaller) {
   auto distances = apart(11, 0.026);
   for (std::size_t n = 6; n < 11; ++n) distances[n] = 0.011;
   int near = 0, far = 0;
@@ -34,7 +34,7 @@ TEST(FarthestPoints, AreCloserWhereTheirDistanceIsSmaller) {
   EXPECT_GE(far, 3);
 }
 
-TEST(FarthestPoints, LeaveOutWhatIsRefused) {
+TEST(FarthestPoints, LeaveOutRefusedPoints) {
   const auto taken =
       farthestPoints(line(11), apart(11, 0.026),
                      [](const Eigen::Vector3d& place, std::size_t) { return place.x() < 0.095; });
@@ -42,7 +42,7 @@ TEST(FarthestPoints, LeaveOutWhatIsRefused) {
   EXPECT_EQ(taken.at(1).x(), 0.09);
 }
 
-TEST(FarthestPoints, SayHowManyWereTakenBefore) {
+TEST(FarthestPoints, ReportHowManyWereTakenSoFar) {
   std::size_t most = 0;
   farthestPoints(line(11), apart(11, 0.011), [&](const Eigen::Vector3d&, std::size_t taken) {
     most = std::max(most, taken);
@@ -51,7 +51,7 @@ TEST(FarthestPoints, SayHowManyWereTakenBefore) {
   EXPECT_GT(most, 3u);
 }
 
-TEST(FarthestPoints, OfNoPlacesAreNone) {
+TEST(FarthestPoints, AreEmptyWithoutPlaces) {
   EXPECT_TRUE(farthestPoints({}, {}, every_place).empty());
 }
 

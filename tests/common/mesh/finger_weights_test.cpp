@@ -75,7 +75,7 @@ TEST_P(Fingers, WeightsHaveTheSumOneWhereverTheFingerIs) {
   }
 }
 
-TEST_P(Fingers, MeanIsThatOfTheFieldAndNotOfTheMesh) {
+TEST_P(Fingers, MeanDependsOnTheFieldAndNotOnTheMesh) {
   std::map<int, double> means;
   const Eigen::Vector3d center(0.1, 0.1, 0.2);
   for (const int cells : {16, 32}) {
@@ -86,7 +86,7 @@ TEST_P(Fingers, MeanIsThatOfTheFieldAndNotOfTheMesh) {
   EXPECT_NEAR(means[16], means[32], 0.02);
 }
 
-TEST_P(Fingers, LeaveFixedNodesOutAndSayHowMuchThatIs) {
+TEST_P(Fingers, LeaveOutFixedNodesAndReportTheirShare) {
   mesh = test::cubeMesh(0.2, 8);
   if (GetParam()) addMidEdgeNodes(mesh);
   fixed = mesh.node_groups.at("xmin");

@@ -10,7 +10,7 @@ namespace {
 
 class FreeShares : public ::testing::TestWithParam<bool> {};
 
-TEST_P(FreeShares, AreBelowWhatTheWeightsSayAtEveryPlace) {
+TEST_P(FreeShares, AreLowerBoundsOfTheWeightsFreeShareEverywhere) {
   Mesh mesh = test::blobMesh(5);
   if (GetParam()) addMidEdgeNodes(mesh);
   const NodeSet fixed = mesh.node_groups.at("xmin");

@@ -332,7 +332,7 @@ $EndElements
 )" + older.substr(older.find("$ElementData"));
 }
 
-TEST_F(GmshReader, NamesPlacesOfErrorsInTheUnitOfTheFile) {
+TEST_F(GmshReader, GivesPositionsOfErrorsInTheUnitOfTheFile) {
   const std::string begin =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 30 0 0\n3 0 30 0\n4 0 0 30\n"
       "5 1 1 -1\n6 31 1 -1\n7 1 31 -1\n8 1 1 29\n$EndNodes\n$Elements\n2\n1 4 0 1 2 3 4\n";
@@ -342,7 +342,7 @@ TEST_F(GmshReader, NamesPlacesOfErrorsInTheUnitOfTheFile) {
     expectBadInput([&] { read(begin + second + "\n$EndElements\n", 0.001); }, {what, place});
 }
 
-TEST_F(GmshReader, ReadsTenNodeTetrahedraAsStraightOnesWithTheirGroupsAndVectors) {
+TEST_F(GmshReader, ReadsTenNodeTetrahedraAsLinearWithGroupsAndVectors) {
   for (const std::string& text : {std::string(quadratic_22), quadraticOf41()}) {
     const Mesh mesh = read(text, 0.001);
     EXPECT_EQ(mesh.nodes.size(), 5u);
@@ -377,7 +377,7 @@ TEST_F(GmshReader, UnitesTheGroupsAndVectorsOfARepeatedTetrahedron) {
               ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, -2)));
 }
 
-TEST_F(GmshReader, PassesOverElementDataThatAreNotVectorsOrAreLater) {
+TEST_F(GmshReader, IgnoresElementDataThatAreNotVectorsOrOfLaterTimes) {
   std::string text = quadratic_22;
   const std::string data = text.substr(text.find("$ElementData"));
   std::string scalars = data, later = data;

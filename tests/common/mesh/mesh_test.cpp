@@ -82,7 +82,7 @@ TEST(Mesh, RegularTetrahedronHasShapeOne) {
   EXPECT_NEAR(measure(mesh).mean_edge, std::sqrt(8), 1e-14);
 }
 
-TEST(Mesh, DropsNodesThatNoTetrahedronUsesAlsoFromGroups) {
+TEST(Mesh, DropsUnusedNodesAlsoFromGroups) {
   Mesh mesh = unfinishedTetrahedron();
   mesh.nodes.insert(mesh.nodes.begin(), Eigen::Vector3d(9, 9, 9));
   for (std::int32_t& node : mesh.tetrahedra[0]) ++node;
@@ -95,7 +95,7 @@ TEST(Mesh, DropsNodesThatNoTetrahedronUsesAlsoFromGroups) {
   EXPECT_TRUE(mesh.node_groups["gone"].empty());
 }
 
-TEST(Mesh, TurnsElementsThatAreNegativeAllOrSome) {
+TEST(Mesh, ReversesElementsOfNegativeVolume) {
   for (const std::size_t every : {1u, 5u}) {
     Mesh mesh = test::cubeMesh(1, 2);
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); e += every)
@@ -162,7 +162,7 @@ TEST(Mesh, RefusesAFaceSharedByThreeTetrahedra) {
   expectBadInput([&] { finishMesh(mesh, "m"); }, {"3 tetrahedra share one face"});
 }
 
-TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
+TEST(Mesh, NumbersComponentsByTheirFirstNodes) {
   Mesh mesh = unfinishedTetrahedron();
   for (int n = 0; n < 4; ++n) mesh.nodes.push_back(mesh.nodes[n] + Eigen::Vector3d(5, 0, 0));
   mesh.tetrahedra.push_back({4, 5, 6, 7});
@@ -171,7 +171,7 @@ TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
   EXPECT_EQ(measure(mesh).pieces, 2);
 }
 
-TEST(Mesh, HoldsTogetherByFacesNotByNodesOrEdges) {
+TEST(Mesh, ComponentsAreConnectedByFacesNotByNodesOrEdges) {
   const auto measured = [](const Eigen::Vector3d& by) {
     Mesh mesh =
         test::welded(test::together(test::cubeMesh(1, 1), test::moved(test::cubeMesh(1, 1), by)));
@@ -186,7 +186,7 @@ TEST(Mesh, HoldsTogetherByFacesNotByNodesOrEdges) {
   EXPECT_THAT(measured({1, 1, 1}).hinges, ElementsAre(7));
 }
 
-TEST(Mesh, CountsVerticesThatLieOnOthers) {
+TEST(Mesh, CountsCoincidentVertices) {
   const auto coincident = [](const Eigen::Vector3d& by) {
     return measure(test::together(test::cubeMesh(1, 3), test::moved(test::cubeMesh(1, 3), by)))
         .coincident;
@@ -220,7 +220,7 @@ TEST(Mesh, QuadraticMeshHasOneNodeInTheMiddleOfEveryEdge) {
   EXPECT_NEAR(measure(mesh).volume, measure(linear).volume, 1e-14);
 }
 
-TEST(Mesh, AGroupHoldsTheMiddlesOfTheEdgesBetweenItsNodes) {
+TEST(Mesh, AGroupIncludesMidEdgeNodesBetweenItsNodes) {
   Mesh mesh = test::cubeMesh(1, 2);
   addMidEdgeNodes(mesh);
   const std::vector<std::int32_t>& side = mesh.node_groups.at("xmin");
@@ -231,7 +231,7 @@ TEST(Mesh, AGroupHoldsTheMiddlesOfTheEdgesBetweenItsNodes) {
               mesh.nodes[n][0] == 0);
 }
 
-TEST(Mesh, MidEdgeNodesBelongToThePieceOfTheirEdge) {
+TEST(Mesh, MidEdgeNodesBelongToTheComponentOfTheirEdge) {
   Mesh mesh = unfinishedTetrahedron();
   for (int n = 0; n < 4; ++n) mesh.nodes.push_back(mesh.nodes[n] + Eigen::Vector3d(5, 0, 0));
   mesh.tetrahedra.push_back({4, 5, 6, 7});
@@ -245,7 +245,7 @@ TEST(Mesh, MidEdgeNodesBelongToThePieceOfTheirEdge) {
   }
 }
 
-TEST(Mesh, RefusesGroupsOfTetrahedraThatAreNotThere) {
+TEST(Mesh, RefusesGroupsOfMissingTetrahedra) {
   Mesh mesh = unfinishedTetrahedron();
   mesh.element_groups["vessel"] = {1};
   expectBadInput([&] { finishMesh(mesh, "m"); }, {"group \"vessel\"", "tetrahedron", "1 of 1"});

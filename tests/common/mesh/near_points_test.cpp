@@ -28,7 +28,7 @@ TEST(NearPointsTest, ListsEveryPointWithinReachOfAnyPosition) {
   }
 }
 
-TEST(NearPointsTest, HasNothingFarAwayOrNowhere) {
+TEST(NearPointsTest, ListsNothingFarAwayOrForNaN) {
   const NearPoints grid({Eigen::Vector3d::Zero()}, 0.03);
   EXPECT_FALSE(grid.near({0.01, 0, 0}).empty());
   EXPECT_TRUE(grid.near({1, 0, 0}).empty());

@@ -34,13 +34,13 @@ Mesh mirroredBox(int cells = 2) {
   return mesh;
 }
 
-TEST(SelfIntersections, AreNoneInSoundSurfaces) {
+TEST(SelfIntersections, DoNotOccurInSoundSurfaces) {
   for (const Mesh& mesh : {test::blobMesh(), verification::sphereOctantMesh(0.05, 0.07, 4),
                            verification::quarterTubeMesh(1, 2, 0.5, 4)})
     EXPECT_EQ(cutsIn(mesh), 0);
 }
 
-TEST(SelfIntersections, AreNoneWhereRoundingBendsFlatSides) {
+TEST(SelfIntersections, DoNotOccurWhereRoundingBendsFlatSides) {
   std::mt19937 random(5);
   std::normal_distribution<double> number;
   for (int turn = 0; turn < 50; ++turn) {
@@ -82,7 +82,7 @@ TEST(SelfIntersections, AreFoundBesideASharedCornerAndAFoldedEdge) {
       << "with a corner on an edge";
 }
 
-TEST(Overlaps, OfFacesThatDoNotMatchAreRefusedWithTheirPlace) {
+TEST(Overlaps, NonMatchingFacesAreRefusedWithTheirPosition) {
   const auto refused = [](const Mesh& mesh, const std::string& place = "at (") {
     expectBadInput([&] { refuseOverlaps(mesh, "m.msh"); }, {"m.msh: ", "overlap", place});
   };
@@ -94,13 +94,13 @@ TEST(Overlaps, OfFacesThatDoNotMatchAreRefusedWithTheirPlace) {
   refused(together(box(2), moved(box(3), beside)));
 }
 
-TEST(Overlaps, OfPartsThatLieInEachOtherAreRefused) {
+TEST(Overlaps, InterpenetratingPartsAreRefused) {
   for (const Eigen::Vector3d& by : {Eigen::Vector3d(0.9, 0.03, 0.02), {0.31, 0.27, 0.43}})
     expectBadInput([&] { refuseOverlaps(together(box(), moved(box(), by)), "m.msh"); },
                    {"m.msh: ", "overlap"});
 }
 
-TEST(Overlaps, AreNotWhatMatchesOrIsWelded) {
+TEST(Overlaps, MatchingAndWeldedFacesAreAccepted) {
   const Mesh layers = together(box(), moved(box(), {1, 0, 0}));
   EXPECT_NO_THROW(refuseOverlaps(layers, "a cut through the body"));
   EXPECT_NO_THROW(refuseOverlaps(welded(layers), "welded"));
@@ -108,7 +108,7 @@ TEST(Overlaps, AreNotWhatMatchesOrIsWelded) {
   EXPECT_NO_THROW(refuseOverlaps(together(box(), moved(box(), {1, 1, 0})), "one edge"));
 }
 
-TEST(Overlaps, InMeshesOfReportsAreFoundAndTheirTwinsTaken) {
+TEST(Overlaps, AreFoundInReportedMeshesAndNotInTheirSoundTwins) {
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   for (const char* name : {"k03_crossed.msh", "k03_crossed27.msh"})
     expectBadInput([&] { readGmsh(reports / name); }, {name, "overlap"});

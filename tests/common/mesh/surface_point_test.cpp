@@ -20,7 +20,7 @@ TEST(SurfacePointTest, IsTheNearestOfAllTriangles) {
   }
 }
 
-TEST(SurfacePointTest, IsThereForPlacesWhoseDistanceHasNoSquare) {
+TEST(SurfacePointTest, IsFoundForPlacesWhoseSquaredDistanceOverflows) {
   const Mesh mesh = test::cubeMesh(0.2, 3);
   for (const double far : {1e10, 1e200, 1.7e308}) {
     const SurfacePoint point = nearestOnSurface(mesh, {far, far, -far});

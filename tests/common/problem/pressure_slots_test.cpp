@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// A cube of 2 x 2 x 2 cells whose elements are of the region that `regionAt` says of their middle.
-class PressureSlotsOf : public ::testing::Test {
+/// A cube of 2 x 2 x 2 cells. regionAt gives the region of an element from its centroid.
+class PressureSlotsTest : public ::testing::Test {
  protected:
   PressureSlots slots(const std::vector<Material>& materials, auto regionAt,
                       PressureSpace space = PressureSpace::p1) {
@@ -28,7 +28,7 @@ class PressureSlotsOf : public ::testing::Test {
   std::vector<std::uint16_t> region_of;
 };
 
-TEST_F(PressureSlotsOf, OneMaterialAreItsNodes) {
+TEST_F(PressureSlotsTest, OneMaterialHasOnePerNode) {
   EXPECT_EQ(slots({soft}, [](const auto&) { return 0; }).count(), 27u);
   EXPECT_EQ(slots({soft, soft}, upper).count(), 27u) << "two regions of it are one material";
   EXPECT_EQ(slots(
@@ -37,7 +37,7 @@ TEST_F(PressureSlotsOf, OneMaterialAreItsNodes) {
             0u);
 }
 
-TEST_F(PressureSlotsOf, TwoMaterialsAreTwoAtTheNodesBetweenThem) {
+TEST_F(PressureSlotsTest, TwoMaterialsHaveTwoAtSharedNodes) {
   const PressureSlots between = slots({soft, stiff}, upper);
   EXPECT_EQ(between.count(), 27u + 9u);
   EXPECT_EQ(between.nodes(), 27u);
@@ -53,7 +53,7 @@ TEST_F(PressureSlotsOf, TwoMaterialsAreTwoAtTheNodesBetweenThem) {
   EXPECT_EQ(slots({soft, stiff}, upper, PressureSpace::p2).count(), 125u + 25u);
 }
 
-TEST_F(PressureSlotsOf, ThreeMaterialsAreThreeAtTheirEdge) {
+TEST_F(PressureSlotsTest, ThreeMaterialsHaveThreeAtTheirSharedEdge) {
   const PressureSlots three =
       slots({soft, stiff, {.law = LawName::neo_hookean, .mu = 500}},
             [](const Eigen::Vector3d& X) { return X[2] > 0.5 ? (X[0] > 0.5 ? 1 : 2) : 0; });
@@ -64,7 +64,7 @@ TEST_F(PressureSlotsOf, ThreeMaterialsAreThreeAtTheirEdge) {
   EXPECT_EQ(three.count(), 27u + 9u + 3u + 3u);
 }
 
-TEST_F(PressureSlotsOf, AMaterialWithoutPressureAreNone) {
+TEST_F(PressureSlotsTest, AMaterialWithoutPressureHasNone) {
   EXPECT_EQ(slots({soft, bone}, upper).count(), 27u);
 }
 

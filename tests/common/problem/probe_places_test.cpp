@@ -24,7 +24,7 @@ struct ProbePlacesOnACube : ::testing::Test {
   const NodeSet& fixed = mesh.node_groups.at("xmin");
 };
 
-TEST_F(ProbePlacesOnACube, LieWhereAFingerStandsAndPushesInto) {
+TEST_F(ProbePlacesOnACube, LieOnTheSurfaceAndPushInward) {
   for (const auto& [place, displacement] : places(ContactMode::unilateral, 100)) {
     EXPECT_LT((positionOf(mesh, nearestOnSurface(mesh, place)) - place).norm(), 1e-12);
     EXPECT_GE(fingerWeights(mesh, fixed, place, 0.03).free_share, least_free_share);
@@ -53,7 +53,7 @@ TEST_F(ProbePlacesOnACube, FillSurfaceLengthsAndDirectionsEvenly) {
   EXPECT_NEAR(up, count / 2.0, 12);
 }
 
-TEST_F(ProbePlacesOnACube, AreTheSameEachTimeAndFewerAreTheFirst) {
+TEST_F(ProbePlacesOnACube, AreReproducibleAndFewerAreAPrefix) {
   const auto many = places(ContactMode::unilateral, 20), few = places(ContactMode::unilateral, 5);
   ASSERT_EQ(few.size(), 5u);
   for (std::size_t n = 0; n < few.size(); ++n) {
@@ -62,7 +62,7 @@ TEST_F(ProbePlacesOnACube, AreTheSameEachTimeAndFewerAreTheFirst) {
   }
 }
 
-TEST_F(ProbePlacesOnACube, AreNoneWhereNoFingerCanStand) {
+TEST_F(ProbePlacesOnACube, AreEmptyIfNoFingerCanStand) {
   std::vector<std::int32_t> held;
   for (std::size_t t = 0; t < mesh.surface.size(); ++t)
     if (std::ranges::all_of(mesh.surface[t], [&](auto node) { return contains(fixed, node); }))
@@ -70,7 +70,7 @@ TEST_F(ProbePlacesOnACube, AreNoneWhereNoFingerCanStand) {
   EXPECT_TRUE(probePlaces(mesh, held, fixed, 0.01, 0.02, ContactMode::unilateral, 10).empty());
 }
 
-TEST(ProbePlacesOfAProblem, StandBehindTheSitesWhichHaveNoneOfTheirOwn) {
+TEST(ProbePlacesOfAProblem, FollowTheSitesWhichHaveNoProbes) {
   const Problem problem = test::FingerBody(7).problem;
   const std::size_t sites = problem.active.size() - 7;
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
@@ -82,7 +82,7 @@ TEST(ProbePlacesOfAProblem, StandBehindTheSitesWhichHaveNoneOfTheirOwn) {
   EXPECT_EQ(uniformLattice(problem.scene, problem.active.back()).size(), 1);
 }
 
-TEST(ProbePlacesOfAProblem, TravelWithItAndAreOfItsId) {
+TEST(ProbePlacesOfAProblem, AreSerializedAndPartOfTheId) {
   const Problem problem = test::FingerBody(7).problem;
   const Problem again = decodeProblem(encodeProblem(problem));
   for (std::size_t s = 0; s < problem.active.size(); ++s)

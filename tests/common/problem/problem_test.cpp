@@ -57,7 +57,7 @@ TEST_F(Problem, FindsTheNearestSurfaceNodeAndTheFixedNodes) {
   EXPECT_THAT(problem.active[0].nodes, ElementsAre(top));
 }
 
-TEST_F(Problem, TakesANodeExactlyAtThePatchRadius) {
+TEST_F(Problem, IncludesANodeExactlyAtThePatchRadius) {
   scene.active[0].radius = 0.05;
   EXPECT_THAT(resolved().active[0].nodes,
               ElementsAre(top - 25, top - 5, top - 1, top, top + 1, top + 5));
@@ -124,7 +124,7 @@ TEST_F(Problem, UnitesTheSelectorsOfASurface) {
   EXPECT_EQ(problem.active.back().name, "one");
 }
 
-TEST_F(Problem, RefusesSurfacesThatHoldNothingToTouch) {
+TEST_F(Problem, RefusesSurfacesWithNothingToTouch) {
   const auto refusesSurface = [&](SurfaceSelection surface,
                                   std::initializer_list<std::string> words) {
     scene.active = {{.name = "skin", .surface = std::move(surface)}};
@@ -151,7 +151,7 @@ TEST_F(Problem, RefusesAnActiveNodeInsideTheBody) {
 }
 
 /// All around the fixed nodes below it.
-TEST_F(Problem, RefusesAPatchThatWithTheFixedNodesLeavesAVolumeNoWayToBeKept) {
+TEST_F(Problem, RefusesAPatchThatLeavesNoFreedomToKeepAVolume) {
   scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.05);
   scene.active[0].radius = 0.08;
   for (const DisplacementSpace displacement : {DisplacementSpace::p1, DisplacementSpace::p2}) {
@@ -166,13 +166,13 @@ TEST_F(Problem, RefusesAPatchThatWithTheFixedNodesLeavesAVolumeNoWayToBeKept) {
   EXPECT_NO_THROW(resolved()) << "the stabilisation lets it";
 }
 
-TEST_F(Problem, TakesAPatchThatHoldsWholeElementsByItself) {
+TEST_F(Problem, AcceptsAPatchThatCoversWholeElements) {
   scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
   scene.active[0].radius = 0.09;
   EXPECT_NO_THROW(resolved());
 }
 
-TEST_F(Problem, RefusesABodyThatCanTurn) {
+TEST_F(Problem, RefusesABodyThatCanRotate) {
   scene.fixed = {};
   scene.fixed.nodes = {0, 1, 4};
   refuses({"on one line", "turn"});
@@ -185,7 +185,7 @@ TEST_F(Problem, RefusesMillimetresTakenForMetresSayingSo) {
   refuses({"200 m wide", "millimetres read as metres", "length_unit = \"mm\""});
 }
 
-TEST_F(Problem, RefusesAPieceThatNothingHolds) {
+TEST_F(Problem, RefusesAnUnsupportedComponent) {
   const Mesh other = test::cubeMesh(0.1, 1);
   for (const Tetrahedron& t : other.tetrahedra)
     mesh.tetrahedra.push_back({t[0] + 125, t[1] + 125, t[2] + 125, t[3] + 125});
@@ -195,7 +195,7 @@ TEST_F(Problem, RefusesAPieceThatNothingHolds) {
   refuses({"2 pieces", "8 nodes around node 125", "no fixed node"});
 }
 
-TEST_F(Problem, RefusesAPieceThatHangsByANodeOrAnEdgeWithItsPlace) {
+TEST_F(Problem, RefusesAComponentAttachedByOneNodeOrEdge) {
   const Mesh other = test::cubeMesh(0.1, 2), body = mesh;
   const auto hang = [&](const Eigen::Vector3d& by) {
     mesh = test::welded(test::together(body, test::moved(other, by)));
@@ -211,7 +211,7 @@ TEST_F(Problem, RefusesAPieceThatHangsByANodeOrAnEdgeWithItsPlace) {
   }
 }
 
-TEST_F(Problem, TakesAPieceThatStandsOnThreeNodesOfOthers) {
+TEST_F(Problem, AcceptsAComponentAttachedAtThreeNodes) {
   const Mesh cube = test::cubeMesh(0.1, 1);
   mesh = cube;
   for (const Eigen::Vector3d& by : {Eigen::Vector3d(0.2, 0, 0), {0, 0.2, 0}, {0.1, 0.1, 0.1}})
@@ -220,13 +220,13 @@ TEST_F(Problem, TakesAPieceThatStandsOnThreeNodesOfOthers) {
   EXPECT_THAT(warningsOf(resolved()), Contains(HasSubstr("4 pieces meet in 3 nodes")));
 }
 
-TEST_F(Problem, IsDoubtedWhereNodesLieOnOthers) {
+TEST_F(Problem, WarnsOfCoincidentNodes) {
   mesh = test::together(mesh, test::moved(mesh, {0.2, 0, 0}));
   EXPECT_THAT(warningsOf(resolved()),
               Contains(AllOf(HasSubstr("coincident nodes: 25"), HasSubstr("--weld"))));
 }
 
-TEST_F(Problem, TakesTheTetrahedraWhoseMiddleIsInTheBoxOrSphereOfARegion) {
+TEST_F(Problem, RegionsSelectTetrahedraByTheirCentroid) {
   Region lump{"", scene.regions[0].material};
   lump.material.c10 = 9000;
   lump.spheres = {{{0.1, 0.1, 0.1}, 0.05}};
@@ -276,7 +276,7 @@ TEST_F(Problem, SurvivesDamagedBytes) {
               {"damaged"});
 }
 
-TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
+TEST_F(Problem, IdIgnoresSettingsThatChangeNoConfiguration) {
   const ContentId id = problemId(resolved());
   scene.name = "other";
   scene.mesh = "/elsewhere/file.msh";
@@ -394,7 +394,7 @@ TEST_F(QuadraticProblem, CountsOnlyVerticesForTheUser) {
   refuses({"active \"top\"", "125", "0 to 124"});
 }
 
-TEST_F(QuadraticProblem, TravelsWithRegionsFibersAndWeightsBitForBit) {
+TEST_F(QuadraticProblem, SerializesRegionsFibersAndWeightsBitForBit) {
   useFibers();
   addUpperRegion();
   scene.active[0].radius = 0.08;
@@ -459,7 +459,7 @@ TEST_F(QuadraticProblem, IdChangesWithDisplacementGravityRegionsFibersAndTools) 
   EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-TEST_F(QuadraticProblem, IdIgnoresHowGroupsAndFieldsAreCalled) {
+TEST_F(QuadraticProblem, IdIgnoresNamesOfGroupsAndFields) {
   mesh.element_vectors["grain"].assign(mesh.tetrahedra.size(), {1, 0, 0});
   useFibers("grain");
   addUpperRegion();
@@ -583,7 +583,7 @@ TEST_F(Problem, IsLoadedFromFiles) {
   EXPECT_EQ(problemId(loadProblem(directory / "cube.toml")), problemId(resolved()));
 }
 
-TEST_F(Problem, OfAReportThatHangsByAHingeIsRefused) {
+TEST_F(Problem, RefusesAReportedMeshThatHangsByAHinge) {
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
     expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn"});

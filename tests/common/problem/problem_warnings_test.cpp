@@ -28,7 +28,7 @@ class ProblemWarnings : public ::testing::Test {
   double patch_radius = 0.04;
 };
 
-TEST_F(ProblemWarnings, AreNoneForSoundScenes) { EXPECT_THAT(warnings(), IsEmpty()); }
+TEST_F(ProblemWarnings, AreEmptyForSoundScenes) { EXPECT_THAT(warnings(), IsEmpty()); }
 
 TEST_F(ProblemWarnings, NameTheUnitThatModuliLookLike) {
   material().c10 = 1.3;
@@ -40,7 +40,7 @@ TEST_F(ProblemWarnings, NameTheUnitThatModuliLookLike) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("look like GPa")));
 }
 
-TEST_F(ProblemWarnings, DoubtTissueOfBone) {
+TEST_F(ProblemWarnings, ReportTissueAsStiffAsBone) {
   scene = test::youngScene(LawName::linear);
   material().young = 2e9;
   EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("2e+09 Pa, stiffer than soft tissue"),
@@ -62,7 +62,7 @@ TEST_F(ProblemWarnings, KnowTheModulusOfEveryLaw) {
     EXPECT_NEAR(youngModulus(soft), 15, 1e-9) << word(soft.law);
 }
 
-TEST_F(ProblemWarnings, SayThatTetrahedraWithoutAPressureLock) {
+TEST_F(ProblemWarnings, ReportLockingOfTetrahedraWithoutPressure) {
   for (const LawName law : {LawName::linear, LawName::st_venant_kirchhoff}) {
     scene = test::youngScene(law, 0.495);
     scene.workspace.radius = 0.05;
@@ -81,7 +81,7 @@ TEST_F(ProblemWarnings, SayThatTetrahedraWithoutAPressureLock) {
   EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("bulk = 1e+06 Pa"), HasSubstr("locks"))));
 }
 
-TEST_F(ProblemWarnings, NameWhatIsNothingBesideTheRest) {
+TEST_F(ProblemWarnings, NameParametersThatAreNegligiblySmall) {
   material() = {.law = LawName::neo_hookean, .mu = 3000, .bulk = 1, .density = 1.06};
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("Poisson's ratio -0.999"), HasSubstr("g/cm^3")));
   material().bulk = 3000;
@@ -96,7 +96,7 @@ TEST_F(ProblemWarnings, NameWhatIsNothingBesideTheRest) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("the fibres are too soft")));
 }
 
-TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawGivesWay) {
+TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawLosesStability) {
   material() = {.law = LawName::yeoh, .c10 = 1500, .c20 = -5000};
   scene.workspace.radius = 0.03;
   EXPECT_THAT(warnings(), IsEmpty()) << "15 % of the way to what is held";
@@ -109,7 +109,7 @@ TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawGivesWay) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("compression of 0.42")));
 }
 
-TEST_F(ProblemWarnings, SeeOneLinearElementBetweenTheToolAndWhatIsFixed) {
+TEST_F(ProblemWarnings, ReportASingleLinearElementBetweenToolAndFixedNodes) {
   mesh = test::boxMesh({0.01, 0.06, 0.06}, {1, 4, 4});
   near = {0.01, 0.03, 0.03};
   patch_radius = 0.02;
@@ -120,7 +120,7 @@ TEST_F(ProblemWarnings, SeeOneLinearElementBetweenTheToolAndWhatIsFixed) {
   EXPECT_THAT(warnings(), IsEmpty());
 }
 
-TEST_F(ProblemWarnings, NameWhatViolatesInfSup) {
+TEST_F(ProblemWarnings, NameElementsThatViolateInfSup) {
   scene.discretization.pressure = PressureSpace::p1;
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("inf-sup")));
   scene.discretization = {DisplacementSpace::p2, PressureSpace::p2};
@@ -131,13 +131,13 @@ TEST_F(ProblemWarnings, NameWhatViolatesInfSup) {
   EXPECT_THAT(warnings(), IsEmpty());
 }
 
-TEST_F(ProblemWarnings, TellAnActiveNodeFarFromWhereItWasWanted) {
+TEST_F(ProblemWarnings, ReportAnActiveNodeFarFromItsRequestedPosition) {
   near = {0.2, 0, 0.02};
   EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("near = (0.2, 0, 0.02)"),
                                             HasSubstr("more than an edge"))));
 }
 
-TEST_F(ProblemWarnings, TellAWorkspaceThatStretchesTheTissueTooFar) {
+TEST_F(ProblemWarnings, ReportAWorkspaceThatStretchesTheTissueTooFar) {
   scene.workspace.radius = 0.24;
   near = {0.1, 0, 0.02};
   EXPECT_THAT(warnings(), IsEmpty());
@@ -151,7 +151,7 @@ TEST_F(ProblemWarnings, TellAWorkspaceThatStretchesTheTissueTooFar) {
               ElementsAre(HasSubstr("single element between"), HasSubstr("body's diagonal")));
 }
 
-TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
+TEST_F(ProblemWarnings, ReportToolsOnSingleNodes) {
   patch_radius = 0;
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("single node (radius = 0)")));
   patch_radius = 1e-4;
@@ -159,7 +159,7 @@ TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
 }
 
 /// A plate of 5 mm, 10 cm wide, that a finger touches.
-TEST(FingerWarnings, TellFingersThatAreTooSmallOrReachAroundALobe) {
+TEST(FingerWarnings, ReportFingersThatAreTooSmallOrReachAroundALobe) {
   Scene scene = test::mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
   scene.workspace.radius = 0.02;
@@ -176,7 +176,7 @@ TEST(FingerWarnings, TellFingersThatAreTooSmallOrReachAroundALobe) {
               ElementsAre(AllOf(HasSubstr("radius 0.02 m"), HasSubstr("smaller than an edge"))));
 }
 
-TEST_F(ProblemWarnings, TellNearlyFlatElements) {
+TEST_F(ProblemWarnings, ReportNearlyFlatElements) {
   mesh = test::cubeMesh(0.1, 2);
   mesh.nodes[13][2] += 0.049;  // the middle node, almost to the top
   patch_radius = 0.06;

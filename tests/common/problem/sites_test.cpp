@@ -52,7 +52,7 @@ TEST_F(SitesOnACube, CoverEveryPlaceWhereAFingerCanStand) {
   }
 }
 
-TEST_F(SitesOnACube, AreNoNearerToEachOtherThanTheyReach) {
+TEST_F(SitesOnACube, KeepAMinimumDistance) {
   auto sites = covered();
   while (!sites.empty()) {
     const Eigen::Vector3d site = sites.back();
@@ -73,7 +73,7 @@ TEST_F(SitesOnACube, AreCloserAtTheEdgesThanOnTheSides) {
   EXPECT_GT(10 * edge, 2 * side);
 }
 
-TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {
+TEST_F(SitesOnACube, LieOnTheSurfaceWithEnoughFreeArea) {
   for (const Eigen::Vector3d& site : covered()) {
     EXPECT_LT((positionOf(mesh, nearestOnSurface(mesh, site)) - site).norm(), 1e-14);
     EXPECT_GE(fingerWeights(mesh, mesh.node_groups.at("xmin"), site, 0.03).free_share,
@@ -81,17 +81,17 @@ TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {
   }
 }
 
-TEST_F(SitesOnACube, AreAsManyOnAFineMesh) {
+TEST_F(SitesOnACube, AreEquallyManyOnAFineMesh) {
   const double coarse = static_cast<double>(covered().size());
   const double fine = static_cast<double>(cover(test::cubeMesh(0.2, 18), radius).size());
   EXPECT_NEAR(fine, coarse, 0.1 * coarse);
 }
 
-TEST_F(SitesOnACube, AreAskedForInVainWhereEverythingIsFixed) {
+TEST_F(SitesOnACube, AreEmptyIfEverythingIsFixed) {
   EXPECT_TRUE(sitesOn(mesh, allTriangles(mesh), allNodes(mesh), 0.03, site_distance).empty());
 }
 
-TEST_F(SitesOnACube, AreRefusedWhenTheFingerIsFarTooSmall) {
+TEST_F(SitesOnACube, AreRefusedIfTheFingerIsFarTooSmall) {
   test::expectBadInput([&] { cover(mesh, 0.0011); }, {"0.0011 m", "5000 sites", "radius larger"});
 }
 
@@ -127,7 +127,7 @@ TEST_F(FingerScene, ASurfaceBecomesTheSitesOfOneArea) {
   }
 }
 
-TEST_F(FingerScene, TravelsAsBytes) {
+TEST_F(FingerScene, RoundTripsAsBytes) {
   const palpate::Problem problem = resolved();
   const palpate::Problem decoded = decodeProblem(encodeProblem(problem));
   EXPECT_EQ(decoded.scene.active.at(3).area, "skin");
@@ -144,7 +144,7 @@ TEST_F(FingerScene, OneFingerStandsAtThePointNearestToNear) {
   EXPECT_TRUE(contains(problem.active[0].nodes, problem.active[0].node));
 }
 
-TEST_F(FingerScene, APartOfTheSurfaceIsCoveredAsFarAsItsTrianglesGo) {
+TEST_F(FingerScene, SitesCoverAllTrianglesOfAPartOfTheSurface) {
   scene.active[0].surface = SurfaceSelection{.boxes = {{{0.05, 0.05, 0.15}, {0.2, 0.15, 0.21}}}};
   for (const ActivePatch& patch : resolved().active) {
     EXPECT_GT(patch.finger->center.x(), 0.05);
@@ -152,7 +152,7 @@ TEST_F(FingerScene, APartOfTheSurfaceIsCoveredAsFarAsItsTrianglesGo) {
   }
 }
 
-TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
+TEST_F(FingerScene, ReachesOnlyPushesUnlessItIsGlued) {
   scene.active[0].radius = 0.03;
   scene.active[0].surface.reset();
   scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
@@ -172,7 +172,7 @@ TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
   EXPECT_NE(problemId(resolved()), pushing) << "other configurations";
 }
 
-TEST_F(FingerScene, OneOfAMillimetreOnALargeBodyIsFound) {
+TEST_F(FingerScene, AMillimetreFingerOnALargeBodyIsPlaced) {
   scene.active[0].radius = 0.001;
   scene.active[0].surface.reset();
   scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
@@ -194,7 +194,7 @@ TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   refuses({"\"skin\": near", "more than the body is wide"});
 }
 
-TEST(SiteDistance, IsLessWhereAFingerSinksIn) {
+TEST(SiteDistance, IsSmallerIfAFingerIndentsDeeply) {
   Scene scene;
   scene.regions[0].material = {.law = LawName::neo_hookean, .mu = 5000};
   scene.workspace = {.radius = 0.03, .spacing = 0.015, .max_force = 3.3};

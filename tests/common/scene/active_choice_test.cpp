@@ -37,7 +37,7 @@ TEST(ActiveChoiceTest, KnowsTheAreasOfAScene) {
   EXPECT_TRUE(areasOf(Scene()).empty());
 }
 
-TEST(ActiveChoiceTest, IsNoPlaceWhereAnAreaIsMeasured) {
+TEST(ActiveChoiceTest, ExcludesProbePlacesOfAnArea) {
   Scene scene = sceneOfNodesAndSites();
   for (const char* name : {"skin-probe-0", "skin-probe-1"})
     scene.active.push_back({.name = name,
@@ -49,7 +49,7 @@ TEST(ActiveChoiceTest, IsNoPlaceWhereAnAreaIsMeasured) {
   EXPECT_THAT(areasOf(scene).at(0).probe_places, ElementsAre(0, 1));
 }
 
-TEST(ActiveChoiceTest, NeedsNoNameWhereThereIsOneOnly) {
+TEST(ActiveChoiceTest, NeedsNoNameIfThereIsOnlyOne) {
   Scene scene = sceneOfNodesAndSites();
   scene.active.erase(scene.active.begin() + 1);
   EXPECT_EQ(chooseActive(scene, "").name, "skin");
@@ -57,13 +57,13 @@ TEST(ActiveChoiceTest, NeedsNoNameWhereThereIsOneOnly) {
   EXPECT_THAT(chooseActive(scene, "").spaces, ElementsAre(0));
 }
 
-TEST(ActiveChoiceTest, ListsWhatThereIs) {
+TEST(ActiveChoiceTest, ListsTheValidNames) {
   const Scene scene = sceneOfNodesAndSites();
   test::expectBadInput([&] { chooseActive(scene, ""); }, {"--active", "skin, tip"});
   test::expectBadInput([&] { chooseActive(scene, "toe"); }, {"\"toe\"", "skin, tip"});
 }
 
-TEST(ActiveChoiceTest, OfAnAreaWantsAPlace) {
+TEST(ActiveChoiceTest, OfAnAreaNeedsAPlace) {
   const Scene scene = sceneOfNodesAndSites();
   test::expectBadInput([&] { requirePlace(chooseActive(scene, "skin"), false); },
                        {"\"skin\"", "--at X Y Z"});

@@ -5,14 +5,14 @@
 namespace palpate {
 namespace {
 
-TEST(KeyLines, OfAKeyThatIsLeftOutIsThatOfItsTable) {
+TEST(KeyLines, AnOmittedKeyHasTheLineOfItsTable) {
   const KeyLines lines = {4, {{"group", 6}}};
   EXPECT_EQ(lines.of("group"), 6);
   EXPECT_EQ(lines.of("box"), 4);
   EXPECT_EQ(KeyLines{}.of("group"), 0);
 }
 
-TEST(KeyLines, OfAnErrorAreThoseOfTheInnermostTable) {
+TEST(KeyLines, AnErrorHasTheLineOfTheInnermostTable) {
   const auto refuse = [] {
     atLine(3, [] { atLine(7, [] { throw badInput("there is no such group"); }); });
   };

@@ -172,7 +172,7 @@ void refuses(const std::string& what, const std::string& instead,
   expectBadInput([&] { parse(text); }, words);
 }
 
-TEST(Scene, ReadsTheSceneOfTheContract) {
+TEST(Scene, ReadsTheLiverScene) {
   const Scene scene = parse(liver);
   EXPECT_EQ(scene.name, "liver");
   EXPECT_EQ(scene.mesh, "liver.msh");
@@ -265,7 +265,7 @@ TEST(Scene, RefusesImpossibleValues) {
   refuses("near = ", "node = 3\nnear = ", {"one of near", "node"});
 }
 
-TEST(Scene, RefusesLengthsThatAreNoneInMetres) {
+TEST(Scene, RefusesLengthsThatVanishInMetres) {
   for (const char* radius : {"radius = 4e-324", "radius = 9e-10"}) {
     std::string text = everything;
     text.replace(text.find("radius = 14.3"), 13, radius);
@@ -284,7 +284,7 @@ TEST(Scene, ReadsSurfacesWithTheSelectorsOfFixed) {
   EXPECT_EQ(window.groups, (std::vector<std::string>{"the \"lobe\"", "b"}));
 }
 
-TEST(Scene, RefusesSurfacesThatSayNothingOrTooMuch) {
+TEST(Scene, RefusesEmptyAndContradictorySurfaces) {
   const std::string near = "near = [0.0582, 0.1344, 0.0025]";
   refuses(near, near + "\nsurface = \"all\"", {"active.near"});
   refuses(near, "surface = \"some\"",
@@ -295,7 +295,7 @@ TEST(Scene, RefusesSurfacesThatSayNothingOrTooMuch) {
   refuses(near, "surface = { below = { axis = \"x\", at = 0 } }", {"active.surface.below"});
 }
 
-TEST(Scene, KeepsWithinItsDevice) {
+TEST(Scene, IsLimitedByItsDevice) {
   const auto with = [](const std::string& workspace, const std::string& device) {
     std::string text = liver;
     text = text.substr(0, text.find("[workspace]")) + workspace + "[device]\nprofile = \"" +
@@ -350,13 +350,13 @@ TEST(Scene, StoresTheSurfaceInFloatsUnlessAskedOtherwise) {
           {"storage.displacement"});
 }
 
-TEST(Scene, TouchesWithoutPullingUnlessItIsGlued) {
+TEST(Scene, ContactIsUnilateralUnlessGlued) {
   EXPECT_EQ(parse(liver).contact, ContactMode::unilateral);
   EXPECT_EQ(parse(everything).contact, ContactMode::glued);
   refuses("name = ", "contact = \"sticky\"\nname = ", {"contact", "unilateral or glued"});
 }
 
-TEST(Scene, IsUniformUntilItAsksForAccuracy) {
+TEST(Scene, IsUniformUnlessItSetsAnAccuracy) {
   EXPECT_FALSE(parse(liver).accuracy.adaptive());
   EXPECT_THAT(resolvedToml(parse(liver)), ::testing::Not(HasSubstr("accuracy")));
   EXPECT_EQ(parse(everything).accuracy, (Accuracy{0.03, 0.02, 4, 200}));
@@ -384,7 +384,7 @@ std::string withMaterial(const std::string& keys) {
   return text.replace(text.find("pressure = \"P1-stabilized\"\n"), 27, "");
 }
 
-TEST(Scene, SaysWhichKeysALawTakes) {
+TEST(Scene, ListsTheKeysOfALaw) {
   const auto refused = [](const std::string& keys, std::initializer_list<std::string> words) {
     expectBadInput([&] { parse(withMaterial(keys)); }, words);
   };
@@ -451,7 +451,7 @@ TEST(Scene, RefusesRegionsThatAreNotDistinctGroups) {
   expectBadInput([] { parse("mesh = \"m.msh\"\n[region]\nlaw = \"yeoh\"\n"); }, {"[[region]]"});
 }
 
-TEST(Scene, TakesGravityAsItIsAndThenNeedsEveryDensity) {
+TEST(Scene, KeepsGravityAndThenRequiresEveryDensity) {
   EXPECT_EQ(parse(composed).gravity, Eigen::Vector3d(0, 0.5, -9.81));
   std::string text = composed;
   text.erase(text.find("density = 920"), 13);
@@ -488,7 +488,7 @@ TEST(Scene, AFingerHasARadiusAndMayBeASiteOfAnArea) {
           {"active.area", "tool = \"finger\""});
 }
 
-TEST(Scene, FingersOfOneAreaAreAlikeAndItsNameIsItsOwn) {
+TEST(Scene, FingersOfAnAreaAreAlikeAndItsNameIsUnique) {
   const std::string finger = "tool = \"finger\"\narea = \"skin\"\n";
   const std::string more = "\n[[active]]\nname = \"b\"\nnear = [0, 0, 0]\nradius = 0.03\n" + finger;
   refuses("radius = 0.0\n", "radius = 0.02\n" + finger + more, {"area \"skin\""});
@@ -497,7 +497,7 @@ TEST(Scene, FingersOfOneAreaAreAlikeAndItsNameIsItsOwn) {
           {"\"skin\""});
 }
 
-TEST(Scene, AFingerMayMeasureAnArea) {
+TEST(Scene, AFingerCanBeAProbeOfAnArea) {
   const std::string site = "radius = 0.02\ntool = \"finger\"\narea = \"skin\"\n",
                     place = "\n[[active]]\nname = \"b\"\nnear = [0, 0, 0]\ntool = \"finger\"\n",
                     probe = place + "radius = 0.02\nprobe_of = \"skin\"\n";
@@ -514,14 +514,14 @@ TEST(Scene, AFingerMayMeasureAnArea) {
   refuses("radius = 0.0\n", site + other, {"\"b\" is a probe of \"skin\""});
 }
 
-TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {
+TEST(Scene, RefusesAPressureThatTheLawDoesNotSupport) {
   refuses("\"P1-stabilized\"", "\"none\"", {"discretization.pressure"});
   refuses("displacement = \"P1\"", "displacement = \"P2\"", {"discretization.pressure"});
   refuses("law = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0",
           "law = \"linear\"\nyoung = 1\npoisson = 0.3", {"discretization.pressure"});
 }
 
-TEST(Scene, RefusesTwoActiveNodesOfOneName) {
+TEST(Scene, RefusesTwoActiveNodesOfTheSameName) {
   expectBadInput([] { parse(std::string(liver) + "[[active]]\nname = \"tip\"\nnode = 3\n"); },
                  {"scene.toml:29", "tip"});
 }

@@ -42,7 +42,7 @@ TEST(NodalFields, RefuseValuesThatAreNotFinite) {
   expectError(ExitCode::failed, [&] { NodalFields::decode(in_pressure, 1, 1); }, {"not finite"});
 }
 
-TEST(Tag, WordsAreThePapersFour) {
+TEST(Tag, WordsAreTheFourOfThePaper) {
   for (const auto& [tag, word] : {std::pair{Tag::unknown, "unknown"},
                                   {Tag::expandable, "expandable"},
                                   {Tag::terminating, "terminating"},
@@ -53,7 +53,7 @@ TEST(Tag, WordsAreThePapersFour) {
   EXPECT_FALSE(tagOf(4));
 }
 
-TEST(Cause, EveryOneHasAWordOfItsOwnAndADescriptionThatBeginsWithIt) {
+TEST(Cause, EachHasAUniqueWordThatBeginsItsDescription) {
   std::set<std::string_view> words;
   for (const Cause cause : test::allCauses()) {
     EXPECT_TRUE(words.insert(name(cause)).second) << name(cause);
@@ -65,14 +65,14 @@ TEST(Cause, EveryOneHasAWordOfItsOwnAndADescriptionThatBeginsWithIt) {
   EXPECT_EQ(causeOf(11), Cause::beyond_force);
 }
 
-TEST(Cause, OfAnUnknownValueIsNone) {
+TEST(Cause, UnknownValuesHaveNoCause) {
   for (const std::uint32_t value : {200u, 256u, 266u, ~0u}) EXPECT_FALSE(causeOf(value)) << value;
   EXPECT_EQ(causeNamed("limit_point"), Cause::limit_point);
   EXPECT_FALSE(causeNamed(""));
   EXPECT_FALSE(causeNamed("bad_luck"));
 }
 
-TEST(Outcome, OfAFailureHasNoForcesAndOfAConfigurationNoCause) {
+TEST(Outcome, AFailureHasNoForcesAndAConfigurationNoCause) {
   const Outcome failed = {Failure{.cause = Cause::step_budget}, {}};
   EXPECT_FALSE(failed.converged());
   EXPECT_THROW(failed.equilibrium(), std::bad_variant_access);

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-TEST(LatticeCell, CoarseOnesComeFirstThenLowOnes) {
+TEST(LatticeCell, SortsCoarseCellsFirstThenByLowestCorner) {
   const LatticeCell coarse{{4, 0, 0}, 0}, low{{-2, 0, 0}, 1}, high{{0, -2, 0}, 1};
   std::vector<LatticeCell> cells = {high, low, coarse};
   std::sort(cells.begin(), cells.end(), coarserFirst);
@@ -22,7 +22,7 @@ TEST(LatticeCell, ItsParentLiesAroundIt) {
   EXPECT_EQ(parentOf({{-1, 3, 0}, 2}, 4), (LatticeCell{{-2, 2, 0}, 1}));
 }
 
-TEST(LatticeCell, ThoseThatOnlyTouchTheSphereDoNotReachIntoTheBall) {
+TEST(LatticeCell, CellsThatOnlyTouchTheSphereDoNotReachIntoTheBall) {
   const Lattice lattice(0.1, 0.05, 4);
   EXPECT_TRUE(reachesIntoBall(lattice, {{4, 0, 0}, 0}));
   EXPECT_FALSE(reachesIntoBall(lattice, {{8, 0, 0}, 0})) << "a corner is on the sphere";

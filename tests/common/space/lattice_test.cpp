@@ -12,14 +12,14 @@ namespace {
 
 using test::expectBadInput;
 
-TEST(Lattice, HasThePapersNumbersOfPointsAndTheOrigin) {
+TEST(Lattice, HasThePointCountsOfThePaperAndTheOrigin) {
   EXPECT_EQ(Lattice(0.1, 0.02).size(), 515);
   EXPECT_EQ(Lattice(0.1, 0.1 / 7).size(), 1419);
   EXPECT_EQ(Lattice(0.1, 0.01).size(), 4169);
   EXPECT_EQ(Lattice(0.1, 0.1 / 15).size(), 14147);
 }
 
-TEST(Lattice, TakesARoundedSpacingForTheExactFraction) {
+TEST(Lattice, TreatsARoundedSpacingAsTheExactFraction) {
   const Lattice lattice(0.1, 0.0143);
   EXPECT_EQ(lattice.size(), 1419);
   EXPECT_DOUBLE_EQ(lattice.spacing(), 0.1 / 7);
@@ -74,7 +74,7 @@ TEST(Lattice, NeighbourhoodIsMutual) {
       EXPECT_THAT(lattice.neighbours(m), ::testing::Contains(n));
 }
 
-TEST(Lattice, RefusesWhatIsNoLattice) {
+TEST(Lattice, RefusesInvalidLattices) {
   expectBadInput([] { Lattice(0.1, 0); }, {"workspace.spacing", "greater than 0"});
   expectBadInput([] { Lattice(0.1, -1); }, {"workspace.spacing", "greater than 0"});
   expectBadInput([] { Lattice(0.01, 0.02); }, {"workspace.radius", "smaller"});
@@ -86,7 +86,7 @@ TEST(Lattice, RefusesWhatIsNoLattice) {
 /// The half below the plane z = 0.
 const PushedPart lower_half = {Eigen::Vector3d::UnitZ(), 0};
 
-TEST(Lattice, OfAPartOfTheBallHasItsPointsAndTheOrigin) {
+TEST(Lattice, PartOfTheBallHasItsPointsAndTheOrigin) {
   const Lattice whole(0.03, 0.01), half(0.03, 0.01, 1, lower_half);
   EXPECT_EQ(whole.size(), 123);
   EXPECT_EQ(half.size(), (123 - 29) / 2 + 29) << "what lies in the plane belongs to it";
@@ -99,12 +99,12 @@ TEST(Lattice, OfAPartOfTheBallHasItsPointsAndTheOrigin) {
   EXPECT_EQ(half.uniformSize(), half.size());
 }
 
-TEST(Lattice, OfAPartOfTheBallHasNeighboursInIt) {
+TEST(Lattice, PartOfTheBallHasOnlyNeighboursInside) {
   const Lattice half(0.03, 0.01, 1, lower_half);
   EXPECT_EQ(half.neighbours(0).size(), 17);
 }
 
-TEST(Lattice, OfAPartOfTheBallGoesAsDeepAsTheBallAndNoWiderThanItSays) {
+TEST(Lattice, PartOfTheBallIsAsDeepAsTheBallAndAsWideAsGiven) {
   const PushedPart narrow = {Eigen::Vector3d::UnitZ(), 0, 0.01};
   const Lattice lattice(0.03, 0.01, 1, narrow);
   EXPECT_TRUE(lattice.indexOf({0, 0, -3}));
@@ -113,7 +113,7 @@ TEST(Lattice, OfAPartOfTheBallGoesAsDeepAsTheBallAndNoWiderThanItSays) {
   EXPECT_FALSE(lattice.indexOf({2, 0, -2}));
 }
 
-TEST(Lattice, OfAPullingPartReachesAsFarAsItSays) {
+TEST(Lattice, PartOfTheBallPullsAsFarAsGiven) {
   const PushedPart wide = {Eigen::Vector3d::UnitZ(), 0.8};
   const Lattice lattice(0.03, 0.01, 1, wide);
   EXPECT_TRUE(lattice.indexOf({1, 0, 1}));

@@ -19,7 +19,7 @@ TEST(NamedPoint, IsFoundByItsCoordinatesInSpacings) {
   EXPECT_EQ(pointNamed(lattice, {0.5, 0, 0.25}), lattice.size() - 1);
 }
 
-TEST(NamedPoint, ThatIsNotThereIsRefusedWithTheBounds) {
+TEST(NamedPoint, AMissingPointIsRefusedWithTheBounds) {
   const Lattice lattice(0.02, 0.01, 4);
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Vector3d& point : {Vector3d(3, 0, 0), Vector3d(0.1, 0, 0), Vector3d(0.5, 0, 0),

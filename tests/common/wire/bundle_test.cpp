@@ -28,7 +28,7 @@ std::vector<Incoming> opened(const Letter& letter) {
   return unbundled(std::move(incoming));
 }
 
-TEST(Bundle, KeepsTheOrderOfMessagesAndWhichPayloadIsWhose) {
+TEST(Bundle, KeepsMessagesInOrderWithTheirPayloads) {
   Bundler bundler;
   bundler.add(resultOf(1, 3), "abc");
   bundler.add(requestFor(2));
@@ -47,7 +47,7 @@ TEST(Bundle, KeepsTheOrderOfMessagesAndWhichPayloadIsWhose) {
   EXPECT_TRUE(bundler.take().empty());
 }
 
-TEST(Bundle, OfOneMessageIsTheMessage) {
+TEST(Bundle, OneMessageIsSentAsItself) {
   Bundler bundler;
   bundler.add(requestFor(5));
   const std::vector<Letter> letters = bundler.take();
@@ -55,7 +55,7 @@ TEST(Bundle, OfOneMessageIsTheMessage) {
   EXPECT_EQ(letters[0].message.request().credit(), 5u);
 }
 
-TEST(Bundle, IsClosedBeforeItIsTooLongAndWhatIsLongGoesByItself) {
+TEST(Bundle, IsClosedBeforeItsLimitAndLongMessagesGoAlone) {
   const std::string large(bundle_bytes, 'x'), half(bundle_bytes / 2, 'y');
   Bundler bundler;
   bundler.add(requestFor(1));
@@ -72,7 +72,7 @@ TEST(Bundle, IsClosedBeforeItIsTooLongAndWhatIsLongGoesByItself) {
 }
 
 /// Nobody could tell whose is what.
-TEST(Bundle, WhosePayloadIsNotThatOfItsMessagesIsNotRead) {
+TEST(Bundle, IsRefusedIfItsPayloadDoesNotMatchItsMessages) {
   for (const std::size_t payload_bytes :
        {std::size_t{4}, std::size_t{6}, std::size_t{4000000000}}) {
     wire::Message message;
@@ -85,7 +85,7 @@ TEST(Bundle, WhosePayloadIsNotThatOfItsMessagesIsNotRead) {
   }
 }
 
-TEST(Bundle, LosesOnlyThoseMessagesThatCannotBeRead) {
+TEST(Bundle, LosesOnlyUnreadableMessages) {
   wire::Message unknown = requestFor(3), message;
   wire::Request& request = *unknown.mutable_request();
   request.GetReflection()->MutableUnknownFields(&request)->AddVarint(99, 1);
@@ -100,7 +100,7 @@ TEST(Bundle, LosesOnlyThoseMessagesThatCannotBeRead) {
 }
 
 /// A peer would be heard a thousand times where others are heard once.
-TEST(Bundle, OfTooManyMessagesIsNeitherMadeNorRead) {
+TEST(Bundle, WithTooManyMessagesIsNeitherMadeNorRead) {
   Bundler bundler;
   wire::Message message;
   for (int n = 0; n <= bundle_messages; ++n) {
@@ -115,7 +115,7 @@ TEST(Bundle, OfTooManyMessagesIsNeitherMadeNorRead) {
   EXPECT_EQ(parts[0].message.body_case(), wire::Message::BODY_NOT_SET);
 }
 
-TEST(Bundle, OfNothingIsNotRead) {
+TEST(Bundle, AnEmptyBundleIsRefused) {
   wire::Message message;
   message.mutable_bundle();
   const std::vector<Incoming> parts = opened({message, ""});
@@ -123,7 +123,7 @@ TEST(Bundle, OfNothingIsNotRead) {
   EXPECT_EQ(parts[0].message.body_case(), wire::Message::BODY_NOT_SET);
 }
 
-TEST(Inbox, GivesWhatCameAsOneMessageByMessage) {
+TEST(Inbox, UnpacksABundleMessageByMessage) {
   Bundler bundler;
   for (const std::uint32_t credit : {1u, 2u, 3u}) bundler.add(requestFor(credit));
   std::vector<Letter> letters = bundler.take();

@@ -86,7 +86,7 @@ struct ConnectionsTest : testing::Test {
 
 constexpr PeerLimits small = {.message_bytes = 1 << 20};
 
-TEST_F(ConnectionsTest, CloseOneThatSendsALongMessage) {
+TEST_F(ConnectionsTest, ASenderOfALongMessageIsClosed) {
   watch(small);
   zmq::socket_t peer = connectFrom("127.0.0.1");
   for (int n = 0; n < 40; ++n) sendFrame(peer, 50000, n < 39);
@@ -95,7 +95,7 @@ TEST_F(ConnectionsTest, CloseOneThatSendsALongMessage) {
             "a connection from 127.0.0.1 was closed: its message of 2000000 bytes is too large");
 }
 
-TEST_F(ConnectionsTest, LeaveThoseAloneWhoseMessagesEnd) {
+TEST_F(ConnectionsTest, SendersWhoseMessagesEndAreKept) {
   watch(small);
   zmq::socket_t honest = connectFrom("127.0.0.1");
   for (int n = 0; n < 200; ++n) {  // 20 MB
@@ -111,7 +111,7 @@ TEST_F(ConnectionsTest, LeaveThoseAloneWhoseMessagesEnd) {
   EXPECT_EQ(connections->takeClosed().count, 0);
 }
 
-TEST_F(ConnectionsTest, OfThoseThatSayNothingSomeMayStay) {
+TEST_F(ConnectionsTest, SomeSilentConnectionsAreKept) {
   PeerLimits limits = small;
   limits.silent = 2;
   watch(limits);
@@ -120,7 +120,7 @@ TEST_F(ConnectionsTest, OfThoseThatSayNothingSomeMayStay) {
   EXPECT_THAT(closedWhile([] {}), testing::HasSubstr("from 127.0.0.2 was closed: it sent nothing"));
 }
 
-TEST_F(ConnectionsTest, OfTooManyThoseGoThatWereSilentLongest) {
+TEST_F(ConnectionsTest, AboveTheLimitTheLongestSilentAreClosed) {
   PeerLimits limits = small;
   limits.connections = 3;
   watch(limits);
@@ -136,7 +136,7 @@ TEST_F(ConnectionsTest, OfTooManyThoseGoThatWereSilentLongest) {
   EXPECT_TRUE(await());
 }
 
-TEST_F(ConnectionsTest, AFloodOfSmallMessagesIsOne) {
+TEST_F(ConnectionsTest, ASenderOfTooManySmallMessagesIsClosed) {
   PeerLimits limits = small;
   limits.messages_per_second = 500;
   watch(limits);

@@ -79,37 +79,37 @@ TEST_F(CurveTest, MessagesCarryTheKeyOfTheirSender) {
   EXPECT_EQ(zap_handler->rolesOf(outcome.incoming->key), rolesOf("observer"));
 }
 
-TEST_F(CurveTest, WhoHasTheServersFolderIsLetInWithoutAnyList) {
+TEST_F(CurveTest, TheServersOwnKeyFolderIsAdmittedWithoutAList) {
   const Outcome outcome = say(server_keys);
   ASSERT_TRUE(outcome.incoming) << outcome.trouble;
   EXPECT_EQ(zap_handler->rolesOf(outcome.incoming->key), Roles::all);
 }
 
-TEST_F(CurveTest, AKeyThatIsNotLetInIsTurnedAwayAndLearnsWhy) {
+TEST_F(CurveTest, AnUnknownKeyIsRefusedWithTheReason) {
   client_keys.trust(server_keys.own().open(), "*");
   expectTrouble(client_keys, "does not admit this key");
 }
 
-TEST_F(CurveTest, AServerWithAnotherKeyThanItShouldHaveIsNotTalkedTo) {
+TEST_F(CurveTest, AServerWithAnUnexpectedKeyIsRefused) {
   server_keys.allow({client(), rolesOf("observer"), "me"});
   client_keys.trust(KeyPair::make().open(), "*");
   expectTrouble(client_keys, "its key differs");
 }
 
-TEST_F(CurveTest, WithAKeyOnOneSideAloneNothingIsSaidAndTheOtherSideIsNamed) {
+TEST_F(CurveTest, AKeyOnOnlyOneSideIsReported) {
   expectTrouble(std::nullopt, "--insecure");
   listen(false);
   expectTrouble(client_keys, "--insecure");
 }
 
-TEST_F(CurveTest, WithoutKeysMessagesCarryNone) {
+TEST_F(CurveTest, MessagesCarryNoKeyWithoutKeys) {
   listen(false);
   const Outcome outcome = say(std::nullopt);
   ASSERT_TRUE(outcome.incoming) << outcome.trouble;
   EXPECT_FALSE(outcome.incoming->key);
 }
 
-TEST_F(CurveTest, AKeyIsMadeForThisMachineButNotForOthersThatCouldNotKnowIt) {
+TEST_F(CurveTest, AKeyIsCreatedForThisMachineOnly) {
   const KeyFolder none(directory / "none");
   zmq::socket_t socket = makeDealer(context);
   test::expectBadInput([&] { proveAsClient(socket, none, "tcp://head:7411"); },

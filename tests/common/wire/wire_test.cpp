@@ -27,7 +27,7 @@ TEST(Endpoint, IsAHostAndAPortOrAPath) {
     EXPECT_NO_THROW(checkEndpoint(good)) << good;
 }
 
-TEST(Endpoint, IsRefusedSayingHowToWriteOne) {
+TEST(Endpoint, IsRefusedWithAnExampleIfInvalid) {
   for (const char* bad :
        {"", "localhost:7411", "http://localhost:7411", "tcp://", "tcp://localhost", "tcp://:7411",
         "tcp://localhost:", "tcp://localhost:99999", "tcp://localhost:7411x"})
@@ -48,7 +48,7 @@ bool isHeard(zmq::socket_t& router, zmq::socket_t& dealer, const std::string& en
   return false;
 }
 
-TEST(Messages, AreNotCopiedAndHoldWhatTheyAreGivenUntilTheyAreSent) {
+TEST(Messages, AreNotCopiedAndKeepTheirDataUntilSent) {
   zmq::context_t context;
   zmq::socket_t router = makeRouter(context);
   zmq::socket_t peer(context, zmq::socket_type::dealer);
@@ -87,7 +87,7 @@ std::string namedAs(const std::string& host, const std::string& endpoint) {
   return "tcp://" + host + endpoint.substr(endpoint.rfind(':'));
 }
 
-TEST(Endpoint, MayNameItsHostForThoseWhoListenAndThoseWhoConnect) {
+TEST(Endpoint, AcceptsHostNamesForServersAndClients) {
   std::array<char, 256> own_name{};
   ASSERT_EQ(gethostname(own_name.data(), own_name.size() - 1), 0);
   for (const std::string& host : {std::string("localhost"), std::string(own_name.data())}) {
@@ -98,7 +98,7 @@ TEST(Endpoint, MayNameItsHostForThoseWhoListenAndThoseWhoConnect) {
   }
 }
 
-TEST(Endpoint, MayHaveAHostWithAnAddressOfIPv6Alone) {
+TEST(Endpoint, AcceptsAHostWithOnlyAnIPv6Address) {
   zmq::context_t context;
   zmq::socket_t router = makeRouter(context), dealer = makeDealer(context);
   std::string endpoint;
@@ -113,7 +113,7 @@ TEST(Endpoint, MayHaveAHostWithAnAddressOfIPv6Alone) {
   EXPECT_TRUE(isHeard(router, other, endpoint));
 }
 
-TEST(Endpoint, WhoseHostIsUnknownIsToldAtOnce) {
+TEST(Endpoint, AnUnknownHostIsReportedAtOnce) {
   const std::string unknown = "tcp://nowhere.invalid:7411";
   zmq::context_t context;
   zmq::socket_t router = makeRouter(context), dealer = makeDealer(context);
@@ -122,7 +122,7 @@ TEST(Endpoint, WhoseHostIsUnknownIsToldAtOnce) {
 }
 
 /// libzmq itself would take the path over, and the first one would never hear of it.
-TEST(Endpoint, OfASocketFileIsRefusedWhileAnotherListensThere) {
+TEST(Endpoint, ASocketFileInUseIsRefused) {
   const test::TemporaryDirectory directory;
   const std::string endpoint = "ipc://" + (directory / "s").string();
   zmq::context_t context;
@@ -141,7 +141,7 @@ TEST(Endpoint, OfASocketFileIsRefusedWhileAnotherListensThere) {
 }
 
 /// As after a kill: the file is there, and nobody behind it.
-TEST(Endpoint, OfASocketFileThatWasLeftBehindIsTaken) {
+TEST(Endpoint, AStaleSocketFileIsReplaced) {
   const test::TemporaryDirectory directory;
   const std::string path = directory / "s";
   struct sockaddr_un address {};
@@ -156,7 +156,7 @@ TEST(Endpoint, OfASocketFileThatWasLeftBehindIsTaken) {
   EXPECT_EQ(bindRouter(socket, "ipc://" + path), "ipc://" + path);
 }
 
-TEST(Endpoint, OfAFileThatIsNoSocketIsRefusedAndTheFileKept) {
+TEST(Endpoint, AFileThatIsNotASocketIsRefusedAndKept) {
   const test::TemporaryDirectory directory;
   const std::string path = directory / "thesis.tex";
   std::ofstream(path) << "years of work";
@@ -181,7 +181,7 @@ TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {
   }
 }
 
-TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
+TEST(WireResult, CarriesConfigurationalForcesForFingersOnly) {
   Outcome outcome = {Configuration(), {}};
   wire::Result plain;
   toWire(outcome, "fields", plain);
@@ -202,7 +202,7 @@ TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
   EXPECT_FALSE(fromWire(result));
 }
 
-TEST(WireResult, OfNumbersThatNoTissueGivesIsNone) {
+TEST(WireResult, ImpossibleNumbersAreRefused) {
   const auto taken = [](auto&& change) {
     Configuration found;
     change(found.equilibrium);
@@ -217,7 +217,7 @@ TEST(WireResult, OfNumbersThatNoTissueGivesIsNone) {
   EXPECT_FALSE(taken([](Equilibrium& e) { e.drive_slope_by_p(5, 2) = 1e300; }));
 }
 
-TEST(WireResult, OfAnotherCauseIsNone) {
+TEST(WireResult, UnknownCausesAreRefused) {
   for (const std::uint32_t value :
        {0u, static_cast<std::uint32_t>(Cause::unreachable), 200u, 257u}) {
     wire::Result result;

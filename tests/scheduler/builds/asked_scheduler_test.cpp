@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// It was once taken for nobody, as long as it read its journal.
-TEST(AskedScheduler, OneThatDoesNotListenYetIsNamedAndNotTakenForNobody) {
+TEST(AskedScheduler, OneThatDoesNotListenYetIsReportedAsRunning) {
   const test::TemporaryDirectory directory;
   Asked asked;
   asked.where = directory.path().string();

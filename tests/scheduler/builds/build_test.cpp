@@ -20,7 +20,7 @@ std::vector<SpaceTable> spaceOf(const std::vector<std::pair<Tag, Cause>>& ends) 
   return spaces;
 }
 
-TEST(ExitCodeOfABuild, IsThatOfWorkThatFailedAndNotOfPointsBeyondReach) {
+TEST(ExitCodeOfABuild, CountsFailedWorkAndNotUnreachablePoints) {
   const std::pair<Tag, Cause> expandable{Tag::expandable, Cause::none},
       terminating{Tag::terminating, Cause::none}, unreachable{Tag::failed, Cause::unreachable},
       too_strong{Tag::failed, Cause::beyond_force}, failed{Tag::failed, Cause::step_budget};

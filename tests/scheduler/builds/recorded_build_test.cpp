@@ -70,7 +70,7 @@ struct RecordedBuildTest : testing::Test {
   }
 };
 
-TEST_F(RecordedBuildTest, SealsAtAnyTimeWhatIsComputedByThen) {
+TEST_F(RecordedBuildTest, SealsTheResultsSoFarAtAnyTime) {
   world.join("a", 1);
   std::int64_t solved = 0;
   while (!world.coordinator().complete()) {
@@ -97,7 +97,7 @@ TEST_F(RecordedBuildTest, HasNothingToSealBeforeTheFirstResult) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-TEST_F(RecordedBuildTest, APartialDatasetIsNoFinishedWorkAndAWholeOneIs) {
+TEST_F(RecordedBuildTest, OnlyAWholeDatasetIsFinishedWork) {
   world.join("a", 1);
   solveJobs(7);
   RecordedBuild(state).seal(out);
@@ -107,7 +107,7 @@ TEST_F(RecordedBuildTest, APartialDatasetIsNoFinishedWorkAndAWholeOneIs) {
   EXPECT_TRUE(isSealed(out, world.problem, false));
 }
 
-TEST_F(RecordedBuildTest, ADatasetThatWasLeftOpenForWritingIsNotToBeReplaced) {
+TEST_F(RecordedBuildTest, ADatasetLeftOpenForWritingIsNotReplaced) {
   world.join("a", 1);
   world.finish({"a"});
   RecordedBuild(state).seal(out);
@@ -121,7 +121,7 @@ TEST_F(RecordedBuildTest, ADatasetThatWasLeftOpenForWritingIsNotToBeReplaced) {
   }
 }
 
-TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
+TEST_F(RecordedBuildTest, LeavesOutResultsOfExcludedWorkers) {
   world.join("a", 1);
   solveJobs(7);
   KeptOut liar;
@@ -133,7 +133,7 @@ TEST_F(RecordedBuildTest, LeavesOutWhatWorkersGaveThatAreKeptOut) {
                     {"no result is recorded there yet"});
 }
 
-TEST_F(RecordedBuildTest, TellsHowFarItIsWithoutReadingTheJournalAndFromThatWhereNothingIsSaid) {
+TEST_F(RecordedBuildTest, ReportsProgressFromTheTablesOrElseFromTheJournal) {
   const auto expectAsTheSchedulerSays = [&](const wire::Status& told) {
     const wire::Status said = world.coordinator().status(world.now);
     EXPECT_EQ(told.build(), said.build());
@@ -161,7 +161,7 @@ TEST_F(RecordedBuildTest, TellsHowFarItIsWithoutReadingTheJournalAndFromThatWher
 }
 
 /// A whole dataset was once sealed over a dispute that began while the journal was read.
-TEST_F(RecordedBuildTest, ACheckThatBeginsWhileTheJournalIsReadKeepsItFromBeingComplete) {
+TEST_F(RecordedBuildTest, ACheckBegunWhileTheJournalIsReadPreventsCompletion) {
   completeWithDamage();
   ASSERT_TRUE(RecordedBuild(state).complete());
   const auto recorded = readWhileTablesChange("INSERT INTO checks VALUES (0, 1, 0, 0, 0, 0, 0, 1)");
@@ -170,7 +170,7 @@ TEST_F(RecordedBuildTest, ACheckThatBeginsWhileTheJournalIsReadKeepsItFromBeingC
   EXPECT_TRUE(Dataset(out).isPartial());
 }
 
-TEST_F(RecordedBuildTest, WhoIsFoundOutWhileTheJournalIsReadIsLeftOutToo) {
+TEST_F(RecordedBuildTest, ALiarFoundWhileTheJournalIsReadIsLeftOutToo) {
   completeWithDamage();
   const auto recorded =
       readWhileTablesChange("INSERT INTO kept_out VALUES ('machine', x'', 'here', x'', 'a test')");

@@ -40,7 +40,7 @@ struct EventLogTest : testing::Test {
   }
 };
 
-TEST_F(EventLogTest, WritesOneObjectPerLineWithItsTimeItsWordAndItsFields) {
+TEST_F(EventLogTest, WritesOneJsonObjectPerLineWithTimeWordAndFields) {
   EventLog log(directory.path());
   log.add(Event("failed_attempt")
               .with("space", "tip")
@@ -54,7 +54,7 @@ TEST_F(EventLogTest, WritesOneObjectPerLineWithItsTimeItsWordAndItsFields) {
                            R"("step_reached":0.25,"residual":null\})")));
 }
 
-TEST_F(EventLogTest, WhatPeersCallThemselvesBreaksNoLine) {
+TEST_F(EventLogTest, NamesOfPeersBreakNoLine) {
   EventLog log(directory.path());
   log.add(Event("worker_left").with("host", "a\"b\\c\n{}\x1b[2J\xff"));
   log.flush();
@@ -62,14 +62,14 @@ TEST_F(EventLogTest, WhatPeersCallThemselvesBreaksNoLine) {
   EXPECT_THAT(lines()[0], HasSubstr(R"(a\"b\\c\n{}\u001b[2J)"));
 }
 
-TEST_F(EventLogTest, TimesAreInTheOrderOfTheirTexts) {
+TEST_F(EventLogTest, TimesSortAsTexts) {
   using namespace std::chrono_literals;
   const std::chrono::system_clock::time_point when(1795551479s);
   EXPECT_EQ(utcText(when + 7ms), "2026-11-24T20:17:59.007Z");
   EXPECT_LT(utcText(when + 999ms), utcText(when + 1s));
 }
 
-TEST_F(EventLogTest, BeginsAFileWhenOneIsFullAndRemovesTheOldest) {
+TEST_F(EventLogTest, StartsANewFileWhenOneIsFullAndRemovesTheOldest) {
   EventLog log(directory.path(), 1000, 3);
   for (int n = 0; n < 200; ++n) {
     log.add(numbered(n));
@@ -84,7 +84,7 @@ TEST_F(EventLogTest, BeginsAFileWhenOneIsFullAndRemovesTheOldest) {
   EXPECT_THAT(kept.back(), HasSubstr(":199}"));
 }
 
-TEST_F(EventLogTest, GoesOnInTheFileThatTheLastRunLeftWhateverIsAtItsEnd) {
+TEST_F(EventLogTest, ContinuesTheLastRunsFileWhateverItsEnd) {
   for (int run = 0; run < 3; ++run) {
     EventLog log(directory.path());
     log.add(numbered(run));
@@ -96,7 +96,7 @@ TEST_F(EventLogTest, GoesOnInTheFileThatTheLastRunLeftWhateverIsAtItsEnd) {
   EXPECT_THAT(lines(), SizeIs(3));
 }
 
-TEST_F(EventLogTest, WhatIsNotThereOrCannotBeWrittenStopsNobody) {
+TEST_F(EventLogTest, AMissingOrUnwritableLogStopsNothing) {
   const std::filesystem::path state = directory / "state";
   EventLog log(state);
   for (int n = 0; n < 5; ++n) {
@@ -111,7 +111,7 @@ TEST_F(EventLogTest, WhatIsNotThereOrCannotBeWrittenStopsNobody) {
               ElementsAre(HasSubstr(R"("event":"left_out","events":5)"), HasSubstr(":5}")));
 }
 
-TEST_F(EventLogTest, AFullDiskCostsTheEventsOfThatTimeAndSaysHowMany) {
+TEST_F(EventLogTest, AFullDiskLosesEventsAndCountsThem) {
   // Seen by this process alone.
   if (unshare(CLONE_NEWNS) != 0 ||
       mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
@@ -145,7 +145,7 @@ TEST_F(EventLogTest, AFullDiskCostsTheEventsOfThatTimeAndSaysHowMany) {
   EXPECT_EQ(umount(directory.path().c_str()), 0);
 }
 
-TEST_F(EventLogTest, AReaderGoesOnWhereItWasOverTheEndOfAFile) {
+TEST_F(EventLogTest, AReaderContinuesAcrossFiles) {
   EventLog log(directory.path(), 200, 4);
   EventReader reader(directory.path());
   int seen = 0;
@@ -170,7 +170,7 @@ TEST_F(EventLogTest, AReaderWaitsForTheRestOfALine) {
   EXPECT_THAT(readOn(reader), ElementsAre(line));
 }
 
-TEST_F(EventLogTest, ReadersTakeTheWordsThatAreWantedAndNothingThatIsNoEvent) {
+TEST_F(EventLogTest, ReadersFilterByWordAndSkipInvalidEvents) {
   std::ofstream out(file(1));
   for (const std::string none : {"", "{", "[]", "1", "{\"time\":1,\"event\":\"paused\"}", "\xff"})
     out << none << '\n';
@@ -182,7 +182,7 @@ TEST_F(EventLogTest, ReadersTakeTheWordsThatAreWantedAndNothingThatIsNoEvent) {
   EXPECT_THAT(lastEvents(directory.path(), {}, 1), ElementsAre(stage));
 }
 
-TEST_F(EventLogTest, WhatIsNestedDeeplyTakesNoStack) {
+TEST_F(EventLogTest, DeepNestingUsesNoStack) {
   const std::string line = R"({"time":"2026","event":"paused","a":)" + std::string(1000000, '[') +
                            std::string(1000000, ']') + '}';
   std::ofstream(file(1)) << line << '\n';

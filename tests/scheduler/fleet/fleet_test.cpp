@@ -20,12 +20,12 @@ TEST(FleetDemand, GrowsWithTheFrontierAndKeepsTheQueueShort) {
   EXPECT_EQ(moreWorkers({.ready = 1000, .queued = 3, .running = 5}, limits), 5);
 }
 
-TEST(FleetDemand, NeverExceedsTheMostAsManyAsCouldBeUsed) {
+TEST(FleetDemand, NeverExceedsTheMaximumHoweverMuchIsReady) {
   EXPECT_EQ(moreWorkers({.ready = 1000, .queued = 2, .running = 15}, limits), 3);
   EXPECT_EQ(moreWorkers({.ready = 1000, .running = 25}, limits), 0);
 }
 
-TEST(FleetDemand, TakesBackWhatIsQueuedWhenThereIsNothingToDo) {
+TEST(FleetDemand, CancelsQueuedWorkersWhenThereIsNoWork) {
   EXPECT_EQ(moreWorkers({.ready = 4, .queued = 6, .running = 1}, limits), -5);
   EXPECT_EQ(moreWorkers({.ready = 0, .queued = 6, .running = 4}, limits), -6);
   EXPECT_EQ(moreWorkers({.ready = 1000, .queued = 6, .hands_out = false}, limits), -6);

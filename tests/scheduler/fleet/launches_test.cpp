@@ -37,13 +37,13 @@ struct LaunchesTest : testing::Test {
   Launches::Change see() { return launches.see(ended, running, now); }
 };
 
-TEST_F(LaunchesTest, AreNotHeldForAFewFailuresNorForTheSameOnesSeenAgain) {
+TEST_F(LaunchesTest, AreNotDelayedByAFewOrRepeatedFailures) {
   fail(Launches::most_in_a_row - 1, "a");
   for (int turn = 0; turn < 3; ++turn) EXPECT_FALSE(see().held);
   EXPECT_EQ(launches.mostUnproven(now), any_number);
 }
 
-TEST_F(LaunchesTest, OneAtATimeIsTriedLaterAndLaterWhenAllFail) {
+TEST_F(LaunchesTest, AreTriedSinglyAtGrowingIntervalsWhenAllFail) {
   fail(Launches::most_in_a_row, "a");
   EXPECT_TRUE(see().held);
   EXPECT_THAT(launches.failures(), SizeIs(Launches::most_in_a_row));
@@ -58,13 +58,13 @@ TEST_F(LaunchesTest, OneAtATimeIsTriedLaterAndLaterWhenAllFail) {
   }
 }
 
-TEST_F(LaunchesTest, ManyMoreThatFailAtOnceAreOneReasonToWaitLonger) {
+TEST_F(LaunchesTest, SimultaneousFailuresLengthenTheDelayOnce) {
   fail(16, "a");
   see();
   EXPECT_EQ(launches.pause(), 10s);
 }
 
-TEST_F(LaunchesTest, GoOnWhenOneLivesThatBeganLater) {
+TEST_F(LaunchesTest, ContinueWhenALaterOneSurvives) {
   fail(Launches::most_in_a_row, "a");
   running = {{"old", "b", 50s}};
   // Not a sign that those that begin now would live too; the node is the only one that fails.
@@ -80,7 +80,7 @@ TEST_F(LaunchesTest, GoOnWhenOneLivesThatBeganLater) {
   EXPECT_EQ(all_fail.mostUnproven(now), any_number);
 }
 
-TEST_F(LaunchesTest, GoOnWhenOneEndedWellOrLateOnly) {
+TEST_F(LaunchesTest, ContinueWhenOneEndsWellOrLate) {
   for (const How how : {How::well, How::failed}) {
     fail(Launches::most_in_a_row - 1, "a");
     end("a", how, how == How::failed ? Launches::early : 1s);
@@ -94,7 +94,7 @@ TEST_F(LaunchesTest, GoOnWhenOneEndedWellOrLateOnly) {
   EXPECT_TRUE(see().held) << "who was cancelled proves nothing";
 }
 
-TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsLeftOut) {
+TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsExcluded) {
   running = {{"1", "good", Launches::early}};
   fail(Launches::most_on_a_node - 1, "bad");
   EXPECT_THAT(see().left_out, IsEmpty());
@@ -108,7 +108,7 @@ TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsLeftOut) {
   EXPECT_EQ(launches.mostUnproven(now), any_number);
 }
 
-TEST_F(LaunchesTest, ItIsLeftOutAsSoonAsAnotherIsKnownToWork) {
+TEST_F(LaunchesTest, AFailingNodeIsExcludedOnceAnotherIsKnownToWork) {
   running = {{"1", "good", Launches::early - 1s}};
   fail(16, "bad");
   EXPECT_TRUE(see().held) << "by now it may be all of them";
@@ -119,7 +119,7 @@ TEST_F(LaunchesTest, ItIsLeftOutAsSoonAsAnotherIsKnownToWork) {
   EXPECT_FALSE(launches.held());
 }
 
-TEST_F(LaunchesTest, TheLastNodeIsNeverLeftOut) {
+TEST_F(LaunchesTest, TheLastNodeIsNeverExcluded) {
   running = {{"1", "b", 100s}};
   fail(3, "a");
   EXPECT_THAT(see().left_out, ElementsAre("a"));

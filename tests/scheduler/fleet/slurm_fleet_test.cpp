@@ -127,7 +127,7 @@ struct SlurmFleetTest : testing::Test {
   std::size_t read_of_log = 0;
 };
 
-TEST_F(SlurmFleetTest, AsksForNoMoreWhereJobsRunAndTheSchedulerHasHeardOfNoWorker) {
+TEST_F(SlurmFleetTest, RequestsNoMoreIfRunningJobsDoNotConnect) {
   std::ofstream(directory / "job-27_1.log") << "starting\ntcp://head:7411: no route to host\n";
   const auto asked = askedAfter({
       [&] {
@@ -148,7 +148,7 @@ TEST_F(SlurmFleetTest, AsksForNoMoreWhereJobsRunAndTheSchedulerHasHeardOfNoWorke
   EXPECT_THAT(log.str().substr(log.str().find(told) + 1), Not(HasSubstr(told))) << "told once";
 }
 
-TEST_F(SlurmFleetTest, EndsWithTheWordsOfASlurmThatTakesNoSuchJob) {
+TEST_F(SlurmFleetTest, EndsWithSlurmsMessageIfAJobIsRefused) {
   std::ofstream(directory / "jobs").close();
   writeScript("sbatch", "echo 'sbatch: error: Invalid qos specification' >&2; exit 1");
   auto fleet = std::async(std::launch::async, [&] { return SlurmFleet(options).run(); });
@@ -163,7 +163,7 @@ TEST_F(SlurmFleetTest, EndsWithTheWordsOfASlurmThatTakesNoSuchJob) {
   }
 }
 
-TEST_F(SlurmFleetTest, LeavesNoJobBehindWhenItsStateDirectoryIsRenamed) {
+TEST_F(SlurmFleetTest, LeavesNoJobBehindIfItsStateDirectoryIsRenamed) {
   const std::filesystem::path state = world.directory / "state";
   world.build().directory().announce({options.asked.where, std::nullopt});
   options.asked.where = state.string();
@@ -178,7 +178,7 @@ TEST_F(SlurmFleetTest, LeavesNoJobBehindWhenItsStateDirectoryIsRenamed) {
   EXPECT_EQ(std::filesystem::file_size(directory / "jobs"), 0u) << "cancelled";
 }
 
-TEST_F(SlurmFleetTest, SaysThatItsJobsGoOnWhenASignalComesWhileItAsks) {
+TEST_F(SlurmFleetTest, WarnsOfRemainingJobsIfInterruptedDuringARequest) {
   test::Process fleet(
       "palpate-scheduler",
       {"fleet", "slurm", options.asked.where, "--insecure", "--connect", options.endpoint},

@@ -13,7 +13,7 @@ using testing::Pair;
 using testing::SizeIs;
 using How = Launches::Ended::How;
 
-TEST(SlurmScript, IsAnArrayOfWorkersThatAreToldBeforeTheirTimeIsUp) {
+TEST(SlurmScript, IsAnArrayOfWorkersSignalledBeforeTheirTimeLimit) {
   const Slurm slurm({.name = "palpate-0123",
                      .command = {"/opt/palpate-worker", "work", "--keys", "/home/o'neil/keys"},
                      .endpoint = "tcp://head:7411",
@@ -30,7 +30,7 @@ TEST(SlurmScript, IsAnArrayOfWorkersThatAreToldBeforeTheirTimeIsUp) {
     EXPECT_THAT(script, HasSubstr(line));
 }
 
-TEST(SlurmScript, OfShortJobsLeavesTimeToWork) {
+TEST(SlurmScript, LeavesShortJobsTimeToWork) {
   SlurmOptions options;
   options.minutes = 1;
   EXPECT_THAT(Slurm(options).script(1), HasSubstr("--signal=B:TERM@15\n"));
@@ -38,7 +38,7 @@ TEST(SlurmScript, OfShortJobsLeavesTimeToWork) {
   EXPECT_THAT(Slurm(options).script(1), HasSubstr("--signal=B:TERM@60\n"));
 }
 
-TEST(SlurmScript, LeavesOutNodesBesideThoseThatItsOwnerDoes) {
+TEST(SlurmScript, ExcludesNodesInAdditionToTheUsersExclusions) {
   SlurmOptions options;
   options.more = {"--exclude=n7", "--partition=short"};
   const std::string script = Slurm(options).script(1, {"n1", "n2"});
@@ -47,7 +47,7 @@ TEST(SlurmScript, LeavesOutNodesBesideThoseThatItsOwnerDoes) {
   EXPECT_THAT(Slurm(options).script(1), Not(HasSubstr("n1")));
 }
 
-TEST(SlurmScript, TellsWhereAJobWrites) {
+TEST(SlurmScript, NamesTheLogOfAJob) {
   SlurmOptions options;
   options.log = "/logs/%A/job-%a-%x.log";
   EXPECT_EQ(Slurm(options).logOf("12_3"), "/logs/12/job-3-%x.log");
@@ -71,7 +71,7 @@ SlurmJobs parsed(const std::vector<std::vector<std::string>>& lines) {
   return SlurmJobs::parsed(text, "tcp://10.78.0.1:99");
 }
 
-TEST(SlurmJobs, ThatEndedAreToldByHowAndInTheirOrder) {
+TEST(SlurmJobs, EndedJobsAreListedByOutcomeInOrder) {
   const SlurmJobs jobs = parsed({
       {"FAILED", "27_3", "there", "15", "0:03", "2026-11-25T00:54:10", here, "JobLaunchFailure"},
       {"FAILED", "26_1", "here", "32512", "1-01:00:02", "2026-11-25T00:54:06", here,
@@ -98,7 +98,7 @@ TEST(SlurmJobs, ThatEndedAreToldByHowAndInTheirOrder) {
   EXPECT_EQ(jobs.ended[5].how, How::well);
 }
 
-TEST(SlurmJobs, ThatWaitAreToldByReasonAndThoseOfAnotherSchedulerAreNotCounted) {
+TEST(SlurmJobs, OwnWaitingJobsAreListedByReason) {
   const SlurmJobs jobs = parsed({
       {"PENDING", "28_1", "", "0", "0:00", "N/A", "palpate at tcp://10.78.0.1:7", "JobHeldUser"},
       {"PENDING", "29_1", "", "0", "0:00", "N/A", here, "QOSMaxJobsPerUserLimit"},
@@ -114,7 +114,7 @@ TEST(SlurmJobs, ThatWaitAreToldByReasonAndThoseOfAnotherSchedulerAreNotCounted) 
   EXPECT_EQ(jobs.running[0].age, std::chrono::seconds(7));
 }
 
-TEST(SlurmJobs, AreNoneInWhatMakesNoSense) {
+TEST(SlurmJobs, InvalidOutputHasNone) {
   for (const char* text : {"", "\n\n", "slurm_load_jobs error: Unable to contact", "RUNNING\n"}) {
     const SlurmJobs jobs = SlurmJobs::parsed(text, "tcp://head:7411");
     EXPECT_TRUE(jobs.queued.empty() && jobs.running.empty()) << text;

@@ -20,7 +20,7 @@ std::vector<WorkerPool::Ended> allThatEnd(WorkerPool& pool) {
   return all;
 }
 
-TEST(WorkerPool, TellsHowEachProcessEnded) {
+TEST(WorkerPool, ReportsHowEachProcessEnded) {
   WorkerPool failing({"/bin/sh", "-c", "exit 7"}), killed({"/bin/sh", "-c", "kill -9 $$"}),
       missing({"/nowhere/palpate-worker"});
   for (WorkerPool* pool : {&failing, &killed, &missing}) pool->start();
@@ -33,7 +33,7 @@ TEST(WorkerPool, TellsHowEachProcessEnded) {
   EXPECT_EQ(allThatEnd(missing).at(0).how, "exit code 127");
 }
 
-TEST(WorkerPool, KillsAfterTheGraceWhatIgnoresATermination) {
+TEST(WorkerPool, KillsProcessesThatIgnoreTerminationAfterTheGracePeriod) {
   // A process that could not be killed would keep the test from ending.
   WorkerPool pool({"/bin/sh", "-c", "trap '' TERM; while :; do sleep 0.01; done"});
   pool.start();

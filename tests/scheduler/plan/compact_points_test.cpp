@@ -87,7 +87,7 @@ void expectCountsToBeTrue(const CompactPoints& points, std::int32_t uniform) {
   EXPECT_EQ(points.failedAttempts(), attempts);
 }
 
-TEST(CompactPoints, AreUnknownUntilSomethingIsToldOfThem) {
+TEST(CompactPoints, AreUnknownUntilReported) {
   CompactPoints points(3);
   points.add();
   ASSERT_EQ(points.size(), 4);
@@ -101,7 +101,7 @@ TEST(CompactPoints, AreUnknownUntilSomethingIsToldOfThem) {
   EXPECT_THAT(points.failedAttempts(), Each(0));
 }
 
-TEST(CompactPoints, GiveBackWhatWasFoundToTheLastBit) {
+TEST(CompactPoints, ReturnSolutionsToTheLastBit) {
   for (const bool finger : {false, true}) {
     CompactPoints points(2);
     PointRecord found = foundOf(7, finger, Tag::terminating);
@@ -118,7 +118,7 @@ TEST(CompactPoints, GiveBackWhatWasFoundToTheLastBit) {
   }
 }
 
-TEST(CompactPoints, OfFingersKeepWhatDrivesEachApart) {
+TEST(CompactPoints, KeepEachFingersConfigurationalForce) {
   CompactPoints points(4);
   points.solve(2, foundOf(20, true));
   points.solve(0, foundOf(10, true));
@@ -131,7 +131,7 @@ TEST(CompactPoints, OfFingersKeepWhatDrivesEachApart) {
 
 /// A neighbour may reach what others did not, and an equilibrium of less energy replaces the one
 /// that was found first.
-TEST(CompactPoints, ASolutionLeavesNothingOfWhatWasThereBefore) {
+TEST(CompactPoints, ASolutionReplacesEverythingBefore) {
   CompactPoints points(1);
   points.fail(0, Cause::limit_point);
   points.solve(0, foundOf(50, true));
@@ -143,7 +143,7 @@ TEST(CompactPoints, ASolutionLeavesNothingOfWhatWasThereBefore) {
   EXPECT_THAT(points.uniform().of_tag, ElementsAre(0, 0, 1, 0));
 }
 
-TEST(CompactPoints, KeepTheAttemptsOfEachInTheOrderOfTrying) {
+TEST(CompactPoints, KeepAttemptsInOrder) {
   CompactPoints points(2);
   points.add();
   FailedAttempt first = attemptAt(2, 1, Cause::wrong_inertia);
@@ -164,7 +164,7 @@ TEST(CompactPoints, KeepTheAttemptsOfEachInTheOrderOfTrying) {
 }
 
 /// So many that they do not lie in one piece.
-TEST(CompactPoints, AreTheirOwnHoweverManyThereAre) {
+TEST(CompactPoints, StayDistinctInAnyNumber) {
   constexpr std::int32_t uniform = 8192, all = 12290;
   CompactPoints points(uniform);
   while (points.size() < all) points.add();
@@ -179,14 +179,14 @@ TEST(CompactPoints, AreTheirOwnHoweverManyThereAre) {
   expectCountsToBeTrue(points, uniform);
 }
 
-TEST(CompactPoints, AreNotSolvedByWhatIsNoSolution) {
+TEST(CompactPoints, AreNotSolvedByAFailure) {
   CompactPoints points(1);
   for (const Tag tag : {Tag::unknown, Tag::failed})
     EXPECT_THROW(points.solve(0, foundOf(1, false, tag)), std::logic_error);
   EXPECT_THAT(points.uniform().of_tag, ElementsAre(1, 0, 0, 0));
 }
 
-TEST(CompactPoints, CountRightWhateverIsDoneToThemInAnyOrder) {
+TEST(CompactPoints, StayCorrectlyCountedAfterAnyChanges) {
   constexpr std::int32_t uniform = 20;
   std::mt19937 random(7);
   CompactPoints points(uniform);

@@ -64,7 +64,7 @@ struct ForecastTest : testing::Test {
   }
 };
 
-TEST_F(ForecastTest, OfALatticeThatIsReachedWholeIsItsPoints) {
+TEST_F(ForecastTest, CountsAllPointsOfAFullyReachedLattice) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.max_force = 1e6;
   const auto moments = build([](const Eigen::Vector3d&) { return true; });
@@ -73,13 +73,13 @@ TEST_F(ForecastTest, OfALatticeThatIsReachedWholeIsItsPoints) {
 }
 
 /// Unknown points that nothing leads to were taken for work, and at the end for all of it.
-TEST_F(ForecastTest, LeavesOutWhatLiesBehindPointsWhereTheWayEnds) {
+TEST_F(ForecastTest, LeavesOutPointsBehindTerminatingOnes) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.max_force = 1e6;
   expectHonest(build([](const Eigen::Vector3d& p) { return p.x() < 0.015; }));
 }
 
-TEST_F(ForecastTest, OfASpaceThatIsRefinedCountsWhatItsCellsWant) {
+TEST_F(ForecastTest, CountsThePointsThatRefinedCellsNeed) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.spacing = 0.03;
   problem.scene.workspace.max_force = 1e6;
@@ -89,7 +89,7 @@ TEST_F(ForecastTest, OfASpaceThatIsRefinedCountsWhatItsCellsWant) {
   expectHonest(moments, 0.2, 2);
 }
 
-TEST_F(ForecastTest, CountsProbesBeforeThereAreAny) {
+TEST_F(ForecastTest, CountsProbesBeforeTheyExist) {
   problem.scene.workspace.radius = 0.04;
   problem.scene.workspace.max_force = 1e6;
   problem.scene.accuracy.probes = 100;

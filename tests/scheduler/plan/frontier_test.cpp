@@ -189,7 +189,7 @@ TEST(Frontier, GivesTheSameAnswerForEveryOrderOfCompletion) {
   }
 }
 
-TEST(Frontier, KeepsToItsBudgetWhateverItIs) {
+TEST(Frontier, KeepsToAnyBudget) {
   const Lattice lattice(3, 1);
   for (const int budget : {1, 2, 5, 26})
     for (unsigned seed = 0; seed < 10; ++seed) {
@@ -246,7 +246,7 @@ TEST(Frontier, EndsAtOnceWhenTheOriginFails) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) EXPECT_EQ(front.tag(n), Tag::failed);
 }
 
-TEST(Frontier, RefusesWhatWasNotAskedFor) {
+TEST(Frontier, RefusesUnrequestedResults) {
   const Lattice lattice(3, 1);
   Front front(lattice);
   test::expectError(ExitCode::failed,

@@ -129,7 +129,7 @@ TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsSetAsideUntilItIsRetried) {
   EXPECT_EQ(attemptsOfNext("a"), deaths_before_aside + 1u);
 }
 
-TEST_F(LeasesTest, WhatEarlierRunsKnowCounts) {
+TEST_F(LeasesTest, HistoryOfEarlierRunsCounts) {
   leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 5, .deaths = deaths_before_aside});
   leases.add(way(0, 2, 0), {.attempts = 3, .suspected = 0, .deaths = deaths_before_aside - 1});
   EXPECT_EQ(leases.aside().size(), 1u);
@@ -154,7 +154,7 @@ TEST_F(LeasesTest, BlameMayComeLaterThanTheLoss) {
       << "what is finished is blamed on nobody";
 }
 
-TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
+TEST_F(LeasesTest, AFatalTargetWithoutHeartbeatIsFoundOnceItIsAlone) {
   addTargets(0, 1, 4);
   int deaths = 0;
   while (leases.aside().empty() && deaths < 100) {
@@ -171,7 +171,7 @@ TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
 }
 
 /// A worker that never got its first job dies on its second.
-TEST_F(LeasesTest, OneEndIsOneDeath) {
+TEST_F(LeasesTest, OneLostWorkerCountsAsOneDeath) {
   leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
   leases.add(way(0, 2, 1), {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});
   EXPECT_THAT(targetsOf(handOut("a")), ElementsAre(1));
@@ -193,7 +193,7 @@ TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
   EXPECT_EQ(leases.waiting(), 1u);
 }
 
-TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
+TEST_F(LeasesTest, FindsTheTransitionNamedByAHeartbeat) {
   addTargets(4, 9, 1, 2);
   const Handout job = handOut("a");
   EXPECT_THAT(leases.openOf("a", job.job), ElementsAre(way(2, 9, 4)));
@@ -201,7 +201,7 @@ TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
   EXPECT_TRUE(leases.openOf("b", job.job).empty());
 }
 
-TEST_F(LeasesTest, KnowsHowMuchIsHeldHoweverALeaseEnds) {
+TEST_F(LeasesTest, CountsHeldTargetsHoweverALeaseEnds) {
   addTargets(0, 1, 4);
   const Handout job = handOut("a", 1);
   ASSERT_EQ(job.targets.size(), 2u);
@@ -219,7 +219,7 @@ TEST_F(LeasesTest, KnowsHowMuchIsHeldHoweverALeaseEnds) {
   EXPECT_EQ(leases.waiting(), 2u);
 }
 
-TEST_F(LeasesTest, KnowsWhenOnlyChecksAreLeftAndWhenNobodySolves) {
+TEST_F(LeasesTest, ReportsIfOnlyChecksAreLeftOrNobodySolves) {
   const auto anybody = [](const ResultKey&) { return true; };
   leases.add(way(0, 1, 0));
   leases.addCheck(way(0, 2, 0));
@@ -238,7 +238,7 @@ TEST_F(LeasesTest, KnowsWhenOnlyChecksAreLeftAndWhenNobodySolves) {
   EXPECT_FALSE(leases.stuck()) << "nothing is left";
 }
 
-TEST_F(LeasesTest, HandsOutASpaceOfHigherPriorityFirstWhateverWaitedBefore) {
+TEST_F(LeasesTest, HandsOutSpacesOfHigherPriorityFirst) {
   for (const std::uint32_t space : {0u, 1u, 2u}) leases.add(way(space, 1, 0));
   leases.setPriority(1, -1);
   leases.setPriority(2, 5);

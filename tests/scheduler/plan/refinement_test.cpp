@@ -116,7 +116,7 @@ TEST(Refinement, LeavesAnAccurateSpaceAlone) {
   EXPECT_EQ(next.kept, 1);
 }
 
-TEST(Refinement, DoesNotHalveCellsThatAJumpBetweenBranchesCrosses) {
+TEST(Refinement, DoesNotHalveCellsCrossedByAJumpBetweenBranches) {
   const Scene scene = adaptiveScene(0.03);
   SpaceTable space = solvedStart(scene, test::PolynomialEnergy(3, 0.06));
   // Beyond the plane x = 0 another branch: forces of tens of newtons, which no stiffness explains.
@@ -151,7 +151,7 @@ class StepEnergy : public test::AnalyticEnergy {
   const double before = std::tanh(middle / width);
 };
 
-TEST(Refinement, HalvesAFingersCellsOnceWhereAJumpMayBeNone) {
+TEST(Refinement, HalvesAFingersCellsOnceAtADoubtfulJump) {
   const Scene scene = adaptiveScene(0.03);
   const StepEnergy energy;
   SpaceTable space = solvedStart(scene, energy);
@@ -169,7 +169,7 @@ TEST(Refinement, HalvesAFingersCellsOnceWhereAJumpMayBeNone) {
   EXPECT_GE(nextRefinement(space, scene).kept, 0.99);
 }
 
-TEST(Refinement, EndsWithTheAccuracyKept) {
+TEST(Refinement, EndsWithTheRequestedAccuracy) {
   const Scene scene = adaptiveScene(0.03);
   const RidgeEnergy energy;
   ASSERT_LT(shareKept(solvedStart(scene, energy), scene, energy), 0.9);
@@ -180,7 +180,7 @@ TEST(Refinement, EndsWithTheAccuracyKept) {
       << "a uniform lattice of the finest spacing has 16 times as many";
 }
 
-TEST(Refinement, ForetellsThePointsOfLaterRounds) {
+TEST(Refinement, PredictsThePointsOfLaterRounds) {
   const RidgeEnergy energy;
   for (const double force_error : {0.01, 0.005, 0.003}) {
     const Scene scene = adaptiveScene(force_error);
@@ -236,7 +236,7 @@ TEST(Refinement, WorksWithOneConfigurationOnly) {
   EXPECT_NO_THROW(nextRefinement(space, scene));
 }
 
-TEST(Refinement, OfAFingerLooksOnlyWhereItIsPushedByForcesThatMatter) {
+TEST(Refinement, ForAFingerConsidersOnlyPushesWithinTheForceLimit) {
   Scene scene = adaptiveScene(0.001);
   SpaceTable space = solvedStart(scene, RidgeEnergy());
   EXPECT_FALSE(nextRefinement(space, scene).empty());
@@ -246,7 +246,7 @@ TEST(Refinement, OfAFingerLooksOnlyWhereItIsPushedByForcesThatMatter) {
   EXPECT_TRUE(nextRefinement(space, scene).empty());
 }
 
-TEST(Refinement, OfAFingerHalvesCellsOnceWhereAnswersEnd) {
+TEST(Refinement, ForAFingerHalvesCellsOnceWhereAnswersEnd) {
   Scene scene = adaptiveScene(1e-5);
   scene.accuracy.force_floor = 1e-6;
   scene.accuracy.levels = 3;
@@ -270,7 +270,7 @@ TEST(Refinement, OfAFingerHalvesCellsOnceWhereAnswersEnd) {
   EXPECT_TRUE(halved_twice_elsewhere);
 }
 
-TEST(Refinement, OfAFingerHalvesCellsAtRestUntilTheirCornersAreKnown) {
+TEST(Refinement, ForAFingerHalvesCellsAtRestUntilCornersAreKnown) {
   Scene scene = adaptiveScene(0.03);
   scene.accuracy.force_floor = 100;
   scene.accuracy.levels = 4;
@@ -295,7 +295,7 @@ TEST(Refinement, OfAFingerHalvesCellsAtRestUntilTheirCornersAreKnown) {
   EXPECT_TRUE(nextRefinement(space, scene).empty());
 }
 
-TEST(Refinement, RefusesWhatIsNotAdaptive) {
+TEST(Refinement, RefusesUniformScenesAndLattices) {
   const Scene scene = adaptiveScene(0.03);
   SpaceTable space = solvedStart(scene, RidgeEnergy());
   Scene uniform = scene;

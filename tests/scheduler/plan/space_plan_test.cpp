@@ -78,7 +78,7 @@ TEST_F(SpacePlanTest, FindsItsTransitionsByTheirPoints) {
   EXPECT_FALSE(findIn({plan}, {1, key.target, key.parent})) << "there is no such space";
 }
 
-TEST_F(SpacePlanTest, AUniformSceneIsItsLatticeAndNothingElse) {
+TEST_F(SpacePlanTest, AUniformSceneHasOnlyItsLattice) {
   const SpaceTable table = finished(smooth);
   EXPECT_EQ(table.points.size(), 33u);
   EXPECT_EQ(table.lattice.divisions(), 1);
@@ -160,7 +160,7 @@ TEST_F(SpacePlanTest, APointOnAnotherBranchIsSolvedFromItsNeighboursAndTheLeastE
   EXPECT_THAT(inconsistentEdges(plan.table()), IsEmpty());
 }
 
-TEST_F(SpacePlanTest, AStageBeginsWhenTheLastThatWasOpenIsRecordedAndIsCountedThen) {
+TEST_F(SpacePlanTest, AStageBeginsWhenTheLastOpenPointIsRecorded) {
   SpacePlan plan(problem, 0);
   int begun = 0, were_open = plan.openCount();
   std::vector<Stage> stages = {plan.stage()};
@@ -177,7 +177,7 @@ TEST_F(SpacePlanTest, AStageBeginsWhenTheLastThatWasOpenIsRecordedAndIsCountedTh
   EXPECT_GT(plan.stagesBegun(), begun);
 }
 
-TEST_F(SpacePlanTest, AJumpThatEveryParentGivesStays) {
+TEST_F(SpacePlanTest, AJumpFoundFromEveryParentStays) {
   const LatticePoint odd = {0, 1, 1};
   const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
     Outcome outcome = smooth(plan, transition);
@@ -221,7 +221,7 @@ Outcome bumpy(const SpacePlan& plan, const Transition& transition) {
   return equilibriumOf(BumpyEnergy(), plan.positions().displacement(transition.target));
 }
 
-TEST_F(SpacePlanTest, AnAdaptiveSceneRefinesWhereTheErrorIsLargeAndNowhereElse) {
+TEST_F(SpacePlanTest, AnAdaptiveSceneRefinesOnlyWhereTheErrorIsLarge) {
   problem.scene.accuracy = {.force_error = 0.03, .force_floor = 0.01, .levels = 2, .probes = 5};
   const SpaceTable table = finished(bumpy);
   EXPECT_GT(table.points.size(), 33u);
@@ -261,7 +261,7 @@ TEST_F(SpacePlanTest, AFailedPointHasTheCauseOfTheAttemptThatGotFurthest) {
   EXPECT_EQ(point.cause, Cause::wrong_inertia);
 }
 
-TEST_F(SpacePlanTest, APointOfAFingerIsGivenUpAfterFewerParentsThanThatOfANode) {
+TEST_F(SpacePlanTest, AFingersPointIsGivenUpAfterFewerParentsThanANodes) {
   const LatticePoint hole = {1, 1, 0};
   const auto all_but_the_hole = [&](const SpacePlan& plan, const Transition& transition) {
     return plan.positions().point(transition.target) == hole ? failed() : smooth(plan, transition);
@@ -282,7 +282,7 @@ struct ProbePlacePlan : SpacePlanTest {
   const Eigen::Vector3d probe = {0.011, -0.02, 0.025};
 };
 
-TEST_F(ProbePlacePlan, IsTheRestPositionAndOneProbeReachedInStepsOfHalfASpacing) {
+TEST_F(ProbePlacePlan, IsTheRestPositionAndOneProbeInHalfSpacingSteps) {
   std::vector<std::int32_t> steps;
   const SpaceTable table =
       finished([&](const SpacePlan& plan, const Transition& transition) -> Outcome {
@@ -309,7 +309,7 @@ TEST_F(ProbePlacePlan, SaysWhyItsProbeCouldNotBeSolved) {
   EXPECT_EQ(without_rest.probes.at(0).record.cause, Cause::unreachable);
 }
 
-TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {
+TEST_F(SpacePlanTest, RefusesUnrequestedResults) {
   SpacePlan plan(problem, 0);
   test::expectError(ExitCode::failed,
                     [&] {

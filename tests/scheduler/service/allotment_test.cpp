@@ -26,7 +26,7 @@ struct AllotmentTest : testing::Test {
   }
 };
 
-TEST_F(AllotmentTest, ANewcomerHoldsTwoAndOthersAsManyAsTheyDelivered) {
+TEST_F(AllotmentTest, ANewWorkerHoldsTwoAndOthersAsManyAsTheyDelivered) {
   Worker worker;
   EXPECT_EQ(allotment.limitOf(worker, now), 2u);
   deliver(worker, 7, 10ms);
@@ -36,7 +36,7 @@ TEST_F(AllotmentTest, ANewcomerHoldsTwoAndOthersAsManyAsTheyDelivered) {
 }
 
 /// Or with as much as others it would be the last to end, while they have nothing to do.
-TEST_F(AllotmentTest, WhoDeliversSevenTimesAsSlowlyHoldsAFractionOfWhatOthersHold) {
+TEST_F(AllotmentTest, AWorkerSevenTimesSlowerHoldsAFractionOfOthers) {
   Worker usual, slow;
   deliverBeside(usual, slow, 7);
   EXPECT_EQ(allotment.limitOf(usual, now), 2 * max_targets_per_job);
@@ -44,14 +44,14 @@ TEST_F(AllotmentTest, WhoDeliversSevenTimesAsSlowlyHoldsAFractionOfWhatOthersHol
   EXPECT_LE(allotment.limitOf(slow, now), 52u / 3);
 }
 
-TEST_F(AllotmentTest, WhoIsAsFastAsOthersHoldsAsMuch) {
+TEST_F(AllotmentTest, AnEquallyFastWorkerHoldsAsMuchAsOthers) {
   Worker usual, other;
   deliverBeside(usual, other, 1);
   EXPECT_EQ(allotment.limitOf(usual, now), 2 * max_targets_per_job);
   EXPECT_GE(allotment.limitOf(other, now), 2 * max_targets_per_job - 4);
 }
 
-TEST_F(AllotmentTest, WhoHoldsForTooLongGetsNothingUntilItDeliversOrAPauseIsOver) {
+TEST_F(AllotmentTest, AnOverdueWorkerGetsNothingUntilItDeliversOrAPauseEnds) {
   Worker worker;
   deliver(worker, 20, 100ms);
   EXPECT_FALSE(allotment.isOverdue(worker, 1, now + 1900ms));

@@ -36,7 +36,7 @@ struct ChronicleTest : testing::Test {
   }
 };
 
-TEST_F(ChronicleTest, TellsWhoCameAndWentAndHow) {
+TEST_F(ChronicleTest, LogsHowWorkersJoinAndLeave) {
   world.join("a", 2);
   world.join("b", 2, 7);
   world.pass(25ms);
@@ -57,7 +57,7 @@ TEST_F(ChronicleTest, TellsWhoCameAndWentAndHow) {
   EXPECT_THAT(events("worker_refused"), ElementsAre(HasSubstr("other")));
 }
 
-TEST_F(ChronicleTest, TellsEveryFailedAttemptAsStatusCountsThem) {
+TEST_F(ChronicleTest, LogsFailedAttemptsAsStatusCountsThem) {
   world.join("a", 8);
   world.finish({"a"});
   std::int64_t failed = 0;
@@ -75,7 +75,7 @@ TEST_F(ChronicleTest, TellsEveryFailedAttemptAsStatusCountsThem) {
   EXPECT_THAT(events("completed"), SizeIs(1));
 }
 
-TEST_F(ChronicleTest, ARestartIsNotTheStagesOnceMore) {
+TEST_F(ChronicleTest, ARestartDoesNotLogTheStagesAgain) {
   world.join("a", 8);
   world.finish({"a"});
   const std::size_t before = events("stage").size();
@@ -83,7 +83,7 @@ TEST_F(ChronicleTest, ARestartIsNotTheStagesOnceMore) {
   EXPECT_EQ(events("stage").size(), before);
 }
 
-TEST_F(ChronicleTest, TellsOfPausesAndOfWhatIsTriedAgain) {
+TEST_F(ChronicleTest, LogsPausesAndRetries) {
   world.coordinator().pause(true);
   world.coordinator().pause(false);
   wire::Message retry;
@@ -101,7 +101,7 @@ TEST_F(ChronicleTest, TellsOfPausesAndOfWhatIsTriedAgain) {
   EXPECT_THAT(events("priority"), ElementsAre(HasSubstr(R"("priority":2)")));
 }
 
-TEST_F(ChronicleTest, AFloodOfWorkersLeavesRoomForOthers) {
+TEST_F(ChronicleTest, AFloodOfEventsIsCutAndCounted) {
   for (int n = 0; n < 3000; ++n) world.send("x", test::helloOf("x" + std::to_string(n)));
   EXPECT_THAT(events("worker_joined"), SizeIs(LineBudget::burst));
   world.pass(5s);

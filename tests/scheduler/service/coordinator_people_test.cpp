@@ -30,7 +30,7 @@ void setPaused(test::BuildWorld& world, bool paused) {
   EXPECT_EQ(replies[0].pause_reply().paused(), paused);
 }
 
-TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
+TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndResumesLater) {
   world.join("a", 1);
   const auto jobs = world.takeJobs("a");
   Message stop;
@@ -49,7 +49,7 @@ TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
   EXPECT_TRUE(world.coordinator().complete());
 }
 
-TEST_F(CoordinatorTest, HandsOutNothingWhileItIsPausedAndKeepsItsWorkers) {
+TEST_F(CoordinatorTest, HandsOutNothingWhilePausedAndKeepsItsWorkers) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
   setPaused(world, true);
@@ -66,7 +66,7 @@ TEST_F(CoordinatorTest, HandsOutNothingWhileItIsPausedAndKeepsItsWorkers) {
   EXPECT_FALSE(world.takeJobs("a").empty());
 }
 
-TEST_F(CoordinatorTest, HandsOutASpaceOfHigherPriorityFirstAndStillAfterARestart) {
+TEST_F(CoordinatorTest, HandsOutHigherPrioritySpacesFirstEvenAfterARestart) {
   const std::string second = world.problem.active[1].name;
   EXPECT_EQ(prioritize(world, second, 1), "");
   EXPECT_THAT(
@@ -83,7 +83,7 @@ TEST_F(CoordinatorTest, HandsOutASpaceOfHigherPriorityFirstAndStillAfterARestart
 }
 
 /// A machine without memory fails where others do not.
-TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset) {
+TEST_F(CoordinatorTest, RetriesFailuresOfACauseAndEndsWithTheSameDataset) {
   test::BuildWorld healthy;
   healthy.join("a", 1);
   healthy.finish({"a"});
@@ -110,7 +110,7 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
 }
 
 /// Its dataset is being sealed with them.
-TEST_F(CoordinatorTest, TriesNoFailureAgainOnceItIsComplete) {
+TEST_F(CoordinatorTest, RetriesNoFailureOnceItIsComplete) {
   failWithoutMemory();
   world.join("a", 1);
   world.finish({"a"});

@@ -68,7 +68,7 @@ TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
 }
 
 /// Each has a copy of its own in memory until its peer reads it.
-TEST_F(CoordinatorTest, AnswersNoStartsWhileTooManyLieUnread) {
+TEST_F(CoordinatorTest, SendsNoStartsWhileTooManyAreUnread) {
   CoordinatorSettings settings = test::BuildWorld::withoutChecks();
   settings.unread_starts = 2 * originFields().size();
   test::BuildWorld narrow(settings);
@@ -96,7 +96,7 @@ TEST_F(CoordinatorTest, AcknowledgesOnlyWhatIsOnDisk) {
   EXPECT_EQ(world.coordinator().found(), 1u);
 }
 
-TEST_F(CoordinatorTest, LetsMoreResultsShareASyncAsLongAsThereIsMoreToRead) {
+TEST_F(CoordinatorTest, ResultsShareASyncWhileMoreAreWaiting) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
   world.deliver("a", jobs[0]);
@@ -174,7 +174,7 @@ TEST_F(CoordinatorTest, TheDatasetDoesNotDependOnWorkersLossesOrRestarts) {
   }
 }
 
-TEST_F(CoordinatorTest, AsksAWorkerOfAnEarlierRunToIntroduceItselfAndTakesItsResultAgain) {
+TEST_F(CoordinatorTest, AsksAnEarlierRunsWorkerForAHelloAndTakesItsResult) {
   world.join("a", 1);
   const auto jobs = world.takeJobs("a");
   world.restart();
@@ -214,7 +214,7 @@ TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {
   EXPECT_EQ(world.counter("divergent_results"), 1);
 }
 
-TEST_F(CoordinatorTest, TellsAWorkerThatNobodyAsksForItsResult) {
+TEST_F(CoordinatorTest, TellsAWorkerThatItsResultIsNotNeeded) {
   world.join("a", 2);
   world.deliver("a", 0, toWire(LatticePoint{1, 0, 0}), toWire(LatticePoint{}));
   const auto acks = world.take("a", Message::kResultAck);
@@ -225,7 +225,7 @@ TEST_F(CoordinatorTest, TellsAWorkerThatNobodyAsksForItsResult) {
   EXPECT_EQ(world.coordinator().found(), 0u) << "it is not recorded";
 }
 
-TEST_F(CoordinatorTest, ARequestAfreshTakesThePlaceOfEarlierOnes) {
+TEST_F(CoordinatorTest, ANewRequestReplacesEarlierOnes) {
   world.join("a", 1);
   EXPECT_EQ(world.takeJobs("a").size(), 1u);
   for (int times = 0; times < 3; ++times) {
@@ -241,7 +241,7 @@ TEST_F(CoordinatorTest, ARequestAfreshTakesThePlaceOfEarlierOnes) {
   EXPECT_LE(world.takeJobs("a").size(), 2u) << "credit does not add up";
 }
 
-TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
+TEST_F(CoordinatorTest, DropsInvalidResults) {
   world.join("a", 2);
   const std::string fields = originFields();
   std::string not_finite = fields;
@@ -297,7 +297,7 @@ TEST_F(CoordinatorTest, RecordsAndAcknowledgesAResultThatEndedAtALimitPoint) {
   EXPECT_EQ(world.coordinator().plans()[0].point(0).cause, Cause::limit_point);
 }
 
-TEST_F(CoordinatorTest, CountsMessagesThatAreNotForIt) {
+TEST_F(CoordinatorTest, CountsInvalidMessages) {
   world.send("stranger", Message());
   world.join("a", 0);
   world.send("a", Message());
@@ -307,7 +307,7 @@ TEST_F(CoordinatorTest, CountsMessagesThatAreNotForIt) {
   EXPECT_EQ(world.counter("bad_messages"), 3);
 }
 
-TEST_F(CoordinatorTest, SharesWhatIsReadyAmongTheWorkersThatHoldLeast) {
+TEST_F(CoordinatorTest, SharesReadyTargetsAmongTheLeastLoadedWorkers) {
   solveOrigins();
   world.join("b", 1);
   world.join("c", 1);
@@ -315,7 +315,7 @@ TEST_F(CoordinatorTest, SharesWhatIsReadyAmongTheWorkersThatHoldLeast) {
   for (const char* peer : {"a", "b", "c"}) EXPECT_EQ(world.takeJobs(peer).size(), 1u) << peer;
 }
 
-TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
+TEST_F(CoordinatorTest, RefusesAJournalWithUnrequestedResults) {
   {
     const auto [header, payload] = test::solve(world.problem, 0, {1, 0, 0}, {0, 0, 0});
     test::TemporaryDirectory directory;
@@ -331,7 +331,7 @@ TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
 }
 
 /// Whatever of a journal is damaged, what is left of it is used, and the dataset is the same.
-TEST_F(CoordinatorTest, ADamagedJournalCostsWhatIsDamagedAndEndsInTheSameBytes) {
+TEST_F(CoordinatorTest, ADamagedJournalLosesOnlyDamageAndEndsInTheSameBytes) {
   world.join("a", 1);
   world.finish({"a"});
   const ContentId undisturbed = world.sealedContent();

@@ -15,7 +15,7 @@ using wire::Message;
 
 using CoordinatorTest = test::CoordinatorFixture;
 
-TEST_F(CoordinatorTest, RefusesWorkersThatWouldNotGiveTheSameBits) {
+TEST_F(CoordinatorTest, RefusesWorkersThatCannotGiveTheSameBits) {
   Message other = test::helloOf("a");
   other.mutable_hello()->set_protocol(99);
   EXPECT_THAT(refusalOf(other), testing::HasSubstr("protocol 99"));
@@ -32,7 +32,7 @@ TEST_F(CoordinatorTest, RefusesWorkersThatWouldNotGiveTheSameBits) {
 }
 
 /// 130,500 Hellos in ten seconds once made a log of 140 MB and tables of 159 MB.
-TEST_F(CoordinatorTest, WhoSaysHelloForEverFillsNeitherTheLogNorTheTables) {
+TEST_F(CoordinatorTest, EndlessHellosFillNeitherTheLogNorTheTables) {
   std::ostringstream log;
   const auto before = spdlog::default_logger();
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(
@@ -72,7 +72,7 @@ TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   world.finish({"a"});
 }
 
-TEST_F(CoordinatorTest, AWorkerThatHasTheKernelsOfTheBuildTooIsAskedToTakeThem) {
+TEST_F(CoordinatorTest, AWorkerThatSupportsTheBuildsKernelsIsAskedToUseThem) {
   Message newer = test::helloOf("newer");
   newer.mutable_hello()->set_kernel_family("avx512");
   newer.mutable_hello()->add_runs("baseline");
@@ -97,7 +97,7 @@ struct ChosenKernelsTest : testing::Test {
   }
 };
 
-TEST_F(ChosenKernelsTest, DecideBeforeAnybodySolvedAnything) {
+TEST_F(ChosenKernelsTest, DecideBeforeTheFirstResult) {
   test::BuildWorld world(chosen("avx2/Haswell"));
   world.send("a", test::helloOf("a"));
   const auto refused = world.take("a", Message::kRefused);
@@ -108,7 +108,7 @@ TEST_F(ChosenKernelsTest, DecideBeforeAnybodySolvedAnything) {
   EXPECT_EQ(world.coordinator().status(world.now).kernel_family(), "avx2/Haswell");
 }
 
-TEST_F(ChosenKernelsTest, MustBeThoseThatTheBuildWasBegunWith) {
+TEST_F(ChosenKernelsTest, MustBeTheKernelsOfTheBuild) {
   test::BuildWorld world(chosen("baseline"));
   world.solveOrigins();
   world.restart();
@@ -124,7 +124,7 @@ TEST_F(CoordinatorTest, RemembersTheKernelFamilyOfRecordedResults) {
   EXPECT_THAT(refusalOf(other), testing::HasSubstr("avx2"));
 }
 
-TEST_F(CoordinatorTest, GivesASilentWorkersTargetToAnotherAndTakesTheLateAnswer) {
+TEST_F(CoordinatorTest, ReassignsASilentWorkersTargetAndTakesTheLateAnswer) {
   world.join("a", 2);
   const auto lost = world.takeJobs("a");
   world.pass(59s);
@@ -145,7 +145,7 @@ TEST_F(CoordinatorTest, GivesASilentWorkersTargetToAnotherAndTakesTheLateAnswer)
 }
 
 /// A frozen container, a stalled disk: what the workers said meanwhile lies unread.
-TEST_F(CoordinatorTest, ASchedulerThatWasStoppedBlamesNobody) {
+TEST_F(CoordinatorTest, ASuspendedSchedulerBlamesNoWorker) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
   for (int n = 0; n < 8; ++n) {
@@ -161,7 +161,7 @@ TEST_F(CoordinatorTest, ASchedulerThatWasStoppedBlamesNobody) {
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
 }
 
-TEST_F(CoordinatorTest, JudgesNoSilenceBeforeEverythingIsRead) {
+TEST_F(CoordinatorTest, JudgesSilenceOnlyAfterReadingEverything) {
   world.join("a", 2);
   world.takeJobs("a");
   for (int second = 0; second < 100; ++second) {
@@ -174,7 +174,7 @@ TEST_F(CoordinatorTest, JudgesNoSilenceBeforeEverythingIsRead) {
 }
 
 /// A killed process shows only when something is sent to it.
-TEST_F(CoordinatorTest, SendsSomethingToABusyWorkerThatIsSilentForThreeHeartbeats) {
+TEST_F(CoordinatorTest, PingsABusyWorkerThatIsSilentForThreeHeartbeats) {
   world.join("a", 2);
   world.join("idle", 0);
   world.inbox.clear();
@@ -199,7 +199,7 @@ TEST_F(CoordinatorTest, HeartbeatsKeepALeaseForHours) {
   EXPECT_TRUE(world.takeJobs("b").empty());
 }
 
-TEST_F(CoordinatorTest, TakesBackWhatAnIdleWorkerNeverGot) {
+TEST_F(CoordinatorTest, TakesBackTargetsThatAnIdleWorkerNeverReceived) {
   world.join("a", 2);
   world.takeJobs("a");
   for (int n = 0; n < 3; ++n) {
@@ -229,7 +229,7 @@ TEST_F(CoordinatorTest, AWorkerThatIntroducesItselfAgainHasForgottenItsJobs) {
   ASSERT_EQ(jobs.size(), 2u);
 }
 
-TEST_F(CoordinatorTest, APeerThatTakesAnotherNameGivesUpTheFirst) {
+TEST_F(CoordinatorTest, APeerThatChangesItsNameLosesTheFirst) {
   world.join("a", 2);
   EXPECT_EQ(world.takeJobs("a").size(), 2u);
   world.send("a", test::helloOf("another"));
@@ -239,7 +239,7 @@ TEST_F(CoordinatorTest, APeerThatTakesAnotherNameGivesUpTheFirst) {
   ASSERT_EQ(jobs.size(), 2u);
 }
 
-TEST_F(CoordinatorTest, ASolveIsHungThirtyTimesTheLongestOneLater) {
+TEST_F(CoordinatorTest, ASolveIsHungAfterThirtyTimesTheLongestOne) {
   world.join("a", 1);
   EXPECT_EQ(world.takeJobs("a").at(0).hung_after_s(), 3600u) << "nothing is known yet";
   for (const auto& [seconds, limit] : {std::pair(0.25, 120u), {10, 300u}, {1e9, 604800u}}) {
@@ -261,7 +261,7 @@ TEST_F(CoordinatorTest, ASolveIsHungThirtyTimesTheLongestOneLater) {
   }
 }
 
-TEST_F(CoordinatorTest, SilenceAndBrokenConnectionsBlameNothing) {
+TEST_F(CoordinatorTest, SilenceAndBrokenConnectionsBlameNoTarget) {
   for (std::uint32_t n = 1; n <= 12; ++n) {
     const std::string peer = fmt::format("w{}", n);
     world.join(peer, 1, n);
@@ -313,7 +313,7 @@ struct SetAsideTest : CoordinatorTest {
   }
 };
 
-TEST_F(SetAsideTest, TheRestGoesOnAndNothingIsSealedWithoutIt) {
+TEST_F(SetAsideTest, OtherTargetsContinueAndNothingIsSealedWithoutIt) {
   killFive();
   EXPECT_EQ(world.counter("lost_workers"), 5);
   finishTheRest();
@@ -323,7 +323,7 @@ TEST_F(SetAsideTest, TheRestGoesOnAndNothingIsSealedWithoutIt) {
   EXPECT_TRUE(world.coordinator().plans()[1].complete());
 }
 
-TEST_F(SetAsideTest, ARestartRemembersAndRetryTriesAgain) {
+TEST_F(SetAsideTest, ARestartRemembersItAndRetryRepeatsIt) {
   killFive();
   finishTheRest();
   world.restart();
@@ -344,7 +344,7 @@ TEST_F(SetAsideTest, ALateResultReplacesIt) {
   EXPECT_EQ(world.sealedContent(), undisturbed());
 }
 
-TEST_F(SetAsideTest, AnotherWorkerTellsWhichProcessesEnded) {
+TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
   for (int death = 0; death < deaths_before_aside; ++death) {
     const std::string id = fmt::format("remote{}", death);
     world.join(id, 1);
@@ -361,7 +361,7 @@ TEST_F(SetAsideTest, AnotherWorkerTellsWhichProcessesEnded) {
 
 /// What it had when its connection broke is none of its end, and its end counts once, however often
 /// its successor tells of it.
-TEST_F(SetAsideTest, AWorkerThatCameBackEndsOnceAndOnWhatItHadLast) {
+TEST_F(SetAsideTest, AReconnectedWorkersDeathCountsOnceOnItsLastTarget) {
   for (int death = 0; death < deaths_before_aside - 1; ++death) {
     const std::string id = fmt::format("remote{}", death);
     for (int connection = 0; connection < 2; ++connection) {

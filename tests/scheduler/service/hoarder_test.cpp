@@ -39,7 +39,7 @@ struct HoarderTest : testing::Test {
   std::map<std::string, std::vector<wire::Job>> held_;
 };
 
-TEST_F(HoarderTest, ANewcomerHoldsTwoTargetsWhateverItAsksFor) {
+TEST_F(HoarderTest, ANewWorkerHoldsTwoTargetsWhateverItRequests) {
   world.join("a", 2);
   work("a", 20);
   world.join("hoarder", 4'000'000'000);
@@ -47,7 +47,7 @@ TEST_F(HoarderTest, ANewcomerHoldsTwoTargetsWhateverItAsksFor) {
   EXPECT_LE(targetsOf(world.takeJobs("hoarder")), 2u);
 }
 
-TEST_F(HoarderTest, WhoDeliversMayHoldAsMuchAsItDelivered) {
+TEST_F(HoarderTest, AWorkerMayHoldAsMuchAsItDelivered) {
   world.join("a", 64);
   std::size_t delivered = 0, most = 0;
   for (int turns = 0; turns < 30; ++turns) {
@@ -62,7 +62,7 @@ TEST_F(HoarderTest, WhoDeliversMayHoldAsMuchAsItDelivered) {
 }
 
 /// Thirty, with endless credit, that say for ever that they are at work; one that works.
-TEST_F(HoarderTest, ABuildEndsInSpiteOfThirtyThatHoldWhatTheyGet) {
+TEST_F(HoarderTest, ABuildEndsDespiteThirtyHoarders) {
   world.join("a", 2);
   work("a", 4);
   for (int n = 0; n < 30; ++n) world.join("hoarder " + std::to_string(n), 4'000'000'000);
@@ -77,7 +77,7 @@ TEST_F(HoarderTest, ABuildEndsInSpiteOfThirtyThatHoldWhatTheyGet) {
 }
 
 /// Who takes what there is again and again makes nobody wait for longer and longer.
-TEST_F(HoarderTest, ThatComesBackAgainAndAgainHoldsTheLastTargetsForSecondsOnly) {
+TEST_F(HoarderTest, AReturningHoarderDelaysTheLastTargetsBySecondsOnly) {
   world.join("a", 2);
   work("a", 10);
   int seconds = 0;
@@ -89,7 +89,7 @@ TEST_F(HoarderTest, ThatComesBackAgainAndAgainHoldsTheLastTargetsForSecondsOnly)
 }
 
 /// The check that it was given, of the last result there was.
-TEST_F(HoarderTest, OfAChecksHoldsTheEndUpForAMinuteAtMost) {
+TEST_F(HoarderTest, AHoarderOfChecksDelaysTheEndByAMinuteAtMost) {
   test::BuildWorld checked(test::BuildWorld::checking(1));
   checked.join("a", 2);
   int seconds = 0;
@@ -112,7 +112,7 @@ TEST_F(HoarderTest, OfAChecksHoldsTheEndUpForAMinuteAtMost) {
   EXPECT_LT(seconds, 90);
 }
 
-TEST_F(HoarderTest, ThatSaysItIsIdleOrNothingAtAllHoldsNothingUpEither) {
+TEST_F(HoarderTest, AnIdleOrSilentHoarderDelaysNothing) {
   for (const bool beats : {false, true}) {
     test::BuildWorld alone(usual());
     alone.join("a", 2);
@@ -129,7 +129,7 @@ TEST_F(HoarderTest, ThatSaysItIsIdleOrNothingAtAllHoldsNothingUpEither) {
 }
 
 /// Its late result is as good as any, and it gets work again.
-TEST_F(HoarderTest, WhoWasOnlySlowIsGivenWorkAgainOnceItDelivers) {
+TEST_F(HoarderTest, ASlowWorkerGetsWorkAgainOnceItDelivers) {
   world.join("a", 2);
   work("a", 6);
   world.join("slow", 1);

@@ -7,7 +7,7 @@ namespace {
 
 const ResultKey transition = {1, {2, 3, 4}, {2, 3, 3}};
 
-TEST(LeaseSeal, HoldsForOneWorkerOneTransitionAndOneStart) {
+TEST(LeaseSeal, IsValidForOneWorkerTransitionAndStart) {
   const LeaseSeal seal(std::string(32, 's'));
   const Leased leased{"worker", transition, "start"};
   const std::string text = seal.sealOf(leased);
@@ -26,7 +26,7 @@ TEST(LeaseSeal, HoldsForOneWorkerOneTransitionAndOneStart) {
   EXPECT_FALSE(seal.isSealOf({"workers", transition, "tart"}, text));
 }
 
-TEST(LeaseSeal, NothingElseIsOne) {
+TEST(LeaseSeal, OtherBytesAreInvalid) {
   const LeaseSeal seal(std::string(32, 's'));
   const Leased leased{"worker", transition, "start"};
   std::string flipped = seal.sealOf(leased);

@@ -96,7 +96,7 @@ TEST_F(LiarTest, AnHonestBuildIsCheckedAndEndsTheSame) {
   EXPECT_EQ(world.counter("unchecked_results"), 0);
 }
 
-TEST_F(LiarTest, ALieOfAnyKindIsFoundAndAllOfItsWorkerComputedAgain) {
+TEST_F(LiarTest, ALieIsFoundAndItsWorkersResultsAreSolvedAgain) {
   const ContentId honest = honestContent();
   for (std::size_t kind = 0; kind < lies().size(); ++kind) {
     LiarWorld world;
@@ -113,7 +113,7 @@ TEST_F(LiarTest, ALieOfAnyKindIsFoundAndAllOfItsWorkerComputedAgain) {
   }
 }
 
-TEST_F(LiarTest, OneThatIsWrongFromTheStartIsFoundSoon) {
+TEST_F(LiarTest, AWorkerThatIsWrongFromTheStartIsFoundSoon) {
   LiarWorld world;
   int told = 0;
   world.falsify = [&](const std::string& peer, wire::Result& result, std::string& payload) {
@@ -126,7 +126,7 @@ TEST_F(LiarTest, OneThatIsWrongFromTheStartIsFoundSoon) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-TEST_F(LiarTest, ARestartOfTheSchedulerForgetsNoCheckAndNobodyWhoIsKeptOut) {
+TEST_F(LiarTest, ARestartKeepsChecksAndExclusions) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-a", "a");
   for (int jobs = 0; jobs < 6; ++jobs)
@@ -152,7 +152,7 @@ TEST_F(LiarTest, ARestartOfTheSchedulerForgetsNoCheckAndNobodyWhoIsKeptOut) {
 }
 
 /// Of two, nobody can say who is right.
-TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
+TEST_F(LiarTest, ADisputeEndsTheBuildUntilAThirdWorkerSettlesIt) {
   LiarWorld world;
   world.joinFrom("machine-a", "a");
   world.joinFrom("machine-b", "b");
@@ -171,7 +171,7 @@ TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-TEST_F(LiarTest, OneMachineAloneIsNotCheckedAndItsBuildWaitsForNobody) {
+TEST_F(LiarTest, ASingleMachineIsNotCheckedAndWaitsForNobody) {
   LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.joinFrom("machine-a", "b");
@@ -185,7 +185,7 @@ TEST_F(LiarTest, OneMachineAloneIsNotCheckedAndItsBuildWaitsForNobody) {
 }
 
 /// Workers that take no more work, or hoard it, hold no build up at its end.
-TEST_F(LiarTest, WhatASecondMachineFindsToCheckIsNotForgotten) {
+TEST_F(LiarTest, ChecksForASecondMachineAreNotForgotten) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-a", "a");
   const wire::Job first = world.takeJobs("a").at(0);
@@ -197,7 +197,7 @@ TEST_F(LiarTest, WhatASecondMachineFindsToCheckIsNotForgotten) {
 }
 
 /// A memory that fails now and then: the others of its machine are right.
-TEST_F(LiarTest, ADisputeOfOneMachineIsSettledByAThirdProcessOfIt) {
+TEST_F(LiarTest, ADisputeOnOneMachineIsSettledByItsThirdProcess) {
   LiarWorld world(test::BuildWorld::withoutChecks());
   for (const std::string peer : {"a", "b", "c"}) world.joinFrom("machine", peer);
   const wire::Job job = world.takeJobs("a").at(0);
@@ -219,7 +219,7 @@ TEST_F(LiarTest, ADisputeOfOneMachineIsSettledByAThirdProcessOfIt) {
   EXPECT_EQ(liars[0].who.worker(), "c");
 }
 
-TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUp) {
+TEST_F(LiarTest, ChecksThatNoWorkerRequestsAreGivenUp) {
   LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.send("b", test::helloOf("b"));
@@ -233,7 +233,7 @@ TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUp) {
 }
 
 /// They retry in several steps where branches contradict each other: whoever checks that has to.
-TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
+TEST_F(LiarTest, ASolveInSeveralStepsIsCheckedInAsMany) {
   LiarWorld world(checking(1));
   world.solver = test::solve;
   world.finishWhateverComes();
@@ -251,7 +251,7 @@ TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
 
 /// What a check was of may be recorded again: a restart between the verdict and what follows, a
 /// liar whose results led there.
-TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
+TEST_F(LiarTest, ALiarNotExcludedBecauseOfAKillIsFoundAgain) {
   const ContentId honest = honestContent();
   LiarWorld world;
   lieOnce(world, 40, lies()[0]);
@@ -267,7 +267,7 @@ TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
   EXPECT_EQ(world.sealedContent(), honest);
 }
 
-TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
+TEST_F(LiarTest, ChecksAreNotGivenUpDuringAnOperatorsPause) {
   LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.send("b", test::helloOf("b"));
@@ -286,7 +286,7 @@ TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
 }
 
 /// The last checks are of its results, and it is back before the others.
-TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
+TEST_F(LiarTest, ChecksWaitForWorkersThatMayReturn) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-b", "b");
   const wire::Job first = world.takeJobs("b").at(0);
@@ -305,7 +305,7 @@ TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
   EXPECT_GT(world.counter("unchecked_results"), 200);
 }
 
-TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
+TEST_F(LiarTest, AKeyDoesNotCheckItselfUnderAnotherName) {
   LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
   world.key_of = {{"l1", liar}, {"l2", liar}, {"h", honest}};
@@ -325,7 +325,7 @@ TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
 }
 
 /// As long as others with the first key ask for work, it cannot keep them from checking each other.
-TEST_F(LiarTest, AnotherKeyThatDoesNothingKeepsNobodyFromChecking) {
+TEST_F(LiarTest, AnIdleSecondKeyPreventsNoCheck) {
   LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
   world.key_of = {{"l", liar}, {"a", honest}, {"b", honest}};
@@ -342,7 +342,7 @@ TEST_F(LiarTest, AnotherKeyThatDoesNothingKeepsNobodyFromChecking) {
   EXPECT_GT(world.counter("checked_results"), 200);
 }
 
-TEST_F(LiarTest, WhoContradictsHimselfUnderOneKeyIsKeptOutWithItInTheEnd) {
+TEST_F(LiarTest, AKeyThatContradictsItselfIsFinallyExcluded) {
   LiarWorld world(test::BuildWorld::withoutChecks());
   const PublicKey liar = KeyPair::make().open();
   lieOnce(world, 0, [](wire::Result&, std::string&) {});
@@ -369,7 +369,7 @@ TEST_F(LiarTest, WhoContradictsHimselfUnderOneKeyIsKeptOutWithItInTheEnd) {
 
 /// One worker of three falsifies one in a hundred of its results, in one of four ways. Most builds
 /// are too small for more than one lie.
-TEST_F(LiarTest, OfManyBuildsWithALiarAllButOneInAHundredAreMendedOrRefused) {
+TEST_F(LiarTest, NinetyNinePercentOfBuildsWithALiarAreRepairedOrRefused) {
   const int builds = test::longTestsAreWanted() ? 1000 : 30;
   const ContentId honest = honestContent();
   int with_lies = 0, spoiled = 0, found = 0;

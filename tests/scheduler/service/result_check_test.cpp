@@ -11,7 +11,7 @@ namespace {
 
 /// limit_point was appended once and the largest cause that is let through was not: a result with
 /// it would have been dropped, and asked for again, for ever.
-TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
+TEST(ResultCheck, AcceptsFailuresOfEveryCauseThatStopsTransitions) {
   const Problem problem = test::cubeProblem();
   const ResultCheck check(problem, problemId(problem));
   wire::Result result;
@@ -46,12 +46,12 @@ struct JudgedResult : testing::Test {
   }
 };
 
-TEST_F(JudgedResult, HonestOnesPass) {
+TEST_F(JudgedResult, HonestResultsPass) {
   EXPECT_EQ(objectionTo({}), "");
   EXPECT_EQ(objectionTo({1, 0, -1}), "");
 }
 
-TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
+TEST_F(JudgedResult, ResultsThatNoSolverProducesAreRefused) {
   const LatticePoint there = {1, 0, -1};
   const auto tool = 3 * static_cast<std::size_t>(problem.active[0].node),
              held = 3 * static_cast<std::size_t>(problem.fixed[0]);
@@ -69,14 +69,14 @@ TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
   refuses(there, "costs", [](Outcome& o) { o.cost.seconds = std::nan(""); });
 }
 
-TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
+TEST_F(JudgedResult, TheRestStateMustBeExact) {
   refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.force[0] = 1e-300; });
   refuses({}, "rest", [](Outcome& o) { o.configuration().equilibrium.energy = 1e-300; });
   refuses({}, "rest", [](Outcome& o) { o.configuration().fields.displacement.back() = 1e-30F; });
   refuses({}, "unstable", [](Outcome& o) { o.configuration().equilibrium.stiffness *= -1; });
 }
 
-TEST(ResultCheck, RefusesFailuresThatCannotBe) {
+TEST(ResultCheck, RefusesImpossibleFailures) {
   const Problem problem = test::cubeProblem();
   const ResultCheck check(problem, problemId(problem));
   const auto objectionTo = [&](const std::function<void(wire::Failure&)>& change) {
@@ -94,7 +94,7 @@ TEST(ResultCheck, RefusesFailuresThatCannotBe) {
 }
 
 /// Records of older programs name the job and the hand-out that asked for them.
-TEST(ResultCheck, FieldsThatAreNotKnownMakeNoOtherResult) {
+TEST(ResultCheck, UnknownFieldsDoNotChangeAResult) {
   wire::Result result, with_another_field;
   result.set_fields_id("id");
   with_another_field.CopyFrom(result);
@@ -107,7 +107,7 @@ TEST(ResultCheck, FieldsThatAreNotKnownMakeNoOtherResult) {
   EXPECT_FALSE(ResultCheck::agree(with_another_field, result));
 }
 
-TEST(Oddness, OfForcesAndEnergiesThatFollowFromEachOtherIsSmallAndOfOthersLarge) {
+TEST(Oddness, IsSmallForConsistentForcesAndEnergiesElseLarge) {
   const Problem problem = test::cubeProblem();
   const auto at = [&](const LatticePoint& point) {
     return fromWire(test::solveSmoothly(problem, 0, point, {}).first)->equilibrium();

@@ -95,7 +95,7 @@ TEST_F(ServerTest, CarriesAWorkerFromHelloToTheEnd) {
 }
 
 /// Nothing is sent to a worker at work for minutes: only a probe shows that it is gone.
-TEST_F(ServerTest, NoticesWithinSecondsThatABusyWorkersConnectionBroke) {
+TEST_F(ServerTest, NoticesABusyWorkersBrokenConnectionWithinSeconds) {
   zmq::socket_t worker = connect();
   join(worker, "w");
   request(worker, 1);
@@ -108,7 +108,7 @@ TEST_F(ServerTest, NoticesWithinSecondsThatABusyWorkersConnectionBroke) {
   EXPECT_EQ(counter("lost_workers"), 1);
 }
 
-TEST_F(ServerTest, ListensOnLocalhostByNameAndByItsNewerAddress) {
+TEST_F(ServerTest, ListensOnLocalhostByNameAndByItsIPv6Address) {
   for (const auto& [wanted, is] :
        {std::pair("tcp://localhost:*", "tcp://127.0.0.1:"), {"tcp://[::1]:*", "tcp://[::1]:"}}) {
     const Server other(context, problem, wanted);
@@ -186,7 +186,7 @@ Message stopRequest() {
   return message;
 }
 
-TEST_F(KeyedServerTest, EachRoleMaySayWhatIsItsAndNothingElse) {
+TEST_F(KeyedServerTest, EachRoleMaySendOnlyItsMessages) {
   // The list is read again within a second; so that nobody waits for it, first all keys.
   const KeyFolder node = person("node", "worker"), viewer = person("viewer", "observer"),
                   boss = person("boss", "operator");
@@ -205,7 +205,7 @@ TEST_F(KeyedServerTest, EachRoleMaySayWhatIsItsAndNothingElse) {
   EXPECT_TRUE(answerTo(operator_, stopRequest()).has_stop_reply());
 }
 
-TEST_F(KeyedServerTest, AWorkerWhoseKeyIsWithdrawnIsSentAwayAndItsWorkHandedOutAgain) {
+TEST_F(KeyedServerTest, AWorkerWithAWithdrawnKeyIsSentAwayAndItsWorkReassigned) {
   const KeyFolder node = person("node", "worker");
   keyed.reset();
   keyed.emplace(keyed_context, problem, "tcp://127.0.0.1:*", keys);

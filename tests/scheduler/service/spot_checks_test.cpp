@@ -35,7 +35,7 @@ struct SpotChecksTest : testing::Test {
   }
 };
 
-TEST_F(SpotChecksTest, OneInAHundredIsPickedWhoeverAsks) {
+TEST_F(SpotChecksTest, OneInAHundredIsPickedForAnyWorker) {
   EXPECT_NEAR(picked(checks, 20000), 200, 60);
   SpotChecks again({}, std::string(32, 's')), others({}, std::string(32, 't'));
   int same = 0, alike = 0;
@@ -48,7 +48,7 @@ TEST_F(SpotChecksTest, OneInAHundredIsPickedWhoeverAsks) {
   EXPECT_LT(alike, 20) << "without the secret nobody can tell";
 }
 
-TEST_F(SpotChecksTest, AllArePickedWhereAllAreWanted) {
+TEST_F(SpotChecksTest, AllArePickedIfAllAreRequested) {
   SpotChecks of_all({.share = 1}, std::string(32, 's'));
   EXPECT_EQ(picked(of_all, 500), 500);
   EXPECT_EQ(picked(of_all, 500, {.failed = true}), 500);
@@ -57,7 +57,7 @@ TEST_F(SpotChecksTest, AllArePickedWhereAllAreWanted) {
 }
 
 /// A body where all that is new looks odd, and much fails, is not solved twice.
-TEST_F(SpotChecksTest, OneInAHundredIsPickedHoweverResultsLook) {
+TEST_F(SpotChecksTest, OneInAHundredIsPickedForAnyResults) {
   int odd = 0, failed = 0, usual = 0;
   constexpr int results = 20000;
   for (int n = 0; n < results; ++n) {
@@ -70,13 +70,13 @@ TEST_F(SpotChecksTest, OneInAHundredIsPickedHoweverResultsLook) {
   EXPECT_NEAR(usual, 100, 40) << "what looks as usual is not left out";
 }
 
-TEST_F(SpotChecksTest, OfFewResultsTheFirstSuspectsArePicked) {
+TEST_F(SpotChecksTest, TheFirstSuspectsOfFewResultsArePicked) {
   EXPECT_EQ(picked(checks, 8, {.failed = true}), 8);
   EXPECT_LT(picked(checks, 92, {.failed = true}), 10);
 }
 
 /// A body whose honest results are odd, too, has odder ones when somebody lies.
-TEST_F(SpotChecksTest, TheOddestArePickedWhateverIsUsual) {
+TEST_F(SpotChecksTest, TheOddestResultsArePickedWhateverIsUsual) {
   for (const double usual : {1e-6, 1.0, 50.0}) {
     SpotChecks of_body({}, std::string(32, 's'));
     std::mt19937 random(7);
@@ -91,7 +91,7 @@ TEST_F(SpotChecksTest, TheOddestArePickedWhateverIsUsual) {
   }
 }
 
-TEST_F(SpotChecksTest, BeforeMuchIsKnownWhatIsOddOnALiverIsPicked) {
+TEST_F(SpotChecksTest, EarlyResultsAreJudgedByWhatIsOddOnALiver) {
   EXPECT_TRUE(isPicked(checks, 1, {.oddness = 3.1}));
   EXPECT_TRUE(isPicked(checks, 2, {.oddness = std::numeric_limits<double>::infinity()}));
 }
@@ -118,7 +118,7 @@ TEST_F(SpotChecksTest, AThirdDecidesWhichOfTwoIsWrong) {
   EXPECT_EQ(wrongOnes(*checks.hear(key, {who("c"), "x"})), std::vector<std::string>{"b"});
 }
 
-TEST_F(SpotChecksTest, AsLongAsNoneAgreeOthersAreAsked) {
+TEST_F(SpotChecksTest, MoreWorkersAreAskedUntilTwoAgree) {
   checks.open(key, {who("a"), "x"}, {});
   EXPECT_FALSE(checks.hear(key, {who("b"), "y"}));
   EXPECT_FALSE(checks.hear(key, {who("c"), "z"}));
@@ -127,7 +127,7 @@ TEST_F(SpotChecksTest, AsLongAsNoneAgreeOthersAreAsked) {
   EXPECT_EQ(wrongOnes(*verdict), (std::vector<std::string>{"a", "c"}));
 }
 
-TEST_F(SpotChecksTest, NobodyIsAskedTwice) {
+TEST_F(SpotChecksTest, NoWorkerIsAskedTwice) {
   checks.open(key, {who("a", "one"), "x"}, {});
   EXPECT_EQ(checks.apart(key, who("a", "elsewhere")), Apart::same_process);
   EXPECT_EQ(checks.apart(key, who("b", "one")), Apart::same_machine);
@@ -139,7 +139,7 @@ TEST_F(SpotChecksTest, NobodyIsAskedTwice) {
   EXPECT_FALSE(checks.contradicts(key, {who("b"), "y"}));
 }
 
-TEST_F(SpotChecksTest, AnotherMachineIsAskedAndAnotherKeyWhereThereIsOne) {
+TEST_F(SpotChecksTest, AnotherMachineAndKeyAreAskedIfAvailable) {
   const auto wanted = [&](const Crowd& at_work) { return checks.wanted(key, at_work, at_work); };
   checks.open(key, {who("a", "one", "k"), "x"}, {});
   const Crowd alone = {{"k"}, {{"k", "one"}}}, two = {{"k"}, {{"k", "one"}, {"k", "two"}}};
@@ -152,7 +152,7 @@ TEST_F(SpotChecksTest, AnotherMachineIsAskedAndAnotherKeyWhereThereIsOne) {
 }
 
 /// Or one machine whose memory fails now and then would end every build without a dataset.
-TEST_F(SpotChecksTest, AnotherProcessSettlesADisputeWhereNoOtherMachineMayCome) {
+TEST_F(SpotChecksTest, AnotherProcessSettlesADisputeIfNoOtherMachineMayJoin) {
   const Crowd two = {{"k"}, {{"k", "one"}, {"k", "two"}}};
   const Crowd three = {{"k"}, {{"k", "one"}, {"k", "two"}, {"k", "three"}}};
   checks.open(key, {who("a", "one", "k"), "x"}, {});
@@ -192,12 +192,12 @@ Kind kindOf(const SpotChecks::Verdict& verdict, const std::vector<KeptOut>& befo
   return keptOutBy(verdict, before, "why", trusted).at(0).kind;
 }
 
-TEST(KeptOutBy, TheMachineUnlessOthersOnItWereRight) {
+TEST(KeptOutBy, ExcludesTheMachineUnlessOthersOnItWereRight) {
   EXPECT_EQ(kindOf({{who("b", "two"), who("c", "three")}, {who("a", "one")}}), Kind::machine);
   EXPECT_EQ(kindOf({{who("b", "one"), who("c", "three")}, {who("a", "one")}}), Kind::process);
 }
 
-TEST(KeptOutBy, TheMachineOnceTwoOfItsProcessesWereFound) {
+TEST(KeptOutBy, ExcludesTheMachineAfterTwoLyingProcesses) {
   const SpotChecks::Verdict verdict = {{who("b", "one"), who("c", "three")}, {who("a", "one")}};
   EXPECT_EQ(kindOf(verdict, {{Kind::process, who("x", "one"), ""}}), Kind::process);
   EXPECT_EQ(
@@ -205,7 +205,7 @@ TEST(KeptOutBy, TheMachineOnceTwoOfItsProcessesWereFound) {
       Kind::machine);
 }
 
-TEST(KeptOutBy, AKeyOnceTwoOfItsMachinesWereFound) {
+TEST(KeptOutBy, ExcludesAKeyAfterTwoLyingMachines) {
   const std::vector<KeptOut> before = {{Kind::machine, who("x", "eight", "k"), ""},
                                        {Kind::machine, who("y", "nine", "k"), ""}};
   const wire::Provenance liar = who("a", "one", "k");
@@ -223,7 +223,7 @@ TEST(KeptOutBy, AKeyOnceTwoOfItsMachinesWereFound) {
 }
 
 /// A liar with an honest helper under one key would come back under another host name for ever.
-TEST(KeptOutBy, AKeyTheFifthTimeWhoeverOfItWasRightUnlessItIsTrusted) {
+TEST(KeptOutBy, ExcludesAnUntrustedKeyTheFifthTime) {
   const PublicKey key = KeyPair::make().open();
   const std::string bytes(key.bytes().begin(), key.bytes().end());
   std::vector<KeptOut> before;
@@ -236,7 +236,7 @@ TEST(KeptOutBy, AKeyTheFifthTimeWhoeverOfItWasRightUnlessItIsTrusted) {
   }
 }
 
-TEST(KeptOut, CoversWhatItSays) {
+TEST(KeptOut, CoversItsProcessMachineOrKey) {
   const wire::Provenance liar = who("a", "one", "k");
   const KeptOut process{Kind::process, liar, ""}, machine{Kind::machine, liar, ""},
       key{Kind::key, liar, ""};

@@ -20,7 +20,7 @@ TEST(Status, SurvivesJson) {
   test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
 }
 
-TEST(Status, IsNoneWithNumbersOfPointsThatCannotBe) {
+TEST(Status, IsRefusedWithImpossibleNumbersOfPoints) {
   const auto refuse = [](const std::string& spaces) {
     test::expectError(ExitCode::failed, [&] { statusFromJson(R"({"spaces":[)" + spaces + "]}"); },
                       {"not a status", "numbers of points"});
@@ -32,12 +32,12 @@ TEST(Status, IsNoneWithNumbersOfPointsThatCannotBe) {
   EXPECT_EQ(statusFromJson(R"({"spaces":[{"points":3,"failed":3}]})").spaces(0).failed(), 3);
 }
 
-TEST(Status, HasNothingOfWhatItDoesNotKnow) {
+TEST(Status, OmitsUnknownValues) {
   const wire::Status status = statusFromJson(R"({"news":[1],"spaces":[{"points":3,"":{"a":1}}]})");
   EXPECT_EQ(status.SerializeAsString(), statusFromJson(toJson(status)).SerializeAsString());
 }
 
-TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
+TEST(Status, HasOneRowForAllProbePlacesOfAnArea) {
   const Problem problem = test::FingerBody(5).problem;
   std::vector<SpacePlan> plans;
   for (std::uint32_t space = 0; space < problem.active.size(); ++space)
@@ -53,7 +53,7 @@ TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
 
 using namespace std::chrono_literals;
 
-TEST(Pace, IsNothingAtTheStart) {
+TEST(Pace, IsZeroAtTheStart) {
   const auto now = std::chrono::steady_clock::now();
   EXPECT_EQ(Pace(now).perSecond(now, 0), 0);
 }

@@ -52,7 +52,7 @@ TEST_F(WorkerRegistryTest, AWorkerOfAnotherVersionOrCommitMayNotJoin) {
   EXPECT_FALSE(isSameBuild("0.1.0", "0.2.0"));
 }
 
-TEST_F(WorkerRegistryTest, WhatAWorkerCallsItselfCannotMoveACursor) {
+TEST_F(WorkerRegistryTest, AWorkersNameCannotMoveTheCursor) {
   wire::Hello escaping = hello("a");
   escaping.set_host("\x1b[2Jnode\n7 " + std::string(1000, 'x'));
   EXPECT_EQ(registry.admit("p", escaping, {}, now).host, "?[2Jnode?7 " + std::string(53, 'x'));
@@ -60,7 +60,7 @@ TEST_F(WorkerRegistryTest, WhatAWorkerCallsItselfCannotMoveACursor) {
   EXPECT_THAT(registry.objectionTo(escaping, {}), testing::HasSubstr("palpate ?[2J:"));
 }
 
-TEST_F(WorkerRegistryTest, IsFullOneDayAndStillTakesBackWhoIsKnown) {
+TEST_F(WorkerRegistryTest, IsLimitedButTakesBackKnownWorkers) {
   for (std::size_t i = 0; i < WorkerRegistry::most_workers; ++i)
     admit(std::to_string(i), std::to_string(i));
   EXPECT_THAT(registry.objectionTo(hello("one more"), {}), testing::HasSubstr("10000 workers"));
@@ -94,7 +94,7 @@ TEST_F(WorkerRegistryTest, CreditIsBounded) {
   EXPECT_EQ(worker.credit, WorkerRegistry::most_credit);
 }
 
-TEST_F(WorkerRegistryTest, KnowsWhoAsksForWork) {
+TEST_F(WorkerRegistryTest, KnowsWhichWorkersRequestWork) {
   EXPECT_FALSE(registry.someoneAsks());
   for (const char* id : {"a", "b", "c", "d"}) registry.addCredit(admit(id, id), 1);
   registry.find("b")->credit = 0;
@@ -112,7 +112,7 @@ TEST_F(WorkerRegistryTest, KnowsWhoAsksForWork) {
   EXPECT_TRUE(registry.someoneAsks());
 }
 
-TEST_F(WorkerRegistryTest, ItsRowsTellWhoIsBusyAndWhoWent) {
+TEST_F(WorkerRegistryTest, ItsRowsShowBusyAndDepartedWorkers) {
   admit("p", "a", 1);
   admit("q", "b", 2);
   leases.add({0, 0, 0});

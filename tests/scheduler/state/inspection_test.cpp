@@ -93,13 +93,13 @@ struct InspectionTest : testing::Test {
 /// A result that every build of this problem has: the first step along x.
 const ResultKey first_step{0, {1, 0, 0}, {0, 0, 0}};
 
-TEST_F(InspectionTest, TablesThatCannotBePutAsideAreAnError) {
+TEST_F(InspectionTest, TablesThatCannotBeMovedAsideAreAnError) {
   damageRows();
   fs::create_directory(database.string() + ".damaged");
   test::expectError(ExitCode::failed, [&] { mend(); }, {"state.db", "cannot rename"});
 }
 
-TEST_F(InspectionTest, FindsAFinishedBuildWhole) {
+TEST_F(InspectionTest, FindsAFinishedBuildUndamaged) {
   const Inspection found = look();
   EXPECT_TRUE(found.whole()) << describe(found, state);
   EXPECT_EQ(found.build, problemId(problem));
@@ -145,13 +145,13 @@ TEST_F(InspectionTest, ReadsAllThatAKilledSchedulerLeftAndChangesNothing) {
   EXPECT_GT(look().lost_results, 1000000u) << "as the error says how";
 }
 
-TEST_F(InspectionTest, ReadsADirectoryThatNobodyMayWrite) {
+TEST_F(InspectionTest, ReadsAReadOnlyDirectory) {
   const auto read = test::readsUnwritable(state, directory, [&] { return look().whole(); });
   if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody does not get to " << state;
   EXPECT_TRUE(*read);
 }
 
-TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
+TEST_F(InspectionTest, AFlippedBitOfARecordLosesItsPointAndIsRepaired) {
   const JournalPosition where = whereIs(first_step);
   const std::string whole = bytesIn(segment), tables = bytesIn(database);
   for (std::uint64_t byte = 0; byte < where.length; byte += 37) {
@@ -170,7 +170,7 @@ TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
   }
 }
 
-TEST_F(InspectionTest, ARepairedBuildGoesOnAndEndsAsIfNothingHadHappened) {
+TEST_F(InspectionTest, ARepairedBuildEndsAsIfNothingHadHappened) {
   flip(segment, whereIs(first_step).offset + 60);
   flip(segment, whereIs({1, {0, 1, 0}, {0, 0, 0}}).offset + 5);
   expectWholeAfterRepair();
@@ -184,7 +184,7 @@ TEST_F(InspectionTest, ARepairedBuildGoesOnAndEndsAsIfNothingHadHappened) {
   EXPECT_EQ(world.sealedContent(), undisturbed);
 }
 
-TEST_F(InspectionTest, AMissingSegmentCostsWhatWasInItAndIsMarked) {
+TEST_F(InspectionTest, AMissingSegmentLosesItsRecordsAndIsMarked) {
   {
     std::vector<JournalRecord> records;
     const JournalReader reader(state);
@@ -204,7 +204,7 @@ TEST_F(InspectionTest, AMissingSegmentCostsWhatWasInItAndIsMarked) {
   expectWholeAfterRepair();
 }
 
-TEST_F(InspectionTest, ATailThatWasLostShowsInTheTables) {
+TEST_F(InspectionTest, ALostTailIsFoundFromTheTables) {
   const std::size_t whole = recorded().results;
   fs::resize_file(segment, fs::file_size(segment) / 2);
   const Inspection found = look();
@@ -218,14 +218,14 @@ TEST_F(InspectionTest, ATailThatWasLostShowsInTheTables) {
 }
 
 /// As after a power cut: the journal is synced, they are not.
-TEST_F(InspectionTest, TablesThatAreBehindAreNoDamage) {
+TEST_F(InspectionTest, TablesThatLagBehindAreNotDamage) {
   alter("UPDATE meta SET value = 3 WHERE key = 'recorded'");
   const Inspection found = look();
   EXPECT_TRUE(found.whole()) << describe(found, state);
   expectWholeAfterRepair();
 }
 
-TEST_F(InspectionTest, DamagedTablesAreMadeAgainWhereTheirProblemCanStillBeRead) {
+TEST_F(InspectionTest, DamagedTablesAreRebuiltIfTheirProblemIsReadable) {
   damageRows();
   const Inspection found = look();
   EXPECT_EQ(found.tables, TableState::damaged);
@@ -236,7 +236,7 @@ TEST_F(InspectionTest, DamagedTablesAreMadeAgainWhereTheirProblemCanStillBeRead)
   EXPECT_EQ(StoredTables(state).build().build, problemId(problem));
 }
 
-TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
+TEST_F(InspectionTest, UnreadableTablesAreLeftToTheNextStart) {
   putInto(database, std::string(50000, 'x'));
   EXPECT_EQ(look().tables, TableState::damaged);
   EXPECT_FALSE(look().problem);
@@ -245,7 +245,7 @@ TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
   EXPECT_EQ(look().tables, TableState::missing);
 }
 
-TEST_F(InspectionTest, TellsWhateverBitOfTheTablesIsFlipped) {
+TEST_F(InspectionTest, ReportsAnyFlippedBitOfTheTables) {
   const std::string bytes = bytesIn(database);
   for (std::size_t byte = 40; byte < bytes.size(); byte += 997) {
     putInto(database, bytes);
@@ -281,7 +281,7 @@ TEST_F(InspectionTest, ARecordThatLiesAboutItsFieldsIsDamaged) {
   EXPECT_TRUE(inspect(held).whole()) << describe(inspect(held), state);
 }
 
-TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
+TEST_F(InspectionTest, RecordsOfAnotherBuildAreReportedAndNeverTouched) {
   const Problem other = test::cubeProblem(2000);
   flip(segment, whereIs(first_step).offset + 60);
   append(test::solve(other, 0, {}, {}));
@@ -295,7 +295,7 @@ TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
   EXPECT_EQ(bytesIn(segment), before.at("segment-000001.dat"));
 }
 
-TEST_F(InspectionTest, ResultsThatNobodyAskedForAreToldWhereNothingIsLost) {
+TEST_F(InspectionTest, UnrequestedResultsAreReportedIfNothingIsLost) {
   append(test::solve(problem, 0, {0, 0, 2}, {0, 0, -1}));
   const Inspection found = look();
   EXPECT_EQ(found.spare, 1u);
@@ -303,7 +303,7 @@ TEST_F(InspectionTest, ResultsThatNobodyAskedForAreToldWhereNothingIsLost) {
   EXPECT_THAT(describe(found, state), HasSubstr("another version of palpate"));
 }
 
-TEST_F(InspectionTest, TellsThatASchedulerWorksThere) {
+TEST_F(InspectionTest, ReportsThatASchedulerRunsThere) {
   const StateDirectory held(state);
   alter("UPDATE meta SET value = 1000000 WHERE key = 'recorded'");
   const Inspection found = look();
@@ -312,7 +312,7 @@ TEST_F(InspectionTest, TellsThatASchedulerWorksThere) {
   EXPECT_THAT(describe(found, state), HasSubstr("is running there"));
 }
 
-TEST_F(InspectionTest, RefusesWhatIsNoStateDirectory) {
+TEST_F(InspectionTest, RefusesADirectoryWithoutState) {
   fs::create_directory(directory / "empty");
   for (const char* name : {"empty", "missing"})
     test::expectBadInput([&] { inspect(directory / name); }, {name, "not a state directory"});
@@ -323,7 +323,7 @@ TEST_F(InspectionTest, RefusesWhatIsNoStateDirectory) {
   test::expectBadInput([&] { look(); }, {"an older Palpate"});
 }
 
-TEST_F(InspectionTest, FindsADirectoryInWhichNothingIsRecordedYetWhole) {
+TEST_F(InspectionTest, FindsADirectoryWithoutRecordsUndamaged) {
   const fs::path fresh = directory / "fresh";
   {
     const StateDirectory held(fresh);
@@ -333,7 +333,7 @@ TEST_F(InspectionTest, FindsADirectoryInWhichNothingIsRecordedYetWhole) {
   EXPECT_TRUE(inspect(fresh).whole()) << describe(inspect(fresh), fresh);
 }
 
-TEST_F(InspectionTest, IsToldToProgramsAsOneObject) {
+TEST_F(InspectionTest, IsPrintedForProgramsAsOneObject) {
   const JournalPosition rest = whereIs({0, {0, 0, 0}, {0, 0, 0}});
   flip(segment, rest.offset + rest.length - 1);  // of its payload: what it is of can be read
   const std::string json = inspectionJson(look(), state, {"a step"});
@@ -344,7 +344,7 @@ TEST_F(InspectionTest, IsToldToProgramsAsOneObject) {
 }
 
 /// Ended after any of its steps, a repair that begins again ends the same.
-TEST_F(InspectionTest, ARepairThatWasKilledGoesOn) {
+TEST_F(InspectionTest, AKilledRepairResumes) {
   flip(segment, whereIs(first_step).offset + 60);
   damageRows();
   {

@@ -44,7 +44,7 @@ struct JobStoreTest : testing::Test {
   JournalPosition whereIs(const ResultKey& key) { return found().where.at(key); }
 };
 
-TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
+TEST_F(JobStoreTest, ReturnsResultsToTheLastBitAfterReopening) {
   auto [header, payload] = result(0, {}, {});
   const double minus_zero = -0.0;
   header.mutable_equilibrium()->set_energy(minus_zero);
@@ -71,7 +71,7 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
   EXPECT_FALSE(store.find({1, {}, {}}));
 }
 
-TEST_F(JobStoreTest, ADamagedHeaderCostsItsResultAlone) {
+TEST_F(JobStoreTest, ADamagedHeaderLosesOnlyItsResult) {
   recordThree();
   flip(whereIs({0, {1, 0, 0}, {}}).offset + 40);
   const StateDirectory held(state);
@@ -81,7 +81,7 @@ TEST_F(JobStoreTest, ADamagedHeaderCostsItsResultAlone) {
   EXPECT_FALSE(store.knows({0, {1, 0, 0}, {}}));
 }
 
-TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
+TEST_F(JobStoreTest, ADroppedResultIsGoneAndCanBeRecordedAgain) {
   recordThree();
   const ResultKey key{0, {1, 0, 0}, {}};
   const auto [header, payload] = result(0, key.target, key.parent);
@@ -129,7 +129,7 @@ TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
   EXPECT_NO_THROW(JournalReader(state).read(again));
 }
 
-TEST_F(JobStoreTest, ReplacesTablesThatSayNobodyMayWriteThem) {
+TEST_F(JobStoreTest, ReplacesTablesMarkedAsReadOnly) {
   recordThree();
   std::fstream file(StateDirectory::databaseIn(state),
                     std::ios::binary | std::ios::in | std::ios::out);
@@ -142,7 +142,7 @@ TEST_F(JobStoreTest, ReplacesTablesThatSayNobodyMayWriteThem) {
   EXPECT_TRUE(std::filesystem::exists(state / "state.db.damaged"));
 }
 
-TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
+TEST_F(JobStoreTest, TheTablesCanBeRebuiltFromTheJournal) {
   recordThree();
   for (const char* what : {"removed", "overwritten", "cut off"}) {
     const std::filesystem::path file = StateDirectory::databaseIn(state);
@@ -157,7 +157,7 @@ TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
   }
 }
 
-TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamage) {
+TEST_F(JobStoreTest, AnImpossibleWordInTheTablesIsDamage) {
   recordThree();
   const auto damage = [&](const char* sql) {
     Database tables(state / "state.db", Database::Access::read_write_create);
@@ -209,7 +209,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
 }
 
 /// What it says would be of results that are there no more.
-TEST_F(JobStoreTest, ForgetsHowFarItWasWhenSomethingIsDropped) {
+TEST_F(JobStoreTest, ForgetsItsProgressWhenAResultIsDropped) {
   recordThree();
   const StateDirectory held(state);
   JobStore store = open(held);
@@ -237,7 +237,7 @@ TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
   EXPECT_TRUE(open(held).tables().losses().empty());
 }
 
-TEST_F(JobStoreTest, CanCountOnFromAnythingThatTheTablesSay) {
+TEST_F(JobStoreTest, ContinuesCountingFromAnyValueInTheTables) {
   recordThree();
   {
     Database tables(state / "state.db", Database::Access::read_write_create);
@@ -298,7 +298,7 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
 }
 
 /// As a power cut leaves one of which nothing but the first page was on disk.
-TEST_F(JobStoreTest, MakesItsTablesInADatabaseWithoutAnyWhateverItsHeaderSays) {
+TEST_F(JobStoreTest, CreatesItsTablesInAnEmptyDatabaseWhateverItsHeader) {
   recordThree();
   const std::filesystem::path file = StateDirectory::databaseIn(state);
   for (const char* part : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + part);
@@ -307,7 +307,7 @@ TEST_F(JobStoreTest, MakesItsTablesInADatabaseWithoutAnyWhateverItsHeaderSays) {
   EXPECT_EQ(open(held).found(), 3U);
 }
 
-TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabaseWhereThereIsNoJournal) {
+TEST_F(JobStoreTest, RefusesAFileThatIsNotADatabaseWithoutAJournal) {
   std::filesystem::create_directories(state);
   std::ofstream(StateDirectory::databaseIn(state)) << std::string(5000, 'x');
   test::expectError(ExitCode::failed, [&] { open(StateDirectory(state)); },
@@ -336,7 +336,7 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   EXPECT_EQ(problemId(decodeProblem(tables.build().problem)), problemId(problem));
 }
 
-TEST_F(JobStoreTest, KeepsTheRowsOfWhoDeliveredAndTheLatestOfWhoOnlyCameAndWent) {
+TEST_F(JobStoreTest, KeepsRowsOfDeliveringWorkersAndTheLatestOthers) {
   const StateDirectory held(state);
   JobStore store = open(held);
   const auto rowsOf = [](int first, int count, int results) {
@@ -360,7 +360,7 @@ TEST_F(JobStoreTest, KeepsTheRowsOfWhoDeliveredAndTheLatestOfWhoOnlyCameAndWent)
 }
 
 /// SQLite itself cannot read a database in WAL mode where it may not write.
-TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
+TEST_F(JobStoreTest, CanBeReadInAReadOnlyDirectory) {
   recordThree();
   const auto read = test::readsUnwritable(state, directory, [&] {
     return problemId(decodeProblem(StoredTables(state).build().problem)) == problemId(problem) &&
@@ -375,7 +375,7 @@ TEST_F(JobStoreTest, SaysWhenADirectoryHoldsNoState) {
                        {"not a state directory"});
 }
 
-TEST_F(JobStoreTest, IsForItsOwnerAlone) {
+TEST_F(JobStoreTest, IsAccessibleToItsOwnerOnly) {
   recordThree();
   for (const auto& file : {state, segment, StateDirectory::databaseIn(state), state / "lock"})
     EXPECT_EQ(std::filesystem::status(file).permissions() & std::filesystem::perms(077),
@@ -390,7 +390,7 @@ TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
                     {"in use by process", std::to_string(getpid())});
 }
 
-TEST(StateDirectory, LetsNoSecondOneInThoughItsLockFileWasRemoved) {
+TEST(StateDirectory, LetsNoSecondOneInIfItsLockFileWasRemoved) {
   test::TemporaryDirectory directory;
   const StateDirectory first(directory / "state");
   std::filesystem::remove(directory / "state/lock");
@@ -408,14 +408,14 @@ TEST(StateDirectory, NoticesThatItWasRemovedOrReplaced) {
   test::expectError(ExitCode::failed, [&] { held.checkPresence(); }, {"removed or replaced"});
 }
 
-TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
+TEST(StateDirectory, CreatesNoFoldersForAMistypedName) {
   test::TemporaryDirectory directory;
   test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "typo/state/"); },
                     {(directory / "typo").string() + ": create", "--state"});
   EXPECT_FALSE(std::filesystem::exists(directory / "typo"));
 }
 
-TEST(StateDirectory, TellsWhereItsSchedulerListensAsLongAsItLives) {
+TEST(StateDirectory, TellsWhereItsSchedulerListensWhileItRuns) {
   test::TemporaryDirectory directory;
   EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
   {

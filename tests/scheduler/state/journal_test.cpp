@@ -72,7 +72,7 @@ TEST_F(JournalTest, ReadsBackWhatWasAppended) {
   EXPECT_EQ(journal.read(c).header, std::string("\0nul", 4));
 }
 
-TEST_F(JournalTest, IsFoundWholeByAScanOfItsFilesAlone) {
+TEST_F(JournalTest, IsReadCompletelyFromItsFilesAlone) {
   JournalPosition last;
   {
     Journal journal = open(100);
@@ -104,7 +104,7 @@ TEST_F(JournalTest, SyncsEverySegmentWhenItIsOpened) {
                           {"segment-000001.dat", "segment-000002.dat", "segment-000003.dat"}));
 }
 
-TEST_F(JournalTest, CutAtEveryLengthItKeepsWhatIsWholeAndGoesOnThere) {
+TEST_F(JournalTest, CutAtAnyLengthItKeepsWholeRecordsAndContinues) {
   std::size_t first_record = 0;
   {
     Journal journal = open();
@@ -128,7 +128,7 @@ TEST_F(JournalTest, CutAtEveryLengthItKeepsWhatIsWholeAndGoesOnThere) {
 }
 
 /// The segment that was read last stays open.
-TEST_F(JournalTest, ReadsWhatWasAppendedSinceItsSegmentWasRead) {
+TEST_F(JournalTest, ReadsRecordsAppendedSinceItsSegmentWasRead) {
   Journal journal = open(100);
   const JournalPosition a = journal.append("a", "payload");
   journal.sync();
@@ -144,7 +144,7 @@ TEST_F(JournalTest, ReadsWhatWasAppendedSinceItsSegmentWasRead) {
 }
 
 /// The record in the middle costs itself, and the ones around it are found.
-TEST_F(JournalTest, NoticesEveryFlippedBitAndLosesThatRecordAlone) {
+TEST_F(JournalTest, DetectsEveryFlippedBitAndLosesOnlyThatRecord) {
   Journal journal = open();
   journal.append("before", "payload");
   const JournalPosition middle = journal.append("middle", "payload");
@@ -187,7 +187,7 @@ TEST_F(JournalTest, ADamagedPayloadOfAnEarlierSegmentShowsWhenItIsRead) {
 }
 
 /// Whatever of it is damaged: its head may be what cannot be read.
-TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
+TEST_F(JournalTest, DroppedRecordsAreNotReportedAsDamageAgain) {
   Journal journal = open();
   journal.append("before", "payload");
   const JournalPosition middle = journal.append("middle", "payload");
@@ -212,7 +212,7 @@ TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
 }
 
 /// Such bytes once counted as a record when the head of the record around them was damaged.
-TEST_F(JournalTest, ACopyOfARecordInAPayloadIsNoRecordWhateverIsDamagedAroundIt) {
+TEST_F(JournalTest, ACopyOfARecordInAPayloadIsNeverTakenForARecord) {
   Journal journal = open();
   journal.append("record", "payload");
   journal.sync();
@@ -235,7 +235,7 @@ TEST_F(JournalTest, ACopyOfASegmentUnderAnotherNumberHoldsNoRecord) {
   EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat")));
 }
 
-TEST_F(JournalTest, RefusesWhatAnOlderPalpateWroteAndKeepsIt) {
+TEST_F(JournalTest, RefusesAndKeepsFilesOfAnOlderPalpate) {
   using std::string_literals::operator""s;
   const std::string older = "PJR2\4\0\0\0\0\0\0\0\x90\xd4\x64\xfe\0\0\0\0head"s;
   putInto(first, older);
@@ -263,7 +263,7 @@ TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDropped) {
   }
 }
 
-TEST_F(JournalTest, TheFirstRecordsCanBeDroppedTogetherWhenNoneOfThemCanBeRead) {
+TEST_F(JournalTest, UnreadableFirstRecordsCanBeDroppedTogether) {
   write({"one", "two", "three"});
   std::string bytes = bytesIn(first);
   bytes[0] = bytes[20 + 3 + 7] = 'x';
@@ -289,7 +289,7 @@ TEST_F(JournalTest, EmptyFilesMarkThatSegmentsWereMissing) {
   }
 }
 
-TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
+TEST_F(JournalTest, AMissingSegmentLosesOnlyItsRecords) {
   write({"one", "two", "three"}, 10);
   fs::remove(directory / "segment-000002.dat");
   EXPECT_THAT(headers(), ElementsAre("one", "three"));
@@ -297,7 +297,7 @@ TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
   open(10).checkPresence();
 }
 
-TEST_F(JournalTest, FilesWithNamesThatItNeverWritesAreNoSegments) {
+TEST_F(JournalTest, FilesWithForeignNamesAreNotSegments) {
   Journal journal = open();
   journal.append("record", "");
   journal.sync();
@@ -309,7 +309,7 @@ TEST_F(JournalTest, FilesWithNamesThatItNeverWritesAreNoSegments) {
   EXPECT_TRUE(scan().gaps.empty());
 }
 
-TEST_F(JournalTest, NoticesThatASegmentWasRemovedOrReplacedUnderIt) {
+TEST_F(JournalTest, NoticesARemovedOrReplacedSegment) {
   Journal journal = open(10);
   journal.append("one", "payload");
   journal.append("two", "payload");

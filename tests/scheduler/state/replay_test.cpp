@@ -9,7 +9,7 @@ namespace {
 
 /// Results of a build are those of neighbours on a lattice: if their hashes met, each look would go
 /// through thousands.
-TEST(ResultIndex, IsQuickForTheTransitionsOfALattice) {
+TEST(ResultIndex, IsFastForTheTransitionsOfALattice) {
   const auto begun = std::chrono::steady_clock::now();
   ResultIndex index;
   std::size_t count = 0;

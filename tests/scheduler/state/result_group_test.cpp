@@ -25,7 +25,7 @@ struct ResultGroupTest : testing::Test {
   }
 };
 
-TEST_F(ResultGroupTest, NothingInItIsRecordedBeforeItIsCommitted) {
+TEST_F(ResultGroupTest, RecordsNothingBeforeItIsCommitted) {
   const ResultKey key = addOrigin(0, now);
   EXPECT_NE(group.find(key), nullptr);
   EXPECT_FALSE(store.knows({0, {}, {}}));
@@ -48,7 +48,7 @@ TEST_F(ResultGroupTest, CommittedResultsAreRecordedAndTheGroupIsEmpty) {
   EXPECT_FALSE(group.since());
 }
 
-TEST_F(ResultGroupTest, ATransitionIsInItOnce) {
+TEST_F(ResultGroupTest, HoldsATransitionOnce) {
   addOrigin(0, now);
   EXPECT_THROW(addOrigin(0, now), std::logic_error);
 }

@@ -27,7 +27,7 @@ struct TablesTest : testing::Test {
   }
 };
 
-TEST_F(TablesTest, SayHowFarTheBuildIsUntilSomethingIsDropped) {
+TEST_F(TablesTest, StoreTheProgressUntilAResultIsDropped) {
   Tables tables = open();
   EXPECT_FALSE(tables.progress());
   tables.writeProgress({7, "some"});
@@ -39,7 +39,7 @@ TEST_F(TablesTest, SayHowFarTheBuildIsUntilSomethingIsDropped) {
 }
 
 /// Whoever contradicted was told that it is kept. A power cut took it away.
-TEST_F(TablesTest, HaveADisputeOnDiskAtOnce) {
+TEST_F(TablesTest, WriteADisputeToDiskAtOnce) {
   const ResultKey key = {0, {1, -2, 3}, {1, -2, 2}};
   Tables tables = open();
   std::vector<std::string> synced;
@@ -52,7 +52,7 @@ TEST_F(TablesTest, HaveADisputeOnDiskAtOnce) {
   EXPECT_THAT(synced, testing::Contains(testing::EndsWith("-wal")));
 }
 
-TEST_F(TablesTest, RememberWhoIsKeptOutToTheLastByte) {
+TEST_F(TablesTest, RememberExclusionsToTheLastByte) {
   KeptOut process, machine;
   process.who.set_worker(std::string("\0w\xff", 3));
   process.reason = "it's wrong";
@@ -66,7 +66,7 @@ TEST_F(TablesTest, RememberWhoIsKeptOutToTheLastByte) {
   EXPECT_EQ(tables.keptOut()[0].reason, "it's wrong");
 }
 
-TEST_F(TablesTest, RememberWhatPeopleSaid) {
+TEST_F(TablesTest, RememberPauseAndPriorities) {
   EXPECT_FALSE(open().paused());
   open().writePaused(true);
   open().writePriority("tip", 3);
@@ -79,7 +79,7 @@ TEST_F(TablesTest, RememberWhatPeopleSaid) {
   EXPECT_FALSE(StoredTables(held.path()).paused());
 }
 
-TEST_F(TablesTest, RememberWhatIsToBeSolvedAgainUntilItIsForgotten) {
+TEST_F(TablesTest, RememberTransitionsToSolveAgainUntilForgotten) {
   const ResultKey first = {0, {1, -2, 3}, {1, -2, 2}}, beside = {0, {1, -2, 3}, {0, -2, 2}},
                   turned = {0, {1, -2, 2}, {1, -2, 3}}, second = {1, {1, -2, 3}, {1, -2, 2}};
   Tables tables = open();
@@ -93,7 +93,7 @@ TEST_F(TablesTest, RememberWhatIsToBeSolvedAgainUntilItIsForgotten) {
               ElementsAre(Pair(turned, false), Pair(beside, false), Pair(second, true)));
 }
 
-TEST_F(TablesTest, HaveASecretOfTheirOwnAndMakeAnotherWhereItIsDamaged) {
+TEST_F(TablesTest, HaveTheirOwnSecretAndReplaceADamagedOne) {
   const std::string secret = open().secret();
   EXPECT_THAT(secret, SizeIs(32));
   EXPECT_EQ(open().secret(), secret);

@@ -73,7 +73,7 @@ struct ServeTest : testing::Test {
 };
 
 /// It used to forget `palpate stop` with the coordinator that had to be made anew.
-TEST_F(ServeTest, WhoIsToldToStopStopsThoughALiarIsFoundMeanwhile) {
+TEST_F(ServeTest, StopsOnRequestEvenIfALiarIsFoundMeanwhile) {
   auto [result, payload] = solveFirst();
   deliver(result, payload);
   expect(Message::kResultAck);

@@ -69,7 +69,7 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
                              testing::HasSubstr("no neighbour can be expanded")));
 }
 
-TEST_F(ExplanationTest, EndsOnACircleOfParents) {
+TEST_F(ExplanationTest, EndsOnACycleOfParents) {
   space.points[1].parent = 3;
   space.points[3].parent = 1;
   EXPECT_LE(explained(1).path_size(), 7);
@@ -107,7 +107,7 @@ TEST_F(ExplanationTest, TheOnlyActiveNodeNeedsNoName) {
   test::expectBadInput([&] { two.named("toe"); }, {"toe", "tip, corner"});
 }
 
-TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
+TEST_F(ExplanationTest, APlaceOnASurfaceMeansItsNearestSite) {
   KnownSpaces known =
       spacesOf({{"tip", ""}, {"skin-1", "skin"}, {"skin-2", "skin"}, {"skin-left-1", "skin-left"}});
   EXPECT_EQ(&known.named("skin", Eigen::Vector3d(0.021, 0.001, 0)), &known.spaces[1]);
@@ -123,7 +123,7 @@ TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
 }
 
 /// An event tells of it by its name, as it tells of all others.
-TEST_F(ExplanationTest, APlaceWhereAnAreaIsMeasuredHasAName) {
+TEST_F(ExplanationTest, AProbePlaceOfAnAreaHasAName) {
   KnownSpaces known = spacesOf({{"skin-1", "skin"}, {"skin-probe-1", ""}});
   known.scene.active[1].probe = Eigen::Vector3d(0, 0, 0.01);
   known.scene.active[1].probe_of = "skin";

@@ -35,7 +35,7 @@ std::string answerOf(const Problem& problem, const std::string& path) {
 }
 
 /// At ten million points that once took 11 GB of the scheduler's process.
-TEST(ServedPages, APointOfALargeBuildIsNotReadBesideTheScheduler) {
+TEST(ServedPages, APointOfALargeBuildIsNotReadInTheSchedulersProcess) {
   const std::string path = "/explain.json?active=tip&i=1&j=0&k=-2";
   EXPECT_THAT(
       answerOf(test::cubeProblemOf(2, 0.3, 1300), path),

@@ -30,7 +30,7 @@ struct ServiceManagerTest : testing::Test {
   static std::string status() { return "3/5 points"; }
 };
 
-TEST_F(ServiceManagerTest, HearsWhenItIsReadyAndHowFarItIs) {
+TEST_F(ServiceManagerTest, IsToldReadinessAndProgress) {
   ServiceManager manager;
   manager.mayTake(1h, "reading");
   manager.ready();
@@ -41,7 +41,7 @@ TEST_F(ServiceManagerTest, HearsWhenItIsReadyAndHowFarItIs) {
                                    "STATUS=3/5 points", "STATUS=3/5 points", "STOPPING=1"));
 }
 
-TEST_F(ServiceManagerTest, GetsASignOfLifeTwiceInTheTimeThatItWaits) {
+TEST_F(ServiceManagerTest, GetsTwoSignsOfLifeInItsTimeout) {
   setenv("WATCHDOG_USEC", "2000000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
   ServiceManager manager;
@@ -58,7 +58,7 @@ TEST_F(ServiceManagerTest, GetsASignOfLifeTwiceInTheTimeThatItWaits) {
   EXPECT_EQ(signs, 4);
 }
 
-TEST_F(ServiceManagerTest, WaitsForNoSignOfAnotherProcess) {
+TEST_F(ServiceManagerTest, ExpectsNoSignOfLifeFromAnotherProcess) {
   setenv("WATCHDOG_USEC", "2000000", 1);
   setenv("WATCHDOG_PID", "1", 1);
   ServiceManager manager;
@@ -66,12 +66,12 @@ TEST_F(ServiceManagerTest, WaitsForNoSignOfAnotherProcess) {
   EXPECT_THAT(heard(), ElementsAre("STATUS=3/5 points"));
 }
 
-TEST_F(ServiceManagerTest, IsThatOfThisProcessAndNotOfThoseThatItStarts) {
+TEST_F(ServiceManagerTest, IsNotInheritedByChildProcesses) {
   const ServiceManager manager;
   EXPECT_EQ(std::getenv("NOTIFY_SOCKET"), nullptr);
 }
 
-TEST_F(ServiceManagerTest, ThatIsGoneOrNeverWasStopsNothing) {
+TEST_F(ServiceManagerTest, AMissingOneStopsNothing) {
   socket.remove();
   ServiceManager gone;
   gone.ready();

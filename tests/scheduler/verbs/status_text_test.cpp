@@ -40,7 +40,7 @@ TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
   EXPECT_THAT(progressBar(bigBuild(), 80), HasSubstr("12345/67890"));
 }
 
-TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
+TEST(ProgressLine, HasAFullBarWhenEverythingIsKnown) {
   wire::Status status = bigBuild();
   status.mutable_spaces(0)->set_unknown(0);
   status.mutable_spaces(0)->set_expandable(67890);
@@ -50,7 +50,7 @@ TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
   EXPECT_THAT(progressBar(status, 120), StartsWith("[                            ] 0/67890"));
 }
 
-TEST(ProgressLine, OfAPausedBuildGivesNoTime) {
+TEST(ProgressLine, GivesNoTimeForAPausedBuild) {
   wire::Status status = bigBuild();
   EXPECT_THAT(progressLine(status), HasSubstr("left"));
   status.set_paused(true);
@@ -58,7 +58,7 @@ TEST(ProgressLine, OfAPausedBuildGivesNoTime) {
   EXPECT_THAT(describe(status), HasSubstr("palpate resume"));
 }
 
-TEST(Describe, TellsManyWorkersByMachine) {
+TEST(Describe, GroupsManyWorkersByMachine) {
   wire::Status status = bigBuild();
   for (int n = 0; n < 16; ++n) {
     wire::WorkerStatus& worker = *status.mutable_workers(n);
@@ -85,7 +85,7 @@ TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   EXPECT_THAT(progressLine(status), HasSubstr("about 1 s left"));
 }
 
-TEST(Describe, NamesWhoIsKeptOutAndWhatIsDisputed) {
+TEST(Describe, NamesExclusionsAndDisputes) {
   wire::Status status;
   status.set_disputed(2);
   wire::KeptOut& machine = *status.add_kept_out();

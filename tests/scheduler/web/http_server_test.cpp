@@ -40,7 +40,7 @@ struct HttpServerTest : testing::Test {
   }
 };
 
-TEST_F(HttpServerTest, AnswersGetWithWhatItsHandlerSays) {
+TEST_F(HttpServerTest, AnswersGetWithItsHandlersReply) {
   EXPECT_THAT(get("/hello"),
               AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\r\nAge: 3\r\n"), HasSubstr("nosniff"),
                     HasSubstr("no-store"), HasSubstr("\r\n\r\nhello you")));
@@ -48,14 +48,14 @@ TEST_F(HttpServerTest, AnswersGetWithWhatItsHandlerSays) {
   EXPECT_EQ(server.url(), "http://127.0.0.1:" + std::to_string(port()) + "/");
 }
 
-TEST_F(HttpServerTest, SaysWhatWasWrong) {
+TEST_F(HttpServerTest, ExplainsErrors) {
   EXPECT_THAT(get("/elsewhere"), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(get("/wrong"),
               AllOf(StartsWith("HTTP/1.1 400"), HasSubstr(R"({"error":"no \"x\""})")));
   EXPECT_THAT(get("/broken"), AllOf(StartsWith("HTTP/1.1 500"), HasSubstr("no disk")));
 }
 
-TEST_F(HttpServerTest, NothingButGetIsAnswered) {
+TEST_F(HttpServerTest, AnswersOnlyGet) {
   for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "HEAD", "PATCH"})
     EXPECT_THAT(
         test::httpAnswer(port(), std::string(method) + " /hello HTTP/1.1\r\nHost: localhost\r\n"
@@ -65,7 +65,7 @@ TEST_F(HttpServerTest, NothingButGetIsAnswered) {
 }
 
 /// A page of the web may have a name that leads to this machine; it may not read what is here.
-TEST_F(HttpServerTest, ANameThatIsNotThisMachinesGetsNothing) {
+TEST_F(HttpServerTest, RefusesForeignHostNames) {
   for (const char* host : {"evil.example", "evil.example:80", "", "127.evil.example:1",
                            "localhost.evil.example", "[::1].evil.example"})
     EXPECT_THAT(get("/hello", std::string("Host: ") + host + "\r\n"), StartsWith("HTTP/1.1 403"))
@@ -76,7 +76,7 @@ TEST_F(HttpServerTest, ANameThatIsNotThisMachinesGetsNothing) {
         << host;
 }
 
-TEST_F(HttpServerTest, APageOfAnotherOriginGetsNothing) {
+TEST_F(HttpServerTest, RefusesPagesOfOtherOrigins) {
   EXPECT_THAT(get("/hello", "Sec-Fetch-Site: cross-site\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(get("/hello", "Sec-Fetch-Site: same-site\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(get("/hello", "Sec-Fetch-Site: same-origin\r\n"), StartsWith("HTTP/1.1 200"));
@@ -89,7 +89,7 @@ TEST_F(HttpServerTest, LongLinesAreRefused) {
   EXPECT_THAT(get("/hello"), HasSubstr("200 OK")) << "others are still served";
 }
 
-TEST_F(HttpServerTest, SomeWhoSayNothingKeepNobodyElseOut) {
+TEST_F(HttpServerTest, SilentClientsKeepNobodyElseOut) {
   std::vector<std::thread> silent;
   for (std::size_t n = 0; n + 1 < HttpServer::threads; ++n)
     silent.emplace_back([this] { test::httpAnswer(port(), "GET /hel"); });
@@ -98,7 +98,7 @@ TEST_F(HttpServerTest, SomeWhoSayNothingKeepNobodyElseOut) {
 }
 
 /// Those of workers come first, thousands of them.
-TEST_F(HttpServerTest, AnswersBehindThousandsOfDescriptors) {
+TEST_F(HttpServerTest, AnswersWithThousandsOfOpenDescriptors) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
   if (limit.rlim_max < 1500) GTEST_SKIP() << "this machine allows too few descriptors";
@@ -113,7 +113,7 @@ TEST_F(HttpServerTest, AnswersBehindThousandsOfDescriptors) {
   setrlimit(RLIMIT_NOFILE, &before);
 }
 
-TEST_F(HttpServerTest, APortThatIsTakenIsRefused) {
+TEST_F(HttpServerTest, APortInUseIsRefused) {
   test::expectError(ExitCode::failed, [&] { HttpServer(server.address(), {}, "--metrics"); },
                     {"--metrics", server.address().text(), "in use"});
 }

@@ -49,7 +49,7 @@ std::set<std::string> namesIn(const std::string& text, const std::regex& what) {
   return names;
 }
 
-TEST(Metrics, ExportsTheNamesThatAreDocumentedAndNoOthers) {
+TEST(Metrics, ExportsExactlyTheDocumentedNames) {
   const std::string page = test::bytesIn(PALPATE_SOURCE_DIR "/docs/metrics.md");
   const auto documented = namesIn(page, std::regex("\\| `(palpate_[a-z_]+)"));
   EXPECT_GT(documented.size(), 30u);
@@ -69,15 +69,11 @@ TEST(Metrics, HasALineForEverySeries) {
   EXPECT_TRUE(text.ends_with("\n"));
 }
 
-TEST(Metrics, WhatIsNotKnownIsNotThere) {
-  EXPECT_THAT(metricsOf({}, 0), Not(HasSubstr("palpate_eta")));
-}
+TEST(Metrics, OmitsUnknownValues) { EXPECT_THAT(metricsOf({}, 0), Not(HasSubstr("palpate_eta"))); }
 
-TEST(Metrics, EscapesWhatLabelsMayNotHold) {
-  EXPECT_EQ(escapedLabel("a\\b\"c\nd"), "a\\\\b\\\"c\\nd");
-}
+TEST(Metrics, EscapesLabels) { EXPECT_EQ(escapedLabel("a\\b\"c\nd"), "a\\\\b\\\"c\\nd"); }
 
-TEST(Metrics, ManySpacesBecomeOne) {
+TEST(Metrics, ManySpacesAreSummedUpAsOne) {
   wire::Status status;
   for (int n = 0; n < 1000; ++n) {
     wire::SpaceStatus& space = *status.add_spaces();

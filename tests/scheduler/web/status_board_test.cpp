@@ -35,7 +35,7 @@ TEST_F(StatusBoardTest, CostsNothingWhileNobodyAsks) {
   EXPECT_EQ(made, 0);
 }
 
-TEST_F(StatusBoardTest, OneStatusIsForAllWhoAskMeanwhile) {
+TEST_F(StatusBoardTest, OneStatusServesAllWaitingRequests) {
   const auto first = askWhileTurning();
   ASSERT_TRUE(first);
   EXPECT_EQ(first->status->recorded(), 1);
@@ -48,7 +48,7 @@ TEST_F(StatusBoardTest, OneStatusIsForAllWhoAskMeanwhile) {
   EXPECT_LE(made, 2) << "one a second, however slow this machine is";
 }
 
-TEST_F(StatusBoardTest, ASchedulerWithoutTimeLeavesItsLastWord) {
+TEST_F(StatusBoardTest, ABusySchedulerLeavesItsLastStatus) {
   EXPECT_FALSE(board.ask(0ms)) << "there was none yet";
   ASSERT_TRUE(askWhileTurning());
   std::this_thread::sleep_for(StatusBoard::good_for_at_least);
@@ -58,7 +58,7 @@ TEST_F(StatusBoardTest, ASchedulerWithoutTimeLeavesItsLastWord) {
   EXPECT_GE(old->age, StatusBoard::good_for_at_least);
 }
 
-TEST_F(StatusBoardTest, ACostlyStatusIsMadeTheMoreSeldom) {
+TEST_F(StatusBoardTest, AnExpensiveStatusIsMadeLessOften) {
   auto answer = std::async(std::launch::async, [this] { return board.ask(60s); });
   while (answer.wait_for(1ms) != std::future_status::ready)
     board.offer([this] {

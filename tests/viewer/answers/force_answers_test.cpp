@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using test::expectBadInput;
 
-TEST(ForceAnswers, AreThoseOfTheMethodThatWasAskedFor) {
+TEST(ForceAnswers, UseTheRequestedMethod) {
   const test::TemporaryDirectory directory;
   const test::SampleDataset sample;
   sample.seal(directory / "sample.h5");
@@ -33,7 +33,7 @@ TEST(ForceAnswers, AreThoseOfTheMethodThatWasAskedFor) {
   expectBadInput([&] { ForceAnswers(dataset, "tip", true, "potential"); }, {"not a finger"});
 }
 
-TEST(ForceAnswers, OfAFingerAreThoseOfItsAreaAtThePlaceNearest) {
+TEST(ForceAnswers, ForAFingerAreThoseOfItsAreaAtTheNearestPoint) {
   const test::TemporaryDirectory directory;
   const test::FingerBody body;
   body.seal(directory / "finger.h5");
@@ -56,7 +56,7 @@ TEST(ForceAnswers, OfAFingerAreThoseOfItsAreaAtThePlaceNearest) {
 }
 
 // A place once had all sites of its surface prepared, 280 of a liver.
-TEST(ForceAnswers, OfFewPlacesPrepareFewSites) {
+TEST(ForceAnswers, ForFewPlacesPrepareFewSites) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "finger.h5");
   const Dataset dataset(directory / "finger.h5");

@@ -135,7 +135,7 @@ TEST(Abi, HeaderIsStrictC99AndCxx) {
   run("c++ -x c++ -std=c++11 -Wno-pragma-once-outside-header" + strict + both + c_api);
 }
 
-TEST(Abi, NeedsNothingOfThePictureTheSchedulerOrTheSolver) {
+TEST(Abi, LinksNeitherPictureNorSchedulerNorSolverLibraries) {
   const std::string libraries = run("ldd " PALPATE_LIBRARY).output;
   EXPECT_THAT(libraries, HasSubstr("libc.so"));
   EXPECT_THAT(libraries, Not(HasSubstr("not found")));

@@ -78,7 +78,7 @@ TEST_F(RealTime, ShapesDoNotAllocate) {
   EXPECT_EQ(failures, 0);
 }
 
-TEST_F(RealTime, NoMemoryIsAStatus) {
+TEST_F(RealTime, OutOfMemoryIsAStatus) {
   palpate_contact* contact = nullptr;
   palpate_guard* guard = nullptr;
   palpate_dataset* dataset = nullptr;

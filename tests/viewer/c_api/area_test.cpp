@@ -35,7 +35,7 @@ class CArea : public ::testing::Test {
   }
 };
 
-TEST_F(CArea, SaysWhatItIsAndRefusesWhatNamesNothing) {
+TEST_F(CArea, DescribesItselfAndRefusesUnknownNames) {
   std::int32_t count = -1, number = -1;
   ASSERT_EQ(palpate_dataset_area_count(dataset(), &count), PALPATE_OK);
   EXPECT_EQ(count, 1);
@@ -68,7 +68,7 @@ TEST_F(CArea, SaysWhatItIsAndRefusesWhatNamesNothing) {
   refused(palpate_area_query(nodes.get(), 0, x, x, &sample), "no area");
 }
 
-TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
+TEST_F(CArea, AnswersForPlacesWhoseSquaredDistanceOverflows) {
   const palpate_area_sample sample = query({0, 0, 1e200}, {0, 0, -0.01});
   EXPECT_EQ(sample.inside, 0);
   EXPECT_EQ(sample.distance, 1e200);
@@ -78,7 +78,7 @@ TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
 }
 
 /// Metres that are millimetres, points in the body and beside it were once answered like others.
-TEST_F(CArea, IsNotInsideAtAPlaceAwayFromTheSurfaceAndSaysHowFar) {
+TEST_F(CArea, IsNotInsideOffTheSurfaceAndGivesTheDistance) {
   const Eigen::Vector3d p(0, 0, -0.01);
   for (const auto& [z, inside] : {std::pair(0.1049, 1),
                                   {0.1051, 0},
@@ -103,7 +103,7 @@ TEST_F(CArea, IsNotInsideAtAPlaceAwayFromTheSurfaceAndSaysHowFar) {
 }
 
 /// The programs once looked at what is fixed, and C at the triangle alone.
-TEST_F(CArea, SaysWhatTheProgramsSayAlsoBesideWhatIsFixed) {
+TEST_F(CArea, AnswersAsTheProgramsDoEvenNearFixedNodes) {
   const test::FingerBody beside(0, "xmin");
   const test::TemporaryDirectory directory;
   beside.seal(directory / "beside.h5");
@@ -140,7 +140,7 @@ TEST_F(CArea, SaysWhatTheProgramsSayAlsoBesideWhatIsFixed) {
   EXPECT_GT(inside, 100);
 }
 
-TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
+TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneEvenInPlace) {
   std::vector<double> places, displacements;
   for (int n = 0; n < 20; ++n) {
     for (const double x : {5e-3 * n, 0.04 + 1e-3 * n, n == 7 ? test::nan_value : 0.11})

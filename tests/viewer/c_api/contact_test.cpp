@@ -40,7 +40,7 @@ class CContact : public test::SharedSample {
 };
 
 /// What it does is tested in tests/viewer/haptics/contact_test.cpp.
-TEST_F(CContact, FeelsWhatTheContactModelFeelsToTheLastBit) {
+TEST_F(CContact, MatchesTheContactModelToTheLastBit) {
   const HapticModel model{Dataset(sharedFile())};
   for (const bool glued : {false, true}) {
     Contact expected(model, {.mode = glued ? ContactMode::glued : ContactMode::unilateral});
@@ -141,7 +141,7 @@ TEST_F(CContact, DeformsTheSurfaceSoThatTheAnchorMeetsTheTool) {
   EXPECT_THAT(shape, Each(0.0F));
 }
 
-TEST_F(CContact, RefusesTouchesThatAreNone) {
+TEST_F(CContact, RefusesInvalidTouches) {
   palpate_touch touch{};
   std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(shared()).vertex_count));
   EXPECT_INVALID(palpate_touch_displacements(shared(), &touch, shape.data(), shape.size()),
@@ -163,7 +163,7 @@ TEST_F(CContact, RefusesTouchesThatAreNone) {
   EXPECT_INVALID(palpate_touch_displacements(shared(), &touch, shape.data(), 3), "holds 3 numbers");
 }
 
-TEST_F(CContact, RefusesOptionsThatMakeNoSense) {
+TEST_F(CContact, RefusesInvalidOptions) {
   const auto complaint = [&](auto change) {
     auto options = test::sized<palpate_contact_options>();
     EXPECT_EQ(palpate_contact_defaults(shared(), &options), PALPATE_OK);

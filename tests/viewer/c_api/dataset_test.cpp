@@ -31,7 +31,7 @@ class CDataset : public test::SharedSample {
   }
 };
 
-TEST_F(CDataset, SaysWhatItHolds) {
+TEST_F(CDataset, DescribesItsContents) {
   const Dataset reference(sharedFile());
   const palpate_dataset_info info = test::describe(shared());
   EXPECT_STREQ(info.name, "sample");
@@ -144,7 +144,7 @@ TEST_F(CDataset, AnswersManyAtOnceAsOneByOne) {
   }
 }
 
-TEST_F(CDataset, WritesOnlyTheArraysThatAreWantedAndNoMoreThanCount) {
+TEST_F(CDataset, WritesOnlyRequestedArraysUpToTheCount) {
   const double displacements[6] = {0.001, 0, 0, 0, 0.002, 0};
   double forces[9];
   std::ranges::fill(forces, 7);
@@ -235,7 +235,7 @@ TEST_F(CDataset, GivesTheShapeOfASolvedPoint) {
   for (std::size_t i = 0; i < row; ++i) EXPECT_NEAR(shape[i], solved[4 * row + i], 1e-8);
 }
 
-TEST_F(CDataset, PreparesTheMethodsThatAreAskedFor) {
+TEST_F(CDataset, PreparesTheRequestedMethods) {
   const char* const methods[] = {"tricubic", "potential"};
   auto options = test::sized<palpate_open_options>();
   options.methods = methods;
@@ -262,7 +262,7 @@ std::string complaint(palpate_status expected, const std::filesystem::path& file
   return palpate_last_error();
 }
 
-TEST_F(CDataset, RefusesWhatIsNoDataset) {
+TEST_F(CDataset, RefusesFilesThatAreNotDatasets) {
   const test::TemporaryDirectory directory;
   EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory / "absent.h5"), HasSubstr("absent.h5"));
   EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory.path()), HasSubstr(directory.path().string()));
@@ -273,7 +273,7 @@ TEST_F(CDataset, RefusesWhatIsNoDataset) {
   EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory / "cut.h5"), HasSubstr("cut.h5"));
 }
 
-TEST_F(CDataset, RefusesOptionsThatMakeNoSense) {
+TEST_F(CDataset, RefusesInvalidOptions) {
   const char* methods[] = {"potential", "quadrilinear"};
   auto options = test::sized<palpate_open_options>();
   options.methods = methods;
@@ -335,7 +335,7 @@ TEST_F(CDataset, RefusesNullPointers) {
   palpate_dataset_close(nullptr);
 }
 
-TEST_F(CDataset, RefusesNumbersThatNameNothing) {
+TEST_F(CDataset, RefusesIndicesOutOfRange) {
   const double p[3] = {0, 0, 0};
   auto sample = test::sized<palpate_sample>();
   auto space = test::sized<palpate_space_info>();
@@ -353,7 +353,7 @@ TEST_F(CDataset, RefusesNumbersThatNameNothing) {
   EXPECT_THAT(palpate_last_error(), HasSubstr("method -1 "));
 }
 
-TEST_F(CDataset, RefusesSizesThatItDoesNotKnow) {
+TEST_F(CDataset, RefusesUnknownStructureSizes) {
   const double p[3] = {0, 0, 0};
   palpate_sample sample{};
   EXPECT_INVALID(palpate_query(shared(), 0, 0, p, &sample), "sample->size is 0");
@@ -364,7 +364,7 @@ TEST_F(CDataset, RefusesSizesThatItDoesNotKnow) {
   EXPECT_INVALID(palpate_query_many(shared(), 0, 0, p, 1, &answers), "answers->size is 0");
 }
 
-TEST_F(CDataset, RefusesSmallBuffersAndLeavesThem) {
+TEST_F(CDataset, RefusesSmallBuffersAndLeavesThemUnchanged) {
   const double p[3] = {0.001, 0, 0};
   const palpate_dataset_info info = test::describe(shared());
   std::vector<float> shape(3 * static_cast<std::size_t>(info.vertex_count) - 1, 7);

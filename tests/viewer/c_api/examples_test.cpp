@@ -105,7 +105,7 @@ class Examples : public ::testing::Test {
 };
 test::TemporaryDirectory* Examples::prefix_ = nullptr;
 
-TEST_F(Examples, StructuresBeginWithTheirSizeWithoutAWarningInCAndInCpp) {
+TEST_F(Examples, InitializedStructuresCompileWithoutWarningsInCAndCpp) {
   const std::filesystem::path source = build_ / "begin.c";
   std::ofstream(source) << "#include <palpate.h>\n"
                            "int main(void) {\n"
@@ -122,7 +122,7 @@ TEST_F(Examples, StructuresBeginWithTheirSizeWithoutAWarningInCAndInCpp) {
              shellWord(build_ / "begin") + " && " + shellWord(build_ / "begin"));
 }
 
-TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
+TEST_F(Examples, CExampleBuildsAndRunsAsDocumented) {
   const std::string manual = readText(PALPATE_SOURCE_DIR "/docs/client.md", "manual");
   const std::size_t line = manual.find("\ncc -std=c99 touch.c"),
                     fence = manual.rfind("```sh\n", line);
@@ -136,14 +136,14 @@ TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
                         shellWord(std::string(examples) + "/c/touch.c") + " . && " + lines));
 }
 
-TEST_F(Examples, InCBuildsWithCMake) {
+TEST_F(Examples, CExampleBuildsWithCMake) {
   outputOf("cmake -S " + shellWord(std::string(examples) + "/c") + " -B " +
            shellWord(build_.path()) + " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) +
            " && cmake --build " + shellWord(build_.path()));
   expectForces(outputOf(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
 }
 
-TEST_F(Examples, InCBuildsWithPkgConfigAndSaysWhatIsWrongWithAFile) {
+TEST_F(Examples, CExampleBuildsWithPkgConfigAndExplainsABadFile) {
   const std::string config =
       "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
   EXPECT_THAT(outputOf(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
@@ -157,7 +157,7 @@ TEST_F(Examples, InCBuildsWithPkgConfigAndSaysWhatIsWrongWithAFile) {
   EXPECT_THAT(result.output, HasSubstr("absent.h5: there is no such dataset"));
 }
 
-TEST_F(Examples, InPythonRuns) {
+TEST_F(Examples, PythonExampleRuns) {
   const std::string python =
       "PALPATE_LIBRARY=" + shellWord(library_) +
       " PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + shellWord(PALPATE_SOURCE_DIR "/deploy/python") +
@@ -186,7 +186,7 @@ TEST_F(Examples, InPythonRuns) {
   EXPECT_EQ(structures, expected);
 }
 
-TEST_F(Examples, ForUnityRunUnderMono) {
+TEST_F(Examples, UnityExamplesRunUnderMono) {
   const std::filesystem::path program = build_ / "unity_sketch.exe", body = build_ / "finger.h5";
   test::FingerBody().seal(body);
   outputOf("mcs -unsafe -out:" + shellWord(program) + " " +
@@ -221,7 +221,7 @@ TEST_F(Examples, ForUnityRunUnderMono) {
     EXPECT_THAT(output, HasSubstr(fmt::format("size {} {}\n", name, size)));
 }
 
-TEST_F(Examples, ComeWithTheLibraryAndNothingElseDoes) {
+TEST_F(Examples, AreInstalledWithTheLibraryAndNothingElse) {
   for (const char* file : {"c/touch.c", "c/CMakeLists.txt", "python/touch.py",
                            "python/force_curve.py", "unity/Palpate.cs", "unity/PalpateOrgan.cs"})
     EXPECT_TRUE(std::filesystem::exists(*prefix_ / "share/doc/palpate/examples" / file)) << file;

@@ -74,7 +74,7 @@ TEST(CGuard, TakesItsLimitsFromADevice) {
 }
 
 /// What it does is tested in tests/viewer/haptics/force_guard_test.cpp.
-TEST(CGuard, LimitsAsTheGuardOfTheProgramsDoesToTheLastBit) {
+TEST(CGuard, MatchesTheGuardOfTheProgramsToTheLastBit) {
   for (const double max_slew : {0.0, 500.0}) {
     auto options = test::sized<palpate_guard_options>();
     ASSERT_EQ(palpate_guard_defaults("touch", 1e-3, &options), PALPATE_OK);
@@ -126,7 +126,7 @@ TEST(CGuard, ForgetsOnReset) {
   EXPECT_EQ(limit(guard.get(), pushing(1)).force[0], first.force[0]);
 }
 
-TEST(CGuard, GivesZeroWheneverItRefusesAndGoesOnFromThere) {
+TEST(CGuard, GivesZeroIfItRefusesAndContinuesFromThere) {
   const auto guard = test::guardWith();
   const double tool[3] = {0, 0, 0};
   const palpate_touch touch = pushing(1);
@@ -155,7 +155,7 @@ TEST(CGuard, GivesZeroWheneverItRefusesAndGoesOnFromThere) {
   palpate_guard_destroy(nullptr);
 }
 
-TEST(CGuard, RefusesOptionsThatMakeNoSense) {
+TEST(CGuard, RefusesInvalidOptions) {
   const auto complaint = [&](double palpate_guard_options::*member, double value) {
     auto options = test::sized<palpate_guard_options>();
     EXPECT_EQ(palpate_guard_defaults("touch", 1e-3, &options), PALPATE_OK);

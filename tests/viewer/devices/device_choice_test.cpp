@@ -28,7 +28,7 @@ TEST(DeviceLimits, AreTheSmallerOfTwo) {
   EXPECT_EQ(smallerOf(device, scene), (DeviceProfile{"plugin", 8, 400, 0.04}));
 }
 
-TEST(DeviceLimits, AreDoubtedWhenNoDeviceHasThem) {
+TEST(DeviceLimits, WarnIfNoDeviceHasThem) {
   for (const DeviceProfile& known : device_profiles) EXPECT_EQ(doubtsOf(known), "");
   EXPECT_THAT(doubtsOf({"plugin", 3300, 400, 0.1}), HasSubstr("3300 N"));
   EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 60}), HasSubstr("60 m"));
@@ -53,7 +53,7 @@ class DeviceChoice : public ::testing::Test {
 };
 
 /// `palpate device` once offered the mouse, and refused it.
-TEST(DevicesThatAreLent, AreOfferedOnlyWhereTheyNeedNoBody) {
+TEST(LentDevices, ExcludeDevicesThatNeedABody) {
   EXPECT_THAT(deviceHelp(false),
               ::testing::AllOf(HasSubstr("virtual:FILE"), ::testing::Not(HasSubstr("mouse")),
                                ::testing::Not(HasSubstr("virtual,"))));
@@ -70,7 +70,7 @@ TEST_F(DeviceChoice, TheDefaultIsAVirtualHandOutsideOfTheBody) {
   EXPECT_GT(nearest.distance, 0.01);
 }
 
-TEST_F(DeviceChoice, TheDefaultPathPressesEachActiveNodeButWithOneAndAHalfNewtonsAtMost) {
+TEST_F(DeviceChoice, TheDefaultPathPressesActiveNodesWithLimitedForce) {
   const HandPath path = touchPath(model());
   EXPECT_TRUE(path.repeats());
   for (std::size_t s = 0; s < model().spaces().size(); ++s) {
@@ -134,7 +134,7 @@ TEST_F(DeviceChoice, TheDefaultPathSlidesOverAllSitesOfAFinger) {
   }
 }
 
-TEST_F(DeviceChoice, TheDefaultPathPressesAFingerThatIsNoSiteOfAnArea) {
+TEST_F(DeviceChoice, TheDefaultPathPressesAFingerOutsideAnArea) {
   test::FingerBody one;
   one.spaces.resize(1);
   one.problem.active.resize(1);
@@ -150,7 +150,7 @@ TEST_F(DeviceChoice, TheDefaultPathPressesAFingerThatIsNoSiteOfAnArea) {
   EXPECT_GT(inside, 10) << "it presses, and circles";
 }
 
-TEST_F(DeviceChoice, OpensEachKindByItsWord) {
+TEST_F(DeviceChoice, OpensEachKindByItsName) {
   std::ofstream(directory / "hand.txt") << "0 0 0 0\n1 0 0 0.01\n";
   EXPECT_EQ(openDevice("virtual:" + (directory / "hand.txt").string(), {})->name(), "virtual hand");
   EXPECT_EQ(openDevice("mouse", context())->name(), "mouse");
@@ -167,7 +167,7 @@ TEST_F(DeviceChoice, OpensEachKindByItsWord) {
   EXPECT_THAT(openDevice(open.endpoint(), {.keys = {.insecure = true}})->name(), HasSubstr("tray"));
 }
 
-TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
+TEST(DeviceWord, UnknownWordsAreRefusedWithAListAndTheNearest) {
   expectBadInput(
       [] { openDevice("virtal", {}); },
       {"virtal", "did you mean virtual?", "replay:FILE", "tcp://HOST:PORT", "plugin:LIB.so"});
@@ -176,7 +176,7 @@ TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
 }
 
 /// Before anything else is opened: a window, say, whose trouble would hide that of the word.
-TEST(DeviceWord, CanBeJudgedWithoutOpeningTheDevice) {
+TEST(DeviceWord, CanBeCheckedWithoutOpeningTheDevice) {
   for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
                            "plugin:none.so", "tcp://127.0.0.1:1"})
     EXPECT_NO_THROW(checkDeviceWord(good)) << good;

@@ -48,7 +48,7 @@ TEST(HandPath, HasContinuousVelocityThatIsTheDerivativeOfThePosition) {
   }
 }
 
-TEST(HandPath, NeverLeavesTheIntervalOfItsNeighboringWaypoints) {
+TEST(HandPath, NeverOvershootsItsWaypoints) {
   const HandPath path = zigzag();
   for (std::size_t i = 1; i < path.waypoints().size(); ++i) {
     const HandWaypoint &a = path.waypoints()[i - 1], &b = path.waypoints()[i];
@@ -60,7 +60,7 @@ TEST(HandPath, NeverLeavesTheIntervalOfItsNeighboringWaypoints) {
   }
 }
 
-TEST(HandPath, RepeatsFromItsBeginning) {
+TEST(HandPath, RepeatsFromItsStart) {
   const HandPath path = zigzag(HandPath::AtEnd::repeats);
   for (int n = 0; n < 20; ++n) {
     const double t = 1.01 + 0.1 * n;
@@ -68,7 +68,7 @@ TEST(HandPath, RepeatsFromItsBeginning) {
   }
 }
 
-TEST(HandPath, RefusesWhatIsNoPath) {
+TEST(HandPath, RefusesInvalidPaths) {
   expectBadInput([] { HandPath({}); }, {"no waypoint"});
   expectBadInput([] { HandPath({{0, {0, 0, 0}}, {0, {1, 0, 0}}}); }, {"increase", "waypoint 2"});
   expectBadInput([] { HandPath({{0, {0, NAN, 0}}}); }, {"not finite"});

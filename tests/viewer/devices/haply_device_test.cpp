@@ -147,7 +147,7 @@ TEST(HaplyMessage, ForcesGoOutInTheAxesOfTheService) {
     {"set_cursor_force": {"values": {"x": 1.0, "y": -3.0, "z": 2.0}}}}]})"));
 }
 
-TEST(HaplyMessage, FindsADeviceByItsIdAndElseSaysWhichThereAre) {
+TEST(HaplyMessage, FindsADeviceByItsIdOrListsTheAvailableOnes) {
   json message = inventory("AAAA");
   message["inverse3"].push_back(inventory("BBBB")["inverse3"][0]);
   EXPECT_EQ(readHaplyState(message.dump(), "BBBB").id, "BBBB");
@@ -156,7 +156,7 @@ TEST(HaplyMessage, FindsADeviceByItsIdAndElseSaysWhichThereAre) {
   EXPECT_EQ(other.id, "AAAA, BBBB");
 }
 
-TEST(HaplyMessage, AnyTextIsAnsweredWithoutAnError) {
+TEST(HaplyMessage, AnyTextIsReadWithoutAnException) {
   const std::string whole = inventory().dump();
   for (std::size_t length = 0; length < whole.size(); ++length)
     EXPECT_EQ(readHaplyState(whole.substr(0, length), "").kind, HaplyState::Kind::malformed)
@@ -170,7 +170,7 @@ TEST(HaplyMessage, AnyTextIsAnsweredWithoutAnError) {
     EXPECT_EQ(readHaplyState(text, "").kind, HaplyState::Kind::no_device) << text;
 }
 
-TEST(HaplyMessage, SaysWhatKeepsTheDeviceFromPushing) {
+TEST(HaplyMessage, ReportsWhatKeepsTheDeviceFromPushing) {
   json message = inventory();
   message["inverse3"][0]["status"]["calibrated"] = false;
   EXPECT_THAT(readHaplyState(message.dump(), "").trouble, HasSubstr("not calibrated"));
@@ -194,7 +194,7 @@ TEST(HaplyDevice, ReadsAndPushesThroughTheService) {
   }));
 }
 
-TEST(HaplyDevice, HasAThreadInRealTimeWhereThatIsAskedFor) {
+TEST(HaplyDevice, HasARealTimeThreadOnRequest) {
   HaplyDevice device({.port = 9});
   const std::string refused = device.askForRealTime();
   if (!refused.empty()) GTEST_SKIP() << refused;

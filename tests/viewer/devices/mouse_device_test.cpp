@@ -41,7 +41,7 @@ TEST(MouseDevice, MakesOneSmoothMotionOfSixtyEventsASecond) {
   EXPECT_LT(largest_change, 1.05 * step / (0.015 * 0.015) * 1e-6);
 }
 
-TEST(MouseDevice, IsAwayUntilItHasAPlaceAndWhileItHasNone) {
+TEST(MouseDevice, IsAwayWhileItHasNoPlace) {
   MouseDevice mouse(1e-3, device_profiles.front());
   EXPECT_EQ(mouse.read().status, DeviceStatus::away);
   mouse.moveTo({{0.1, 0, 0}, 1});
@@ -52,7 +52,7 @@ TEST(MouseDevice, IsAwayUntilItHasAPlaceAndWhileItHasNone) {
   EXPECT_EQ(mouse.read().status, DeviceStatus::away);
 }
 
-TEST(MouseDevice, IsNowhereBetweenTwoAppearances) {
+TEST(MouseDevice, HasNoPositionBetweenTwoAppearances) {
   MouseAtOrigin mouse;
   mouse.moveTo({{1, 0, 0}, 2});
   EXPECT_EQ(mouse.read().status, DeviceStatus::away) << "nothing lies on its way";

@@ -54,7 +54,7 @@ class NetworkDeviceTest : public ::testing::Test {
   std::unique_ptr<NetworkDevice> device;
 };
 
-TEST_F(NetworkDeviceTest, TakesOverTheLimitsOfTheFarDevice) {
+TEST_F(NetworkDeviceTest, HasTheLimitsOfTheRemoteDevice) {
   EXPECT_EQ(device->profile().max_force, 2);
   EXPECT_EQ(device->profile().max_stiffness, 500);
   EXPECT_EQ(device->profile().workspace_radius, 0.06);
@@ -63,7 +63,7 @@ TEST_F(NetworkDeviceTest, TakesOverTheLimitsOfTheFarDevice) {
   EXPECT_THAT(device->name(), HasSubstr("tray"));
 }
 
-TEST_F(NetworkDeviceTest, IsLentToOperatorsWithAKeyAlone) {
+TEST_F(NetworkDeviceTest, IsLentOnlyToOperatorsWithAKey) {
   const test::TemporaryDirectory directory;
   const KeyFolder here(directory / "here"), there(directory / "there");
   there.ownOrNew();
@@ -98,7 +98,7 @@ TEST_F(NetworkDeviceTest, ReadingsArrive) {
   EXPECT_THAT(device->trouble(), IsEmpty());
 }
 
-TEST_F(NetworkDeviceTest, ForcesArriveAndAreShortenedToTheLimit) {
+TEST_F(NetworkDeviceTest, ForcesArriveClampedToTheLimit) {
   EXPECT_TRUE(eventually([&] {
     return tick({0.5, 1, -0.25}), tray.force() == Eigen::Vector3d(0.5, 1, -0.25);
   }));
@@ -116,7 +116,7 @@ TEST_F(NetworkDeviceTest, NaNInAReadingIsPassedOn) {
   }));
 }
 
-TEST_F(NetworkDeviceTest, ADeviceThatIsUnpluggedThereOrHasNoHandIsLostHere) {
+TEST_F(NetworkDeviceTest, ARemoteDeviceThatIsUnpluggedOrAwayIsLost) {
   ASSERT_TRUE(becomes(DeviceStatus::fresh));
   for (const DeviceStatus there : {DeviceStatus::lost, DeviceStatus::away}) {
     tray.lay({Eigen::Vector3d::Zero(), 0, there});
@@ -126,7 +126,7 @@ TEST_F(NetworkDeviceTest, ADeviceThatIsUnpluggedThereOrHasNoHandIsLostHere) {
   }
 }
 
-TEST_F(NetworkDeviceTest, HaltingMakesTheFarForceZeroUntilResume) {
+TEST_F(NetworkDeviceTest, HaltingMakesTheRemoteForceZeroUntilResume) {
   ASSERT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
   device->halt();
   EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().isZero(); }));
@@ -134,7 +134,7 @@ TEST_F(NetworkDeviceTest, HaltingMakesTheFarForceZeroUntilResume) {
   EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
 }
 
-TEST_F(NetworkDeviceTest, AServerThatIsKilledIsLostAndFoundAgain) {
+TEST_F(NetworkDeviceTest, AKilledServerIsLostAndFoundAgain) {
   ASSERT_TRUE(becomes(DeviceStatus::fresh));
   server.reset();
   EXPECT_TRUE(tray.force().isZero());
@@ -146,7 +146,7 @@ TEST_F(NetworkDeviceTest, AServerThatIsKilledIsLostAndFoundAgain) {
   EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
 }
 
-TEST_F(NetworkDeviceTest, AClientThatGoesLeavesZeroForceAndAFreeDevice) {
+TEST_F(NetworkDeviceTest, AClientThatLeavesReleasesForceAndDevice) {
   ASSERT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
   device.reset();
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
@@ -165,7 +165,7 @@ TEST_F(NetworkDeviceTest, ASecondClientIsRefusedWithTheReason) {
   EXPECT_TRUE(becomes(DeviceStatus::fresh));
 }
 
-TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
+TEST(NetworkDevice, SaysHowToStartADeviceIfNoServerAnswers) {
   NetworkDevice device({.endpoint = "tcp://127.0.0.1:9", .wait = 1ms});
   EXPECT_EQ(device.read().status, DeviceStatus::lost);
   EXPECT_THAT(device.trouble(), HasSubstr("tcp://127.0.0.1:9"));
@@ -173,7 +173,7 @@ TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
   EXPECT_EQ(device.profile(), device_profiles.front());
 }
 
-TEST(NetworkDevice, HasItsThreadsInRealTimeWhereThatIsAskedFor) {
+TEST(NetworkDevice, HasRealTimeThreadsOnRequest) {
   NetworkDevice device({.endpoint = "tcp://127.0.0.1:9", .wait = 1ms, .real_time = true});
   const std::string refused = device.askForRealTime();
   if (!refused.empty()) GTEST_SKIP() << refused;
@@ -181,7 +181,7 @@ TEST(NetworkDevice, HasItsThreadsInRealTimeWhereThatIsAskedFor) {
       << "its own, and two of ZeroMQ, which begin when they come to run";
 }
 
-TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {
+TEST(NetworkDevice, RefusesAnInvalidEndpoint) {
   test::expectBadInput([] { NetworkDevice({.endpoint = "tcp://nowhere"}); },
                        {"tcp://nowhere", "PORT"});
 }
@@ -254,7 +254,7 @@ class RudeDevice : public test::TrayDevice {
   }
 };
 
-TEST(NetworkDevice, KeepsADeviceWhoseTextIsNone) {
+TEST(NetworkDevice, EscapesInvalidTextOfADevice) {
   RudeDevice rude;
   DeviceServer server(rude, "tcp://127.0.0.1:*");
   NetworkDevice device({.endpoint = server.endpoint()});
@@ -295,7 +295,7 @@ TEST(NetworkDevice, IgnoresReadingsThatAreOlderThanTheLast) {
   }));
 }
 
-TEST(NetworkDevice, GivesALateDeviceNoMoreForceThanWasPromised) {
+TEST(NetworkDevice, GivesALateDeviceNoMoreThanItsFirstLimit) {
   FarSide far;
   NetworkDevice device({.endpoint = far.endpoint, .wait = 1ms});
   far.expect(wire::DeviceMessage::kGreeting);
@@ -354,7 +354,7 @@ struct DeviceServerTest : ::testing::Test {
   }
 };
 
-TEST_F(DeviceServerTest, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
+TEST_F(DeviceServerTest, ReleasesTheForceWhenItsValidityExpires) {
   hold();
   ASSERT_TRUE(pushes(1.5, 1.5));
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
@@ -363,7 +363,7 @@ TEST_F(DeviceServerTest, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
 }
 
 /// Messages without end are no reason to hold a force: the device is read and written all the same.
-TEST_F(DeviceServerTest, LetsGoWhileOthersFloodIt) {
+TEST_F(DeviceServerTest, ReleasesTheForceWhileOthersFloodIt) {
   std::vector<std::jthread> floods;
   for (int n = 0; n < 3; ++n)
     floods.emplace_back([&](const std::stop_token& stop) {
@@ -376,7 +376,7 @@ TEST_F(DeviceServerTest, LetsGoWhileOthersFloodIt) {
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
 }
 
-TEST_F(DeviceServerTest, TrustsNoForce) {
+TEST_F(DeviceServerTest, RefusesInvalidForces) {
   hold();
   client.push(1, std::numeric_limits<double>::infinity(), 0.5);
   client.push(2, 1, 1e9);
@@ -389,7 +389,7 @@ TEST_F(DeviceServerTest, TrustsNoForce) {
   EXPECT_TRUE(pushes(-500, -2)) << "the most of the device";
 }
 
-TEST_F(DeviceServerTest, IgnoresForcesThatTheNetworkHeldBack) {
+TEST_F(DeviceServerTest, IgnoresForcesDelayedByTheNetwork) {
   test::StallingRelay relay(server.endpoint());
   NetworkDevice device({.endpoint = relay.endpoint(), .wait = 20s});
   ASSERT_TRUE(eventually([&] { return device.write({1, 0, 0}), tray.force().x() == 1; }));
@@ -407,7 +407,7 @@ TEST_F(DeviceServerTest, IgnoresForcesThatTheNetworkHeldBack) {
   EXPECT_TRUE(eventually([&] { return tray.force().x() == -1; }));
 }
 
-TEST_F(DeviceServerTest, IgnoresForcesThatAnswerNoReadingOfItsOwn) {
+TEST_F(DeviceServerTest, IgnoresForcesThatAnswerNoneOfItsReadings) {
   hold();
   client.push(1, 1, 0.5, 0);
   client.push(2, 1, 0.5, 1'000'000'000);
@@ -430,7 +430,7 @@ TEST_F(DeviceServerTest, RefusesAnotherProtocolWithBothVersions) {
   EXPECT_THAT(client.expect(wire::DeviceMessage::kRefused).refused().reason(), HasSubstr("99"));
 }
 
-TEST_F(DeviceServerTest, SaysWhoseEndpointIsTaken) {
+TEST_F(DeviceServerTest, NamesAnEndpointInUse) {
   test::TrayDevice second;
   test::expectError(ExitCode::failed, [&] { DeviceServer(second, {server.endpoint()}); },
                     {"in use", server.endpoint()});

@@ -140,7 +140,7 @@ void forEachThrow(std::span<const Tissue> tissues, Each each) {
 
 class Passivity : public testing::TestWithParam<double> {};
 
-TEST_P(Passivity, TheHandGetsBackNoMoreThanItPutIn) {
+TEST_P(Passivity, TheHandGetsBackNoMoreEnergyThanItPutIn) {
   for (const double max_force : {3.3, 12.0})
     for (const std::span<const Tissue> tissues : {std::span<const Tissue>(soft), {hard}})
       forEachThrow(tissues, [&](Throw thrown) {
@@ -153,7 +153,7 @@ TEST_P(Passivity, TheHandGetsBackNoMoreThanItPutIn) {
       });
 }
 
-TEST(PassivityOfALateLoop, TheHandGetsBackNoMoreThanItPutInWhenTheDelayIsTold) {
+TEST(PassivityOfALateLoop, TheHandGetsBackNoMoreEnergyIfTheDelayIsKnown) {
   for (const std::size_t late : {1, 2, 3})
     forEachThrow(soft, [&](Throw thrown) {
       thrown.late = late;
@@ -161,7 +161,7 @@ TEST(PassivityOfALateLoop, TheHandGetsBackNoMoreThanItPutInWhenTheDelayIsTold) {
     });
 }
 
-TEST_P(Passivity, SoftTissueFeelsAsItIs) {
+TEST_P(Passivity, SoftTissueIsNotDamped) {
   forEachThrow(soft, [&](Throw thrown) {
     thrown.phase = GetParam();
     // A device that is read in the tick is passive by itself from a damping of K T / 2 on.
@@ -175,7 +175,7 @@ TEST_P(Passivity, SoftTissueFeelsAsItIs) {
   });
 }
 
-TEST_P(Passivity, IsMadeByTheGuard) {
+TEST_P(Passivity, IsLostWithoutTheGuard) {
   Throw thrown{.tissue = {400}, .mass = 0.05, .speed = 0.2};
   thrown.loop = Loop::raw;
   thrown.phase = GetParam();

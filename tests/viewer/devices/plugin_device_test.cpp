@@ -28,12 +28,12 @@ PluginDeviceOptions broken(const std::string& fault) {
   return {std::filesystem::path(BROKEN_PLUGINS) / ("plugin_" + fault + ".so"), "", "", 1e-3};
 }
 
-TEST(PluginDevice, NamesTheDevicesThereAreWhenItHasNotTheOneAskedFor) {
+TEST(PluginDevice, ListsItsDevicesIfTheRequestedOneIsMissing) {
   expectError(ExitCode::failed, [] { PluginDevice(circle("square")); },
               {"square", "devices that it finds: circle"});
 }
 
-TEST(PluginDevice, SaysTheLimitsOfItsDevice) {
+TEST(PluginDevice, ReportsTheLimitsOfItsDevice) {
   const PluginDevice device(circle("circle"));
   EXPECT_EQ(device.profile().max_force, 5);
   EXPECT_EQ(device.profile().max_stiffness, 1000);
@@ -43,7 +43,7 @@ TEST(PluginDevice, SaysTheLimitsOfItsDevice) {
   EXPECT_THAT(device.name(), HasSubstr("circle"));
 }
 
-TEST(PluginDevice, MovesOnTheCircleOfItsOptionsAndGivesWayToForce) {
+TEST(PluginDevice, MovesOnTheRequestedCircleAndYieldsToForce) {
   PluginDevice device(circle("", "radius=0.03"));
   ASSERT_TRUE(eventually([&] { return device.read().status == DeviceStatus::fresh; }));
   EXPECT_NEAR(device.read().position.norm(), 0.03, 1e-12);
@@ -55,7 +55,7 @@ TEST(PluginDevice, MovesOnTheCircleOfItsOptionsAndGivesWayToForce) {
   EXPECT_TRUE(eventually([&] { return std::abs(device.read().position.z() - 0.004) < 1e-12; }));
 }
 
-TEST(PluginDevice, HasAThreadInRealTimeWhereThatIsAskedFor) {
+TEST(PluginDevice, HasARealTimeThreadOnRequest) {
   PluginDevice device(circle());
   EXPECT_EQ(test::threadsWith(device_priority), 0) << "unless it is asked for";
   const std::string refused = device.askForRealTime();
@@ -69,7 +69,7 @@ TEST(PluginDevice, PassesOnWhyADeviceCannotBeOpened) {
   expectError(ExitCode::failed, [] { PluginDevice(circle("", "radius=7")); }, {"radius=METRES"});
 }
 
-TEST(PluginDevice, RefusesWhatIsNoPlugInAndNamesTheFile) {
+TEST(PluginDevice, RefusesAFileThatIsNotAPlugInByName) {
   expectBadInput([] { PluginDevice({"nowhere.so"}); },
                  {"nowhere.so", "cannot be loaded", "No such file"});
   expectBadInput([] { PluginDevice({PALPATE_SOURCE_DIR "/README.md"}); },
@@ -82,7 +82,7 @@ TEST(PluginDevice, RefusesWhatIsNoPlugInAndNamesTheFile) {
                  {"plugin_NULL_ENTRY.so", "null entry"});
 }
 
-TEST(PluginDevice, APlugInThatHangsIsLostAndDoesNotHangItsUser) {
+TEST(PluginDevice, AHungPlugInIsLostAndDoesNotBlockItsUser) {
   PluginDevice device(broken("HANGS"));
   for (int tick = 0; tick < 100; ++tick) {
     EXPECT_EQ(device.read().status, DeviceStatus::lost);
@@ -104,7 +104,7 @@ class LoadedPlugin {
   std::unique_ptr<void, int (*)(void*)> library_;
 };
 
-TEST(PluginDevice, APlugInThatHangsPressingLetsGoAndIsResumedFromZero) {
+TEST(PluginDevice, APlugInHungWhilePressingResumesFromZero) {
   const PluginDeviceOptions options = broken("HANGS_PRESSING");
   PluginDevice device(options);
   const LoadedPlugin plugin(options.library);

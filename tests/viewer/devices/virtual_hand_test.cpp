@@ -13,7 +13,7 @@ const DeviceProfile& touchProfile() { return device_profiles.front(); }
 
 HandPath resting() { return HandPath({{0, {0.01, 0.02, 0.03}}}); }
 
-TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
+TEST(VirtualHand, BeginsAtTheStartOfItsPath) {
   VirtualHand hand(resting(), 1e-3, touchProfile());
   const DeviceReading reading = hand.read();
   EXPECT_EQ(reading.position, Eigen::Vector3d(0.01, 0.02, 0.03));
@@ -21,7 +21,7 @@ TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
   EXPECT_TRUE(hand.livesInScene());
 }
 
-TEST(VirtualHand, GivesWayToAConstantForceByForceOverStiffness) {
+TEST(VirtualHand, YieldsToAConstantForceByForceOverStiffness) {
   VirtualHand hand(resting(), 1e-3, touchProfile());
   Eigen::Vector3d position;
   for (int i = 0; i < 2000; ++i) {

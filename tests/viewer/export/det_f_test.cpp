@@ -33,7 +33,7 @@ std::vector<float> wildDisplacements(const Mesh& mesh) {
   return u;
 }
 
-TEST(DetF, OfALinearMapIsItsDeterminantEverywhere) {
+TEST(DetF, IsTheDeterminantOfALinearMapEverywhere) {
   Eigen::Matrix3d F;
   F << 1.2, 0.1, 0, -0.3, 0.8, 0.05, 0, 0.2, 1.1;
   for (const DisplacementSpace space : {DisplacementSpace::p1, DisplacementSpace::p2}) {
@@ -47,7 +47,7 @@ TEST(DetF, OfALinearMapIsItsDeterminantEverywhere) {
   }
 }
 
-TEST(DetF, OfALinearTetrahedronIsTheRatioOfItsVolumes) {
+TEST(DetF, IsTheVolumeRatioOfALinearTetrahedron) {
   const Mesh mesh = boxOf(DisplacementSpace::p1);
   const std::vector<float> u = wildDisplacements(mesh);
   Mesh moved = mesh;
@@ -73,7 +73,7 @@ double solversDetF(const Mesh& mesh, std::size_t element, const std::vector<floa
 }
 
 /// As min_det_F of a configuration: at quadrature points and nodes.
-TEST(DetF, OfAQuadraticTetrahedronIsTheSmallestWhereTheSolverLooks) {
+TEST(DetF, IsTheSmallestAtTheSolversPointsOfAQuadraticElement) {
   const Mesh mesh = boxOf(DisplacementSpace::p2);
   const std::vector<float> u = wildDisplacements(mesh);
   const std::vector<float> found = detFOf(mesh, u);

@@ -71,7 +71,7 @@ TEST_F(ExportCommand, WritesTheSurfaceAndSaysHowToGetTheVolume) {
                     HasSubstr("scene=\"sample\" active=\"edge-2\" method=\"potential\"")));
 }
 
-TEST_F(ExportCommand, WritesTheVolumeWhereAllNodesAreStored) {
+TEST_F(ExportCommand, WritesTheVolumeIfAllNodesAreStored) {
   storeAll();
   EXPECT_EQ(run(), ExitCode::done);
   EXPECT_THAT(told, AllOf(HasSubstr("27 points, 48 tetrahedra"), Not(HasSubstr("storage"))));
@@ -119,7 +119,7 @@ TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0002.vtu")) << "of the longer one";
 }
 
-TEST_F(ExportCommand, ADiskThatIsFullIsToldWithTheFileAndNothingIsLeft) {
+TEST_F(ExportCommand, AFullDiskIsReportedWithTheFileAndLeavesNothing) {
   options.output = directory / "touch.vtu";
   // What is written aside goes where nothing fits.
   std::filesystem::create_symlink("/dev/full", directory / "touch.vtu.tmp");
@@ -127,12 +127,12 @@ TEST_F(ExportCommand, ADiskThatIsFullIsToldWithTheFileAndNothingIsLeft) {
   expectNothingIsLeft();
 }
 
-TEST_F(ExportCommand, AFolderThatIsNotThereIsNamed) {
+TEST_F(ExportCommand, AMissingFolderIsNamed) {
   options.output = directory / "nowhere" / "touch.vtu";
   test::expectError(ExitCode::failed, [&] { run(); }, {"nowhere", "give another -o"});
 }
 
-TEST_F(ExportCommand, RefusesWhatDoesNotSayOneThing) {
+TEST_F(ExportCommand, RefusesIncompleteOrContradictoryOptions) {
   options.output = directory / "touch.obj";
   expectBadInput([&] { run(); }, {"touch.obj", ".vtu", ".pvd", ".csv"});
   options.output = directory / "press.pvd";
@@ -171,7 +171,7 @@ TEST_F(ExportCommand, RefusesUnknownNamesMethodsAndDatasets) {
   expectBadInput([&] { run(); }, {"other.h5", "no such dataset"});
 }
 
-TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
+TEST_F(ExportCommand, ProgramReadsItsArgumentsAndReturnsItsExitCodes) {
   const std::string words = fmt::format("{}/palpate-answers export {} --active edge-2 ",
                                         PALPATE_BIN_DIR, options.dataset.string());
   const std::string out = fmt::format("-o {} ", options.output.string());
@@ -201,7 +201,7 @@ class ExportOfAFinger : public ExportCommand {
   test::FingerBody body;
 };
 
-TEST_F(ExportOfAFinger, ACurveTellsPlaceAndDrive) {
+TEST_F(ExportOfAFinger, ACurveHasPlaceAndConfigurationalForce) {
   expectBadInput([&] { run(); }, {"\"top\"", "--at X Y Z"});
   options.output = directory / "curve.csv";
   options.at = options.displacement = {"-"};

@@ -19,7 +19,7 @@ struct ExportTargetTest : testing::Test {
   static void touch(const std::filesystem::path& file) { std::ofstream(file) << "something"; }
 };
 
-TEST_F(ExportTargetTest, TheEndingSaysTheFormat) {
+TEST_F(ExportTargetTest, TheExtensionSelectsTheFormat) {
   EXPECT_EQ(ExportTarget("a.vtu").format(), ExportFormat::vtu);
   EXPECT_EQ(ExportTarget("a.b.pvd").format(), ExportFormat::pvd);
   EXPECT_EQ(ExportTarget("a.csv").format(), ExportFormat::csv);
@@ -28,7 +28,7 @@ TEST_F(ExportTargetTest, TheEndingSaysTheFormat) {
                    {std::string("-o ") + file, ".vtu", ".pvd", ".csv"});
 }
 
-TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
+TEST_F(ExportTargetTest, AnExistingFileIsKeptUnlessItMayBeReplaced) {
   const ExportTarget target(directory / "touch.vtu");
   target.refuseWhatIsThere(dataset, false);
   touch(target.file());
@@ -68,7 +68,7 @@ TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
   test::expectError(ExitCode::failed, [&] { other.beginSeries(); }, {"file", "series"});
 }
 
-TEST_F(ExportTargetTest, OfALongerSeriesBeforeNothingIsLeftAndNothingElseIsTouched) {
+TEST_F(ExportTargetTest, AShorterSeriesRemovesOnlyTheFilesOfALongerOne) {
   const ExportTarget target(directory / "press.pvd");
   target.beginSeries();
   for (std::size_t n = 0; n < 4; ++n) touch(target.seriesFile(n));

@@ -16,7 +16,7 @@ struct InterpolatedShapeTest : testing::Test {
   const std::filesystem::path file = directory / "sample.h5";
 };
 
-TEST_F(InterpolatedShapeTest, IsTheStoredOneInEverySolvedPointToTheLastBit) {
+TEST_F(InterpolatedShapeTest, EqualsTheStoredShapeAtSolvedPointsToTheLastBit) {
   test::SampleDataset sample;
   sample.problem.scene.storage.displacement = StoredNodes::all;
   sample.seal(file);
@@ -47,7 +47,7 @@ TEST_F(InterpolatedShapeTest, LiesHalfWayBetweenTwoConfigurations) {
 }
 
 /// Under a finger the body moves as its weights say, at sites and between them.
-TEST_F(InterpolatedShapeTest, OfAFingerFollowsItBetweenItsSites) {
+TEST_F(InterpolatedShapeTest, FollowsAFingerBetweenItsSites) {
   const test::FingerBody body;
   body.seal(file);
   const Dataset dataset(file);

@@ -32,7 +32,7 @@ TEST(TouchWay, GoesStraightFromRestToTheDisplacement) {
   EXPECT_EQ(touches.back().displacement, Vector3d(0.003, 0, -0.004));
 }
 
-TEST(TouchWay, IsAsLongAsTheToolGoes) {
+TEST(TouchWay, HasTheLengthOfTheToolsMotion) {
   const test::TemporaryDirectory directory;
   test::SampleDataset().seal(directory / "sample.h5");
   const Dataset dataset(directory / "sample.h5");
@@ -47,7 +47,7 @@ TEST(TouchWay, IsAsLongAsTheToolGoes) {
 }
 
 /// The second place is above the body.
-TEST(TouchWay, OfAFingerIsBetweenThePointsOfTheSurface) {
+TEST(TouchWay, ForAFingerJoinsPointsOfTheSurface) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "finger.h5");
   const Dataset dataset(directory / "finger.h5");

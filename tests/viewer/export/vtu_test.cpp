@@ -61,13 +61,13 @@ TEST(Vtu, HoldsEveryArrayWithItsTypeShapeAndUnit) {
   EXPECT_EQ(valuesOf<std::uint8_t>(file, "Name=\"types\""), std::vector<std::uint8_t>{10});
 }
 
-TEST(Vtu, NamesAreNoMarkup) {
+TEST(Vtu, NamesAreEscaped) {
   Grid grid = smallGrid();
   grid.texts = {{"scene", "a\"b<c>&'d\x01\n"}};
   EXPECT_THAT(vtuBytes(grid), HasSubstr(" scene=\"a&quot;b&lt;c&gt;&amp;&#39;d??\">"));
 }
 
-TEST(Vtu, AListOfASeriesNamesFilesAndTimesAndEscapesThem) {
+TEST(Vtu, TheListOfASeriesHasFilesAndTimesEscaped) {
   const std::string text = pvdText({{0, "a&b/a&b_0000.vtu"}, {0.5, "a&b/a&b_0001.vtu"}});
   EXPECT_THAT(text, AllOf(HasSubstr("type=\"Collection\""),
                           HasSubstr("timestep=\"0\" group=\"\" part=\"0\" "

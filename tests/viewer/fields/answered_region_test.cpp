@@ -56,13 +56,13 @@ TEST(DirectionWeights, AreAPartitionOfUnityWithExactGradients) {
   }
 }
 
-TEST(AnsweredRegion, IsTheBallWhereAllIsSolved) {
+TEST(AnsweredRegion, IsTheBallIfAllPointsAreSolved) {
   const SpaceTable space = solvedSpace(Lattice(radius, edge_length), StiffeningEnergy());
   EXPECT_NEAR(AnsweredRegion(CellData(space)).leastRadius(), radius, 1e-15);
   EXPECT_NEAR(edgeOf(space, {1, 2, 3}).radius, radius, 1e-15);
 }
 
-TEST(AnsweredRegion, EndsWhereHalfOfTheAnswerWouldBeExtrapolated) {
+TEST(AnsweredRegion, EndsWhereHalfOfAnAnswerWouldBeExtrapolated) {
   EXPECT_NEAR(edgeOf(halfSolved(), Vector3d::UnitX()).radius, 0.0075, 0.5 * edge_length);
   EXPECT_NEAR(edgeOf(halfSolved(), -Vector3d::UnitX()).radius, radius, 1e-15);
 }
@@ -99,7 +99,7 @@ TEST_F(BeyondTheRegion, TheForceIsTheGradientOfOneEnergy) {
   }
 }
 
-TEST_F(BeyondTheRegion, EnergyAndForceGoOnWithoutAStep) {
+TEST_F(BeyondTheRegion, EnergyAndForceContinueWithoutAStep) {
   for (const Vector3d& p : outside()) {
     const double beyond = field.evaluate(p).beyond, length = p.norm();
     const Vector3d unit = p / length, edge = (length - beyond) * unit;
@@ -145,7 +145,7 @@ TEST_F(BeyondTheRegion, PushingDeeperOnlyStiffensAndSoonReachesTheLargestForce) 
   }
 }
 
-TEST_F(BeyondTheRegion, TheBoundGrowsWithWhatIsAdded) {
+TEST_F(BeyondTheRegion, TheBoundGrowsWithTheAddedForce) {
   for (const Vector3d& p : outside()) {
     const ForceSample sample = field.evaluate(p);
     const ForceSample edge = field.evaluate((p.norm() - sample.beyond) * p.normalized());

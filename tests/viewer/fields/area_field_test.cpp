@@ -66,7 +66,7 @@ std::vector<SpaceTable>* AreaFieldTest::spaces = nullptr;
 AreaField* AreaFieldTest::field = nullptr;
 
 // "100 %" once stood for seconds, while collocation points were interpolated to.
-TEST_F(AreaFieldTest, TellsHowMuchIsDoneToTheEnd) {
+TEST_F(AreaFieldTest, ReportsItsProgressToTheEnd) {
   std::vector<double> shares;
   std::mutex adding;
   const AreaField area({&spaces->at(0), &spaces->at(1), &spaces->at(2)}, PaperArea::plane(0.002),
@@ -81,7 +81,7 @@ TEST_F(AreaFieldTest, TellsHowMuchIsDoneToTheEnd) {
   EXPECT_LT(shares[shares.size() - 2], 1);
 }
 
-TEST_F(AreaFieldTest, ForceAndDriveAreThoseOfTheEnergyBetweenSites) {
+TEST_F(AreaFieldTest, ForcesAreThoseOfTheEnergyBetweenSites) {
   double worst_force = 0, worst_drive = 0;
   for (int n = 0; n < 300; ++n) {
     const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
@@ -98,7 +98,7 @@ TEST_F(AreaFieldTest, ForceAndDriveAreThoseOfTheEnergyBetweenSites) {
 }
 
 /// As those at rest of a body whose slack fibres bear nothing: a jump over a tiny step.
-TEST_F(AreaFieldTest, ThirdDerivativesThatContradictWhatIsAroundDoNoHarm) {
+TEST_F(AreaFieldTest, ContradictoryThirdDerivativesDoNoHarm) {
   std::vector<SpaceTable> jumping = *spaces;
   for (SpaceTable& site : jumping) {
     Equilibrium& rest = site.points.front().equilibrium;
@@ -115,7 +115,7 @@ TEST_F(AreaFieldTest, ThirdDerivativesThatContradictWhatIsAroundDoNoHarm) {
   EXPECT_LT(worst, 0.04);
 }
 
-TEST_F(AreaFieldTest, ForceAndDriveAreMinusTheGradientsOfWhatItSaysIsTheEnergy) {
+TEST_F(AreaFieldTest, ForcesAreMinusTheGradientsOfItsEnergy) {
   for (int n = 0; n < 50; ++n) {
     const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
     expectOneEnergy(*field, s, p, 1e-3, 1e-3, 0.5);
@@ -123,7 +123,7 @@ TEST_F(AreaFieldTest, ForceAndDriveAreMinusTheGradientsOfWhatItSaysIsTheEnergy) 
 }
 
 /// Every second site has failed points on one side: the edge is another one from place to place.
-TEST_F(AreaFieldTest, IsOneEnergyOfPlaceAndDisplacementBeyondWhatWasComputedToo) {
+TEST_F(AreaFieldTest, HasOneEnergyEvenBeyondTheComputedRegion) {
   std::vector<SpaceTable> uneven = *spaces;
   for (std::size_t n = 0; n < uneven.size(); n += 2)
     for (std::int32_t point = 0; point < uneven[n].lattice.size(); ++point)
@@ -163,7 +163,7 @@ TEST_F(AreaFieldTest, LoopsInPlaceAndDisplacementCreateNoEnergy) {
   }
 }
 
-TEST_F(AreaFieldTest, NothingJumpsWhereStationsComeIntoReach) {
+TEST_F(AreaFieldTest, NothingJumpsWhereCollocationPointsComeIntoReach) {
   Eigen::Vector3d s(-0.03, -0.021, 0);
   const Eigen::Vector3d p(0.006, -0.004, 0.008);
   AreaSample before = field->evaluate(s, p);
@@ -187,7 +187,7 @@ TEST_F(AreaFieldTest, BoundsItsErrorAtMostPlaces) {
   EXPECT_GE(held, 0.9 * tries);
 }
 
-TEST_F(AreaFieldTest, IsMoreAccurateTheCloserTheSites) {
+TEST_F(AreaFieldTest, IsMoreAccurateWithCloserSites) {
   const std::vector<SpaceTable> close = PaperArea::sites(0.01);
   const AreaField finer(pointersTo(close), PaperArea::plane(0.002));
   double coarse_error = 0, fine_error = 0;
@@ -199,7 +199,7 @@ TEST_F(AreaFieldTest, IsMoreAccurateTheCloserTheSites) {
   EXPECT_LT(fine_error, coarse_error);
 }
 
-TEST_F(AreaFieldTest, SaysWhereItDoesNotAnswer) {
+TEST_F(AreaFieldTest, MarksPlacesWithoutAnAnswer) {
   const AreaSample away = field->evaluate({0.2, 0, 0}, {0.001, 0, 0});
   EXPECT_FALSE(away.inside);
   EXPECT_EQ(away.force, Eigen::Vector3d::Zero());
@@ -217,7 +217,7 @@ TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
 }
 
 /// A collocation point's lattice is finer where that of one of its sites is.
-TEST_F(AreaFieldTest, IsOneEnergyOverSitesThatAreRefinedAndOthers) {
+TEST_F(AreaFieldTest, HasOneEnergyOverRefinedAndUnrefinedSites) {
   std::vector<SpaceTable> mixed;
   for (const SpaceTable& site : *spaces)
     mixed.push_back(
@@ -251,7 +251,7 @@ SpaceTable withWave(SpaceTable space) {
   return space;
 }
 
-TEST_F(AreaFieldTest, IsSurerWhereSitesAreRefined) {
+TEST_F(AreaFieldTest, HasSmallerBoundsAtRefinedSites) {
   std::vector<SpaceTable> whole, refined;
   for (const SpaceTable& site : *spaces) {
     whole.push_back(withWave(site));

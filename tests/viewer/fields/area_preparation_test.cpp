@@ -22,7 +22,7 @@ struct AreaPreparation : testing::Test {
   AreaField area() const { return {sites, AreaField::collocationPointsOf(sites, surface)}; }
 };
 
-TEST_F(AreaPreparation, SaysWhatTheWholeFieldDoesToTheLastBit) {
+TEST_F(AreaPreparation, AnswersAsTheWholeFieldToTheLastBit) {
   const AreaField whole(sites, surface);
   AreaField growing = area();
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, 0.01, 0),
@@ -39,7 +39,7 @@ TEST_F(AreaPreparation, SaysWhatTheWholeFieldDoesToTheLastBit) {
   }
 }
 
-TEST_F(AreaPreparation, PreparedAtOnceIsWhatGrowsPieceByPiece) {
+TEST_F(AreaPreparation, AtOnceAndStepByStepGiveTheSameField) {
   AreaField piecewise = area(), at_once = area();
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.03, 0.01, 0)}) {
     while (piecewise.prepareNext(s + step)) {
@@ -64,7 +64,7 @@ TEST_F(AreaPreparation, PreparesNoMoreThanIsNeeded) {
 }
 
 // Once it read the spacing of a lattice that was not there yet.
-TEST_F(AreaPreparation, FarFromAllStationsItSaysNothingEvenAtFirst) {
+TEST_F(AreaPreparation, FarFromAllCollocationPointsThereIsNoAnswer) {
   AreaField growing = area();
   const Eigen::Vector3d nowhere(1, 1, 1);
   EXPECT_FALSE(growing.prepareNext(nowhere));
@@ -73,7 +73,7 @@ TEST_F(AreaPreparation, FarFromAllStationsItSaysNothingEvenAtFirst) {
 }
 
 // Sums have room for six levels; a file may claim more.
-TEST_F(AreaPreparation, CellsThatAreHalvedMoreOftenThanABuildDoesAreRefused) {
+TEST_F(AreaPreparation, CellsFinerThanThoseOfABuildAreRefused) {
   for (std::int32_t level = 0; level <= 6; ++level)
     body.spaces[0].splits.push_back({{0, 0, 0}, level});
   test::expectBadInput([&] { area(); }, {"halved more than 6 times"});

@@ -138,7 +138,7 @@ TEST(DisplacementField, IsContinuousAcrossLeavesHolesLevelsAndTheSphere) {
   }
 }
 
-TEST(DisplacementField, SaysSomethingFiniteForAnyDisplacement) {
+TEST(DisplacementField, IsFiniteForAnyDisplacement) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
   const DisplacementField field = fieldOf(space, linearMotion());
@@ -154,14 +154,14 @@ TEST(DisplacementField, SaysSomethingFiniteForAnyDisplacement) {
       << "on the sphere";
 }
 
-TEST(DisplacementField, StandsOnASinglePointIfThereAreNoMore) {
+TEST(DisplacementField, WorksWithASinglePoint) {
   SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n] = {};
   const DisplacementField field = fieldOf(space, linearMotion());
   EXPECT_NEAR(shapeAt(field, {0.003, -0.002, 0.004})[0], linearMotion()({0, 0, 0})[0], 1e-8);
 }
 
-TEST(DisplacementField, StandsStillWhereNothingMoves) {
+TEST(DisplacementField, IsZeroIfNothingMoves) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   const std::vector<float> rows(rowsOf(space, linearMotion()).size(), 0.0f);
   const DisplacementField field(space, rows);
@@ -172,7 +172,7 @@ TEST(DisplacementField, StandsStillWhereNothingMoves) {
   EXPECT_THAT(shape, testing::Each(0.0f));
 }
 
-TEST(DisplacementField, RefusesRowsThatDoNotFit) {
+TEST(DisplacementField, RefusesMismatchedRows) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   const std::vector<float> rows = rowsOf(space, linearMotion());
   const std::span<const float> all = rows;

@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(ForceField, EveryField, ::testing::ValuesIn(forceFieldM
                            return name;
                          });
 
-TEST_P(EveryField, IsCalledByItsWord) { EXPECT_EQ(fieldOf(spaces[0])->name(), GetParam()); }
+TEST_P(EveryField, HasTheNameOfItsMethod) { EXPECT_EQ(fieldOf(spaces[0])->name(), GetParam()); }
 
 TEST_P(EveryField, ReturnsTheStoredForcesAtSolvedPoints) {
   for (const SpaceTable& space : spaces) {
@@ -155,7 +155,7 @@ TEST_P(EveryField, StiffnessIsTheDerivativeOfItsForceInTheRegion) {
   }
 }
 
-TEST_P(EveryField, CoversByTheSolvedCornersAround) {
+TEST_P(EveryField, CoverageIsTheShareOfSolvedCorners) {
   SpaceTable space = spaces[0];
   space.points[at(*space.lattice.indexOf({-1, 1, 1}))].tag = Tag::terminating;
   const auto field = fieldOf(space);
@@ -177,7 +177,7 @@ TEST_P(EveryField, CoversByTheSolvedCornersAround) {
   EXPECT_LT(rim.coverage, 1);
 }
 
-TEST_P(EveryField, GoesOnBeyondTheRegionWithAForceThatOnlyGrows) {
+TEST_P(EveryField, ContinuesBeyondTheRegionWithAGrowingForce) {
   const auto field = fieldOf(spaces[0]);
   for (const Vector3d& p : pointsInBall(radius, 50)) {
     const Vector3d unit = p.normalized();
@@ -192,7 +192,7 @@ TEST_P(EveryField, GoesOnBeyondTheRegionWithAForceThatOnlyGrows) {
   }
 }
 
-TEST_P(EveryField, SaysSomethingFiniteForAnyDisplacement) {
+TEST_P(EveryField, IsFiniteForAnyDisplacement) {
   SpaceTable few = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()), no_rest = few;
   for (std::int32_t n = 4; n < few.lattice.size(); ++n) few.points[at(n)] = {};
   no_rest.points[0] = {};
@@ -230,7 +230,7 @@ TEST(ForceField, PotentialAndTrilinearReproduceForcesLinearInEachCoordinate) {
     expectExact(*fieldOf(method, MultilinearForceEnergy(), 0.005), MultilinearForceEnergy(), 0.02);
 }
 
-TEST(ForceField, RefusesAnUnknownMethodNamingTheKnown) {
+TEST(ForceField, RefusesAnUnknownMethodListingTheValidOnes) {
   test::expectBadInput([&] { makeForceField("cubic", test::branchedSpace()); },
                        {"\"cubic\"", "potential, trilinear"});
 }

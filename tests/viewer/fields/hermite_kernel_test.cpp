@@ -53,7 +53,7 @@ TEST(HermiteKernelTest, InterpolatesAllTenQuantitiesBetweenThem) {
   EXPECT_LT((found.tail<6>() - exact.tail<6>()).norm(), 0.4 * exact.tail<6>().norm());
 }
 
-TEST(HermiteKernelTest, TellsHowLittleIsKnownFarFromTheSites) {
+TEST(HermiteKernelTest, HasALargePowerFunctionFarFromTheSites) {
   const auto powerAt = [](const Eigen::Vector3d& place) {
     return hermiteWeights(place, some_sites, all_solved, 0.03).power;
   };
@@ -64,7 +64,7 @@ TEST(HermiteKernelTest, TellsHowLittleIsKnownFarFromTheSites) {
   EXPECT_GT(powerAt({1, 0, 0}), 0.99) << "nothing is known there";
 }
 
-TEST(HermiteKernelTest, BelievesLessWhatIsExtrapolated) {
+TEST(HermiteKernelTest, TrustsExtrapolatedDataLess) {
   Eigen::VectorXf data = quantitiesAt(some_sites);
   std::vector<bool> solved = all_solved;
   solved[1] = false;

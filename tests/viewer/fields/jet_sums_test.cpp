@@ -27,7 +27,7 @@ struct JetSumsOfALeaf : ::testing::Test {
   JetSums sums;
 };
 
-TEST_F(JetSumsOfALeaf, AreThoseOfAllQuantitiesAndStations) {
+TEST_F(JetSumsOfALeaf, EqualTheSumsOverQuantitiesAndCollocationPoints) {
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(27, 8);
   for (const auto& collocation_point : collocation_points) {
     const JetSums::Quantities factors =
@@ -41,7 +41,7 @@ TEST_F(JetSumsOfALeaf, AreThoseOfAllQuantitiesAndStations) {
     for (int n = 0; n < 27; ++n) EXPECT_NEAR(sums.sum(at(c), at(n)), expected(n, c), 1e-5);
 }
 
-TEST_F(JetSumsOfALeaf, SayWhatTheQuantitiesAreAtThePlace) {
+TEST_F(JetSumsOfALeaf, GiveTheQuantitiesAtThePlace) {
   for (const auto& collocation_point : collocation_points) {
     const JetSums::Quantities values =
         sums.add(corners(collocation_point), JetSums::Quantities::Ones());
@@ -55,7 +55,7 @@ TEST_F(JetSumsOfALeaf, SayWhatTheQuantitiesAreAtThePlace) {
   }
 }
 
-TEST_F(JetSumsOfALeaf, BeginAnew) {
+TEST_F(JetSumsOfALeaf, AreClearedByBegin) {
   sums.add(corners(collocation_points[0]), JetSums::Quantities::Ones());
   sums.begin(basis);
   for (std::size_t c = 0; c < 8; ++c)

@@ -20,7 +20,7 @@ TEST(RandomLoop, IsClosedAndStaysInTheBall) {
   }
 }
 
-TEST(ForceField, CreatesNoEnergyOnRandomLoopsByThePotential) {
+TEST(ForceField, PotentialCreatesNoEnergyOnRandomLoops) {
   const SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
   const auto potential = makeForceField("potential", space),
              trilinear = makeForceField("trilinear", space);

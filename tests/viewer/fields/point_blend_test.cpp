@@ -62,7 +62,7 @@ TEST(PointBlend, DoesNotContinueAcrossAJump) {
   }
 }
 
-TEST(PointBlend, IsTheConfigurationAloneInEverySolvedPoint) {
+TEST(PointBlend, IsTheConfigurationItselfAtEverySolvedPoint) {
   const SpaceTable space = holedSpace();
   const PointBlend blend(space);
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
@@ -76,7 +76,7 @@ TEST(PointBlend, IsTheConfigurationAloneInEverySolvedPoint) {
 
 /// Of numbers that points have, it makes what the field of pressures, which is seen, makes of them:
 /// in holes, on finer leaves, at the rim and beyond it.
-TEST(PointBlend, InterpolatesAsWhatIsSeen) {
+TEST(PointBlend, InterpolatesAsThePressureField) {
   for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005)}) {
     std::vector<float> values;
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)

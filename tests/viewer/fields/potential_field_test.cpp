@@ -86,7 +86,7 @@ TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
 
 /// Across refined cells, the rim, failed points, and cells that a jump crosses. Over 1e-12 m the
 /// stiffness itself changes by up to 2e-5 N/m beside a jump.
-TEST(PotentialField, ItsStiffnessIsContinuousToo) {
+TEST(PotentialField, HasAContinuousStiffness) {
   for (const SpaceTable& space : {unevenSpace(), jumpingSpace(), unevenSpace(jumping_energy)}) {
     std::mt19937 random(16);  // the same places in each
     const PotentialField field(space);
@@ -105,7 +105,7 @@ TEST(PotentialField, ItsStiffnessIsContinuousToo) {
   }
 }
 
-TEST(PotentialField, KeepsToTheStoredForcesBesideAJumpAndSaysThatItIsUnsure) {
+TEST(PotentialField, KeepsStoredForcesBesideAJumpAndIsUncertainThere) {
   const SpaceTable space = jumpingSpace();
   const PotentialField field(space);
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
@@ -130,7 +130,7 @@ TEST(PotentialField, KeepsToTheStoredForcesBesideAJumpAndSaysThatItIsUnsure) {
 /// A conservative force cannot be that of both branches where the energy jumps between them; it
 /// stays within what the forces at the lattice points and half of the largest jump of the energy
 /// over an edge allow.
-TEST(PotentialField, DoesNotOvershootTheForcesAndHalfOfTheLossOfEnergyOverAnEdge) {
+TEST(PotentialField, OvershootsByHalfTheEnergyLossOfAnEdgeAtMost) {
   constexpr double force_jump = 5;
   std::mt19937 random(20);
   for (const double lost : {0.0, 0.02, 0.1}) {
@@ -186,7 +186,7 @@ TEST(EnergyCorrections, AreZeroWhereEveryEdgeIsConsistent) {
   for (const double x : energyCorrections(dataOf(test::StiffeningEnergy()))) EXPECT_EQ(x, 0);
 }
 
-TEST(EnergyCorrections, ShareAJumpOfTheEnergyOutOverThreeLeaves) {
+TEST(EnergyCorrections, SpreadAnEnergyJumpOverThreeLeaves) {
   // In the middle of the plane of the jump the two ends are moved by the same amount d towards each
   // other: with the forces 1 - 2 d in the edge, d before and behind it, and d for the corrections
   // themselves the least sum of (1 - 2 d)^2 + 2 d^2 + 2 d^2 is at d = 1 / 4.
@@ -197,7 +197,7 @@ TEST(EnergyCorrections, ShareAJumpOfTheEnergyOutOverThreeLeaves) {
   EXPECT_NEAR(correctionAt(data, {1, 0, 0}), lost / 4, 0.005 * lost);
 }
 
-TEST(EnergyCorrections, OnlyMoveCornersOfLeavesWithAnInconsistentEdge) {
+TEST(EnergyCorrections, ChangeOnlyCornersOfLeavesWithAnInconsistentEdge) {
   const CellData data = dataOf(Step(0.02, 0));
   const std::vector<double> corrections = energyCorrections(data);
   std::vector<bool> flagged(corrections.size(), false);
@@ -211,7 +211,7 @@ TEST(EnergyCorrections, OnlyMoveCornersOfLeavesWithAnInconsistentEdge) {
     }
 }
 
-TEST(EnergyCorrections, LeaveAMismatchThatTheDifferenceOfTheForcesAllows) {
+TEST(EnergyCorrections, IgnoreAMismatchWithinTheDifferenceOfForces) {
   // Without a loss the energies agree with the trapezoidal rule over the jump of the force.
   constexpr double jump = 4;
   const CellData within = dataOf(Step(0.09 * jump * spacing, jump)),

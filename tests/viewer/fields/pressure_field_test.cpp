@@ -56,7 +56,7 @@ TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
 }
 
 /// The shape's way, of the same numbers: holes, levels, branches, the rim and beyond it.
-TEST(PressureField, InterpolatesAsTheShapeThatIsSeen) {
+TEST(PressureField, InterpolatesAsTheDisplacementField) {
   for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005), test::branchedSpace()}) {
     const std::vector<float> rows = rowsOf(space);
     // Large enough as metres that no mode is left out.
@@ -74,7 +74,7 @@ TEST(PressureField, InterpolatesAsTheShapeThatIsSeen) {
   }
 }
 
-TEST(PressureField, AddsItsShareToWhatIsThere) {
+TEST(PressureField, AddsItsShareToTheOutput) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   const PressureField field(space, rowsOf(space));
   const Vector3d p(0.003, -0.002, 0.007);
@@ -85,7 +85,7 @@ TEST(PressureField, AddsItsShareToWhatIsThere) {
     EXPECT_NEAR(out[node], static_cast<float>(node + 1) + 0.25F * whole[node], 1e-3);
 }
 
-TEST(PressureField, SaysSomethingFiniteForAnyDisplacementAndRestForNoNumber) {
+TEST(PressureField, IsFiniteForAnyDisplacementAndAtRestForNaN) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   const PressureField field(space, rowsOf(space));
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");

@@ -24,11 +24,11 @@ rbf = RBFInterpolator(points[:, :3], points[:, 3:], kernel=sys.argv[3], degree=-
 np.savetxt(sys.stdout, rbf(queries), fmt="%.17g")
 )";
 
-class BesideScipy : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(RbfField, BesideScipy, ::testing::Values("linear", "cubic"),
+class AgainstScipy : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(RbfField, AgainstScipy, ::testing::Values("linear", "cubic"),
                          [](const auto& kernel) { return std::string(kernel.param); });
 
-TEST_P(BesideScipy, ForcesAreThoseOfItsRbfInterpolator) {
+TEST_P(AgainstScipy, ForcesMatchItsRbfInterpolator) {
   if (test::runCommand("/usr/bin/python3 -c 'import scipy.interpolate'").exit_code != 0)
     GTEST_SKIP() << "NOT COMPARED WITH SCIPY: /usr/bin/python3 has no scipy; install python3-scipy";
 

@@ -31,7 +31,7 @@ Vector3d centre(const std::vector<RbfBlock>& blocks, std::size_t n) {
   return {position[0][n % rbf_lanes], position[1][n % rbf_lanes], position[2][n % rbf_lanes]};
 }
 
-TEST(RbfSums, AreWhatAPlainLoopSums) {
+TEST(RbfSums, EqualThoseOfAPlainLoop) {
   const std::vector<RbfBlock> blocks = randomBlocks();
   for (const int power : {1, 3})
     for (const Vector3d& place :
@@ -57,7 +57,7 @@ TEST(RbfSums, AreWhatAPlainLoopSums) {
     }
 }
 
-TEST(RbfSums, OfNoCentreAreZero) {
+TEST(RbfSums, AreZeroWithoutCentres) {
   const RbfSums sums = linearRbfSums({}, {1, 2, 3});
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(sums.value[i], 0);

@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(RbfWeights, EveryKernel,
                            return kernel.param == RbfKernel::linear ? "linear" : "cubic";
                          });
 
-TEST_P(EveryKernel, GivesTheForceOfEverySolvedPoint) {
+TEST_P(EveryKernel, ReproducesTheForceOfEverySolvedPoint) {
   SpaceTable space = solvedSpace(Lattice(0.02, 0.005), StiffeningEnergy());
   space.points[7].tag = Tag::failed;
   space.points[7].equilibrium.force.setConstant(1e9);  // must not be looked at
@@ -49,7 +49,7 @@ TEST_P(EveryKernel, GivesTheForceOfEverySolvedPoint) {
   }
 }
 
-TEST_P(EveryKernel, OfASinglePointIsNothing) {
+TEST_P(EveryKernel, HasNoWeightsForASinglePoint) {
   SpaceTable space = solvedSpace(Lattice(0.02, 0.01), StiffeningEnergy());
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
   for (const double force : {0.0, 2.0}) {
@@ -58,7 +58,7 @@ TEST_P(EveryKernel, OfASinglePointIsNothing) {
   }
 }
 
-TEST_P(EveryKernel, IsFoundForPointsInAPlane) {
+TEST_P(EveryKernel, HasWeightsForPointsInAPlane) {
   SpaceTable space = solvedSpace(Lattice(0.02, 0.005), StiffeningEnergy());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (space.lattice.point(n)[2] != 0) space.points[n].tag = Tag::failed;

@@ -23,7 +23,7 @@ float largestMiss(const ShapeRows& shapes, const ShapeRows& modes) {
   return (shapes - (shapes * modes.transpose()) * modes).cwiseAbs().maxCoeff();
 }
 
-TEST(ShapeModes, AreOrthonormalAndAsManyAsShapesAreIndependent) {
+TEST(ShapeModes, AreOrthonormalAndAsManyAsIndependentShapes) {
   const ShapeRows shapes = shapesOfRank(7, 3000);
   const ShapeRows modes = modesOf(shapes, tolerance);
   EXPECT_EQ(modes.rows(), 7);
@@ -32,7 +32,7 @@ TEST(ShapeModes, AreOrthonormalAndAsManyAsShapesAreIndependent) {
   EXPECT_LE(largestMiss(shapes, modes), tolerance);
 }
 
-TEST(ShapeModes, SpanAShapeOfManyThatIsUnlikeAllOthersWhereverItStands) {
+TEST(ShapeModes, SpanAnOutlierWhereverItStands) {
   for (const Eigen::Index where : {0, 1, 3, 1234, 2998, 2999}) {
     ShapeRows shapes = shapesOfRank(4, 3000);
     shapes.row(where) = Eigen::RowVectorXf::Unit(width, 5);
@@ -42,7 +42,7 @@ TEST(ShapeModes, SpanAShapeOfManyThatIsUnlikeAllOthersWhereverItStands) {
   }
 }
 
-TEST(ShapeModes, MissNoEntryOfShapesThatHaveNothingInCommon) {
+TEST(ShapeModes, RepresentEveryEntryOfUncorrelatedShapes) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> spread(-1, 1);
   ShapeRows shapes = shapesOfRank(3, 2000);
@@ -61,7 +61,7 @@ TEST(ShapeModes, AreNoMoreThanFloatsCanTellApart) {
   EXPECT_LE(largestMiss(shapes, modes), 1e-5f * shapes.cwiseAbs().maxCoeff());
 }
 
-TEST(ShapeModes, OfShapesAtRestAreNone) {
+TEST(ShapeModes, AreEmptyForShapesAtRest) {
   EXPECT_EQ(modesOf(ShapeRows::Zero(500, width), tolerance).rows(), 0);
 }
 

@@ -35,7 +35,7 @@ TEST(ForceField, EvaluatesWithoutAllocating) {
   }
 }
 
-TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAndOutside) {
+TEST(ForceField, EvaluatesWithoutAllocatingAtGapsJumpsAndOutside) {
   SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     if (space.lattice.point(n)[0] > 1) space.points[n].equilibrium.force.y() += 3;

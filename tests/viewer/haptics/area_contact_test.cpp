@@ -45,7 +45,7 @@ class AreaContact : public ::testing::Test {
   const TouchSurface& surface = model.surface();
 };
 
-TEST_F(AreaContact, AllOfTheAreaCanBeTouchedAndNothingElse) {
+TEST_F(AreaContact, ExactlyTheAreaCanBeTouched) {
   ASSERT_EQ(surface.areas().size(), 1u);
   EXPECT_EQ(surface.areas()[0].name, "top");
   for (std::int32_t t = 0; t < std::ssize(surface.triangles()); ++t) {
@@ -66,7 +66,7 @@ TEST_F(AreaContact, ForceIsThatOfTheEnergyAtTheAnchor) {
   EXPECT_GT(force.blend().size, 0);
 }
 
-TEST_F(AreaContact, DriveMovesTheAnchorAsTheEnergyFalls) {
+TEST_F(AreaContact, ConfigurationalForceIsTheDescentOfTheEnergy) {
   const std::int32_t triangle = topTriangle();
   const SurfacePoint anchor{triangle, {0.2, 0.3, 0.5}};
   const Eigen::Vector3d tool = surface.position(anchor) + Eigen::Vector3d(0.003, -0.001, -0.008);
@@ -86,7 +86,7 @@ TEST_F(AreaContact, DriveMovesTheAnchorAsTheEnergyFalls) {
   }
 }
 
-TEST_F(AreaContact, SpacesOfSitesAnswerAsTheAreaDoesThere) {
+TEST_F(AreaContact, SpacesOfSitesAnswerAsTheAreaAtTheirPlaces) {
   const Eigen::Vector3d p(0.004, 0.002, -0.01);
   for (const std::size_t space : {0, 3}) {
     const Eigen::Vector3d s = model.spaces()[space].patch.finger->center;
@@ -148,7 +148,7 @@ TEST_F(AreaContact, NoForceJumpsWhileSlidingOverTrianglesAndSites) {
 }
 
 /// Straight in by more than the body is deep, at places all over the top.
-TEST_F(AreaContact, NothingPassesThroughWithoutTheLargestForce) {
+TEST_F(AreaContact, NothingPassesThroughBelowTheLargestForce) {
   for (double x = 0.02; x < 0.09; x += 0.01) {
     Contact contact(model);
     double edge = 0, reached = 0;
@@ -178,7 +178,7 @@ test::FingerBody withAHoleAndAFold() {
 }
 
 /// A hand that is led, in and out and to and fro, over all of it.
-TEST_F(AreaContact, WithTheGuardAHoleAndAFoldGiveBoundedForcesAndNoEnergy) {
+TEST_F(AreaContact, TheGuardBoundsForceAndEnergyAtAHoleAndAFold) {
   const test::TemporaryDirectory directory;
   withAHoleAndAFold().seal(directory / "body.h5");
   const HapticModel holed(Dataset(directory / "body.h5"), {.methods = {"potential"}});

@@ -76,7 +76,7 @@ TEST_F(BlendedForceTest, KnowsHowEnergyAndForceChangeWhenTheAnchorMoves) {
   }
 }
 
-TEST_F(BlendedForceTest, SlidesByTheForceAloneWhereThereIsNoEnergy) {
+TEST_F(BlendedForceTest, SlidesByTheForceAloneWithoutAnEnergy) {
   const SurfacePoint anchor{topTriangle(), {0.2, 0.3, 0.5}};
   BlendedForce force;
   force.evaluate(model, 1, anchor, {0.003, -0.001, -0.008});

@@ -172,7 +172,7 @@ const HapticModel& leaningCube() {
   return model;
 }
 
-TEST(Contact, HoldsWhatIsPressedIn) {
+TEST(Contact, LetsNoInwardPressPassThrough) {
   const HapticModel& model = leaningCube();
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -199,7 +199,7 @@ TEST(Contact, HoldsWhatIsPressedIn) {
   EXPECT_GT(pressed, 50);
 }
 
-TEST(Contact, MissesNoWayInOnRandomWalks) {
+TEST(Contact, MissesNoEntryOnRandomWalks) {
   int entries = 0;
   for (const unsigned seed : {1, 2, 3, 4, 5}) {
     Contact contact(flatModel(), {.friction = 0});
@@ -219,7 +219,7 @@ TEST(Contact, MissesNoWayInOnRandomWalks) {
   EXPECT_GT(entries, 20);
 }
 
-TEST(Contact, TouchesAgainAfterwards) {
+TEST(Contact, TouchesAgainAfterARelease) {
   Contact contact(flatModel());
   for (int round = 0; round < 3; ++round) {
     contact.update(pressing(0, 0.01));
@@ -231,7 +231,7 @@ TEST(Contact, TouchesAgainAfterwards) {
   }
 }
 
-TEST(Contact, TouchesOnTheSlowestWayIn) {
+TEST(Contact, TouchesOnTheSlowestEntry) {
   Contact contact(flatModel());
   for (int n = 0; n < 2000; ++n) contact.update({0.05, 0.05, 0.1 + 1e-8 * (500 - n)});
   EXPECT_TRUE(contact.touch().touching);
@@ -262,7 +262,7 @@ TEST(Contact, FeelsNothingInsideUntilItHasBeenOutside) {
   EXPECT_TRUE(contact.touch().touching);
 }
 
-TEST(Contact, FeelsNothingAfterComingInWhereNothingCanBeTouched) {
+TEST(Contact, FeelsNothingAfterEnteringAnUntouchablePart) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   const HapticModel model = test::modelOf({mesh, {{112}}});  // the middle of the top
   Contact contact(model);
@@ -289,7 +289,7 @@ TEST(Contact, EndsWhenThePositionIsNotFinite) {
   EXPECT_TRUE(contact.update({0.05, 0.05, 0.0999}).touching);
 }
 
-TEST(Contact, ReleasesOnDemandAndTellsTheStep) {
+TEST(Contact, ReleasesOnDemandAndReportsTheStep) {
   Contact contact(flatModel());
   for (int n = 0; n <= 50; ++n) contact.update(pressing(n / 100.0, 0.01));
   contact.release();
@@ -301,7 +301,7 @@ TEST(Contact, ReleasesOnDemandAndTellsTheStep) {
   EXPECT_FALSE(contact.touch().stepped);
 }
 
-TEST(Contact, GluedPullsToo) {
+TEST(Contact, GluedContactPullsToo) {
   Contact contact(flatModel(), {.mode = ContactMode::glued, .grab_distance = 0.005});
   const Eigen::Vector3d start(0.05, 0.05, 0.103);
   EXPECT_FALSE(contact.update({0.05, 0.05, 0.106}).touching);
@@ -320,7 +320,7 @@ TEST(Contact, GluedPullsToo) {
   EXPECT_LT(contact.touch().force.norm(), 1e-12);
 }
 
-TEST(Contact, GluedTakesHoldAgainAfterAReleaseOnlyOnceItHasLetGo) {
+TEST(Contact, GluedContactGripsAgainOnlyAfterHoldEnds) {
   Contact contact(flatModel(), {.mode = ContactMode::glued});
   const Eigen::Vector3d tool(0.05, 0.05, 0.101);
   EXPECT_TRUE(contact.update(tool).touching);
@@ -353,7 +353,7 @@ TEST(Contact, SticksWithinTheFrictionConeAndSlidesAtItsRim) {
   EXPECT_GT((contact.touch().anchor_position - start).norm(), 0.01);
 }
 
-TEST(Contact, StaysAtTheRimOfWhatCanBeTouched) {
+TEST(Contact, StopsAtTheRimOfTheTouchableSurface) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   const HapticModel model = test::modelOf({mesh, {{112}}});
   Contact contact(model, {.friction = 0});
@@ -422,7 +422,7 @@ TEST(Contact, SlidesOverEdgesAndVerticesWithoutAJumpOfForce) {
     }
 }
 
-TEST(Contact, GivesBackWhatItTookWithoutFriction) {
+TEST(Contact, ReturnsAllWorkWithoutFriction) {
   for (const HapticModel* model : {&flatModel(), &gradedModel()}) {
     double last = 1;
     for (const int ticks : {1000, 2000, 4000, 8000}) {
@@ -450,7 +450,7 @@ TEST(Contact, TakesWorkFromTheHandWithFriction) {
     }
 }
 
-TEST(Contact, NeverGivesMoreThanItTookOnRandomWalks) {
+TEST(Contact, NeverReturnsMoreWorkThanItTookOnRandomWalks) {
   for (const HapticModel* model : {&tenNodes(), &wholeBlob()})
     for (const double friction : {0.0, 0.2}) {
       Contact contact(*model, {.friction = friction});
@@ -473,7 +473,7 @@ TEST(Contact, NeverGivesMoreThanItTookOnRandomWalks) {
     }
 }
 
-TEST(Contact, GoesOnWithAnotherModelOfTheSameSurface) {
+TEST(Contact, ContinuesWithAnotherModelOfTheSameSurface) {
   Contact contact(flatModel());
   for (int n = 0; n <= 100; ++n) contact.update(pressing(n / 200.0, 0.01));
   const Touch before = contact.touch();

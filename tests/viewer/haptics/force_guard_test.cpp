@@ -57,7 +57,7 @@ GuardedForce hold(ForceGuard& guard, const GuardInput& input, double seconds,
   return last;
 }
 
-TEST(ForceRamp, LeavesLessOfAStepInEveryTickAndNothingAtItsEnd) {
+TEST(ForceRamp, FadesAStepInEveryTickAndToZeroAtItsEnd) {
   ForceRamp ramp(1e-3, 0.02);
   EXPECT_EQ(ramp.next(), Eigen::Vector3d::Zero());
   const Eigen::Vector3d step(1, -2, 0);
@@ -72,14 +72,14 @@ TEST(ForceRamp, LeavesLessOfAStepInEveryTickAndNothingAtItsEnd) {
   for (int tick = 20; tick < 25; ++tick) EXPECT_LT(ramp.next().norm(), 1e-9) << tick;
 }
 
-TEST(ForceRamp, HasNothingLeftAfterAReset) {
+TEST(ForceRamp, IsZeroAfterAReset) {
   ForceRamp ramp(1e-3, 0.02);
   ramp.begin({1, 0, 0});
   ramp.reset();
   EXPECT_EQ(ramp.next(), Eigen::Vector3d::Zero());
 }
 
-TEST(ForceGuard, GivesTheRawForceWhenNothingIsWrong) {
+TEST(ForceGuard, PassesTheRawForceIfNothingIsWrong) {
   ForceGuard guard({});
   guard.limit({});
   for (int n = 1; n < 100; ++n) {
@@ -108,7 +108,7 @@ TEST(ForceGuard, FadesAStepIn) {
   EXPECT_FALSE(has(given, Guarded::ramped));
 }
 
-TEST(ForceGuard, FadesTheRestOfTheForceOutWhenContactEndsWithAForce) {
+TEST(ForceGuard, FadesOutTheRemainingForceWhenContactEnds) {
   ForceGuard guard({});
   guard.limit({});
   hold(guard, touching({1, 0, 0}), 0.02);
@@ -120,7 +120,7 @@ TEST(ForceGuard, FadesTheRestOfTheForceOutWhenContactEndsWithAForce) {
   EXPECT_EQ(hold(guard, free, 0.03).force.norm(), 0);
 }
 
-TEST(ForceGuard, GoesOnFromTheForceInTheHandWhenAStepComesDuringARamp) {
+TEST(ForceGuard, ContinuesFromTheGivenForceAtAStepDuringARamp) {
   const GuardOptions options;
   ForceGuard guard(options);
   guard.limit({});
@@ -132,7 +132,7 @@ TEST(ForceGuard, GoesOnFromTheForceInTheHandWhenAStepComesDuringARamp) {
   EXPECT_EQ(hold(guard, touching({0, -3, 0}), 0.06).force.y(), -3);
 }
 
-TEST(ForceGuard, FollowsTheForceAlsoWhenEveryTickIsAStep) {
+TEST(ForceGuard, FollowsTheForceEvenIfEveryTickIsAStep) {
   ForceGuard guard({});
   hold(guard, touching({0, 1, 0}), 0.1);
   EXPECT_LT(hold(guard, stepped(touching({0, 0, 0})), 5).force.norm(), 0.01);
@@ -181,7 +181,7 @@ TEST(ForceGuard, GoesToZeroWhenReadingsStallAndComesBackByARamp) {
   EXPECT_EQ(hold(guard, touching({1, 0, 0}), 0.06).force.x(), 1);
 }
 
-TEST(ForceGuard, TakesADeviceOfHalfTheRateForAlive) {
+TEST(ForceGuard, TreatsADeviceOfHalfTheRateAsAlive) {
   ForceGuard guard({});
   for (int n = 0; n < 1000; ++n) {
     GuardInput input = touching({1, 0, 0});
@@ -244,7 +244,7 @@ TEST(ForceGuard, HardlyMovesTheForceForOneBadReading) {
   for (int n = 0; n < 60; ++n) EXPECT_NEAR(guard.limit(touching({0, 0, 2})).force.z(), 2, 0.01);
 }
 
-TEST(ForceGuard, TakesAMotionThatNoHandMakesForAStep) {
+TEST(ForceGuard, TreatsAnImpossibleHandMotionAsAStep) {
   for (const bool there_and_back : {true, false}) {
     ForceGuard guard({});
     guard.limit(spring(200, 0));
@@ -265,7 +265,7 @@ TEST(ForceGuard, TakesAMotionThatNoHandMakesForAStep) {
   }
 }
 
-TEST(ForceGuard, TakesAFastHandForAHand) {
+TEST(ForceGuard, AcceptsAFastHandMotion) {
   ForceGuard guard({});
   for (int n = -40; n < 10; ++n) {
     const GuardedForce given = guard.limit(spring(100, std::max(0.0, 1.5e-3 * n)));
@@ -305,7 +305,7 @@ Extracted pressSpring(double stiffness, double depth, double hertz, const GuardO
   return extracted;
 }
 
-TEST(EnergyLimit, TakesOutTheEnergyThatHoldingASpringForATickCreates) {
+TEST(EnergyLimit, RemovesTheEnergyCreatedBySamplingASpring) {
   const GuardOptions options = wideOptions();
   const double stiffness = 1000, depth = 0.01, hertz = 5;
   const Extracted extracted = pressSpring(stiffness, depth, hertz, options);
@@ -320,7 +320,7 @@ TEST(EnergyLimit, TakesOutTheEnergyThatHoldingASpringForATickCreates) {
   EXPECT_GT(extracted.damped, 900);
 }
 
-TEST(EnergyLimit, KeepsAHandFromGettingMoreThanItGaveWithoutAStoredEnergy) {
+TEST(EnergyLimit, WithoutAStoredEnergyReturnsNoMoreThanTheHandGave) {
   const GuardOptions options = wideOptions();
   const Extracted extracted = pressSpring(1000, 0.01, 5, options, false);
   EXPECT_GT(extracted.held, 0.01);
@@ -328,7 +328,7 @@ TEST(EnergyLimit, KeepsAHandFromGettingMoreThanItGaveWithoutAStoredEnergy) {
   EXPECT_GT(extracted.damped, 0);
 }
 
-TEST(EnergyLimit, LeavesAHandAloneThatLosesEnergy) {
+TEST(EnergyLimit, DoesNotActOnAHandThatLosesEnergy) {
   GuardOptions options = wideOptions();
   ForceGuard guard(options);
   guard.limit(spring(100, 0));
@@ -364,7 +364,7 @@ TEST(EnergyLimit, NeitherTurnsNorEnlargesTheForce) {
   EXPECT_GT(damped, 100);
 }
 
-TEST(EnergyLimit, LeavesADeviceAloneThatCountsInSteps) {
+TEST(EnergyLimit, ToleratesQuantizedPositions) {
   ForceGuard guard({});
   guard.limit(spring(400, 0));
   for (int n = 1; n <= 500; ++n) guard.limit(spring(400, 1e-5 * n));
@@ -377,7 +377,7 @@ TEST(EnergyLimit, LeavesADeviceAloneThatCountsInSteps) {
   }
 }
 
-TEST(EnergyLimit, DoesNotTakeAClampedForceForCreatedEnergy) {
+TEST(EnergyLimit, DoesNotMistakeAClampedForceForCreatedEnergy) {
   GuardOptions options = wideOptions();
   options.max_force = 2;  // of 10 N at the deepest
   const Extracted extracted = pressSpring(1000, 0.01, 1, options);
@@ -441,7 +441,7 @@ GuardInput anything(std::mt19937_64& random) {
   return input;
 }
 
-TEST(ForceGuard, KeepsItsLimitsWhateverComes) {
+TEST(ForceGuard, KeepsItsLimitsForAnyInput) {
   std::mt19937_64 random(11);
   for (const double max_force : {0.9, 3.3, 22.0}) {
     GuardOptions options = guardFor({"any", max_force, 400, 0.1}, 1e-3);
@@ -464,7 +464,7 @@ TEST(ForceGuard, KeepsItsLimitsWhateverComes) {
   }
 }
 
-TEST(ForceGuard, IsAFunctionOfItsInputsAlone) {
+TEST(ForceGuard, DependsOnItsInputsAlone) {
   std::mt19937_64 random(12);
   ForceGuard first({}), second({});
   second.limit(touching({1, 1, 1}));
@@ -506,7 +506,7 @@ TEST(GuardOptions, CannotSwitchTheGuardOff) {
   EXPECT_THROW(ForceGuard{options}, Error);
 }
 
-TEST(GuardOptions, TakeTheWholeForceIn10MillisecondsUnlessASlewIsGiven) {
+TEST(GuardOptions, AllowTheWholeForceIn10MillisecondsByDefault) {
   GuardOptions options;
   options.max_force = 12;
   EXPECT_NEAR(slewOf(options), 1200, 1e-9);

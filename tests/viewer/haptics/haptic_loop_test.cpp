@@ -53,7 +53,7 @@ class HapticLoopTest : public testing::Test {
   static inline test::TouchedCube* cube = nullptr;
 };
 
-TEST_F(HapticLoopTest, RunsAsManyTicksAsItIsToldAndEndsWithZeroForce) {
+TEST_F(HapticLoopTest, RunsTheRequestedTicksAndEndsWithZeroForce) {
   ScriptedHand hand([](std::uint64_t) { return fresh(pressAndSlide(0.4)); });
   HapticTick tick(models(), hand, tickOptions());
   HapticLoop loop(tick, hand, loopOptions(300));
@@ -88,7 +88,7 @@ TEST_F(HapticLoopTest, StopsWhenAskedTo) {
 }
 
 /// A pause: the device held zero, the guard remembers the force of before.
-TEST_F(HapticLoopTest, GoesOnWithATickThatRanBeforeFromZeroByARamp) {
+TEST_F(HapticLoopTest, ResumesAnEarlierTickFromZeroByARamp) {
   ScriptedHand pressing([](std::uint64_t n) {
     return fresh(
         {0.05, 0.05, 0.101 - 2.5e-4 * static_cast<double>(std::min<std::uint64_t>(n, 24))});
@@ -143,7 +143,7 @@ TEST_F(HapticLoopTest, RecordsEveryTickOfAFreeRunAndEqualsTheTickAlone) {
   EXPECT_EQ(loop.statistics().missed_program + loop.statistics().missed_system, 0U);
 }
 
-TEST_F(HapticLoopTest, CountsStatesThatNobodyTook) {
+TEST_F(HapticLoopTest, CountsStatesThatWereNotRead) {
   constexpr std::uint64_t ticks = 8192 + 200;
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions(20000));
@@ -167,7 +167,7 @@ TEST_F(HapticLoopTest, ObeysCommands) {
   EXPECT_TRUE(waitFor([&loop] { return loop.latest().method == 1; }));
 }
 
-TEST_F(HapticLoopTest, RefusesCommandsWhenNobodyTakesThem) {
+TEST_F(HapticLoopTest, RefusesCommandsIfTheyAreNotRead) {
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions());
   HapticLoop loop(tick, hand, loopOptions(0));
@@ -176,7 +176,7 @@ TEST_F(HapticLoopTest, RefusesCommandsWhenNobodyTakesThem) {
   EXPECT_EQ(taken, 64);
 }
 
-TEST_F(HapticLoopTest, HaltsADeviceThatHangsAndGoesOnFromZero) {
+TEST_F(HapticLoopTest, HaltsAHungDeviceAndContinuesFromZero) {
   std::atomic<const ScriptedHand*> watched = nullptr;
   ScriptedHand hand([&watched](std::uint64_t tick) {
     // Hangs in the middle of a press until the watchdog has seen it.
@@ -238,7 +238,7 @@ int priorityHere() {
   return policy == SCHED_FIFO ? priority.sched_priority : 0;
 }
 
-TEST_F(HapticLoopTest, TheWatchdogGetsPastALoopThatSpins) {
+TEST_F(HapticLoopTest, TheWatchdogPreemptsASpinningLoop) {
   struct WatchedHand : ScriptedHand {
     using ScriptedHand::ScriptedHand;
     void halt() noexcept override {
@@ -267,7 +267,7 @@ TEST_F(HapticLoopTest, TheWatchdogGetsPastALoopThatSpins) {
   EXPECT_EQ(hand.watchdog, hand.loop + 1);
 }
 
-TEST_F(HapticLoopTest, AsksForTheThreadsOfTheDeviceTooAndTellsWhatWasRefused) {
+TEST_F(HapticLoopTest, RequestsRealTimeForDeviceThreadsAndReportsRefusals) {
   struct ThreadedHand : ScriptedHand {
     using ScriptedHand::ScriptedHand;
     std::string askForRealTime() override { return "The device thread has none. "; }
@@ -293,7 +293,7 @@ void compute(double cpu_seconds) {
   }
 }
 
-TEST_F(HapticLoopTest, TellsTheProgramsMissedDeadlinesFromTheSystems) {
+TEST_F(HapticLoopTest, DistinguishesDeadlinesMissedByProgramAndSystem) {
   ScriptedHand hand([](std::uint64_t tick) {
     if (tick % 10 == 0) compute(0.025);
     return fresh({0, 0, 1});
@@ -314,7 +314,7 @@ TEST_F(HapticLoopTest, TellsTheProgramsMissedDeadlinesFromTheSystems) {
   EXPECT_GE(waiting_loop.statistics().missed_system, 4U);
 }
 
-TEST_F(HapticLoopTest, SleepsOnAfterASignal) {
+TEST_F(HapticLoopTest, ContinuesItsSleepAfterASignal) {
   std::atomic<pthread_t> haptic_thread = 0;
   std::atomic<std::int64_t> first_ns = 0, last_ns = 0;
   ScriptedHand hand([&](std::uint64_t) {
@@ -342,7 +342,7 @@ TEST_F(HapticLoopTest, SleepsOnAfterASignal) {
   EXPECT_GE(1e-9 * static_cast<double>(last_ns - first_ns), (ticks - 2) * 0.01);
 }
 
-TEST_F(HapticLoopTest, GoesOnWhenRealTimeIsRefusedAndSaysWhatToDo) {
+TEST_F(HapticLoopTest, ContinuesWithoutRealTimeAndExplainsTheRemedy) {
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions());
   LoopOptions options = loopOptions(50);
@@ -363,7 +363,7 @@ TEST_F(HapticLoopTest, GoesOnWhenRealTimeIsRefusedAndSaysWhatToDo) {
   EXPECT_EQ(modest.trouble(), "");
 }
 
-TEST_F(HapticLoopTest, HandsStatesOverWholeAndInOrder) {
+TEST_F(HapticLoopTest, HandsOverCompleteStatesInOrder) {
   constexpr std::uint64_t ticks = 60000;
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions());

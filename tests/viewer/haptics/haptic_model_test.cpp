@@ -50,7 +50,7 @@ TEST(HapticModel, PreparesAMethodWhileAnotherIsRead) {
             HapticModel(dataset).field(0, 1).evaluate(p).force);
 }
 
-TEST(HapticModel, GoesOnWithAPreparationThatWasStopped) {
+TEST(HapticModel, ResumesAStoppedPreparation) {
   const test::TemporaryDirectory directory;
   test::TouchableBody(test::cubeMesh(0.1, 4), {{112}, {113, 2}}).seal(directory / "body.h5");
   HapticModel model(Dataset(directory / "body.h5"), {.prepare = false});
@@ -62,7 +62,7 @@ TEST(HapticModel, GoesOnWithAPreparationThatWasStopped) {
   EXPECT_TRUE(model.isPrepared(0));
 }
 
-TEST(HapticModel, BeginsAnAreaAnewThatWasStopped) {
+TEST(HapticModel, RestartsAStoppedAreaPreparation) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "body.h5");
   HapticModel model(Dataset(directory / "body.h5"), {.prepare = false});
@@ -75,7 +75,7 @@ TEST(HapticModel, BeginsAnAreaAnewThatWasStopped) {
   EXPECT_EQ(model.preparedShare(0), 1);
 }
 
-TEST(HapticModel, RefusesUnknownMethodsAndNone) {
+TEST(HapticModel, RefusesUnknownMethodsAndAnEmptyList) {
   const test::TouchableBody body(test::cubeMesh(0.1, 4), {{112}});
   const test::TemporaryDirectory directory;
   body.seal(directory / "body.h5");

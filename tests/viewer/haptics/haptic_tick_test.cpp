@@ -51,7 +51,7 @@ TEST_F(HapticTickTest, PushesTheHandOutOfTheBody) {
   EXPECT_EQ(state.tool, state.reading.position);
 }
 
-TEST_F(HapticTickTest, LetsGoWithoutAFaultWhenTheHandIsAway) {
+TEST_F(HapticTickTest, ReleasesWithoutAFaultWhenTheHandIsAway) {
   ScriptedHand hand([](std::uint64_t tick) {
     DeviceReading reading = pressing(tick);
     if (tick > 100) reading.status = DeviceStatus::away;
@@ -85,7 +85,7 @@ TEST_F(HapticTickTest, SlidesWithoutStepsOfTheForce) {
   EXPECT_LE(largest_step, 0.01 * largest_force);
 }
 
-TEST_F(HapticTickTest, GivesNothingToALostDeviceAndComesBackByARamp) {
+TEST_F(HapticTickTest, GivesNoForceToALostDeviceAndReturnsByARamp) {
   ScriptedHand hand([](std::uint64_t tick) {
     DeviceReading reading = tick > 150 ? above() : pressing(tick);
     if (tick > 250) reading = pressing(tick - 250);
@@ -111,7 +111,7 @@ TEST_F(HapticTickTest, GivesNothingToALostDeviceAndComesBackByARamp) {
   EXPECT_GT(before.norm(), 0.1);
 }
 
-TEST_F(HapticTickTest, MakesASmoothWayToZeroWhenADeviceSendsNan) {
+TEST_F(HapticTickTest, GoesSmoothlyToZeroWhenADeviceSendsNaN) {
   ScriptedHand hand([](std::uint64_t tick) {
     return tick > 100 ? fresh({0, std::nan(""), 0}) : pressing(tick);
   });
@@ -129,7 +129,7 @@ TEST_F(HapticTickTest, MakesASmoothWayToZeroWhenADeviceSendsNan) {
   EXPECT_EQ(before, Eigen::Vector3d::Zero());
 }
 
-TEST_F(HapticTickTest, GivesZeroAfterTheLoopHung) {
+TEST_F(HapticTickTest, GivesZeroAfterAHungLoop) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());
   for (int n = 0; n < 100; ++n) tick.run();
@@ -197,7 +197,7 @@ TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
 }
 
 /// Its triangle and spaces are those of the model before.
-TEST_F(HapticTickTest, ForgetsTheTouchThatWasSeenWhenTheModelChanges) {
+TEST_F(HapticTickTest, ForgetsTheShownTouchWhenTheModelChanges) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model(), &model()}, hand, options());
   for (int n = 0; n < 100; ++n) tick.run();
@@ -220,7 +220,7 @@ TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
   EXPECT_EQ(tick.state().method, 0);
 }
 
-TEST_F(HapticTickTest, KeepsItsMethodWhenTheOtherIsNotPreparedYet) {
+TEST_F(HapticTickTest, KeepsItsMethodIfTheOtherIsNotPreparedYet) {
   HapticModel half(cube->dataset(), {.prepare = false});
   half.prepare(0);
   ScriptedHand hand(pressing);
@@ -250,7 +250,7 @@ TEST_F(HapticTickTest, NeedsAModel) {
   EXPECT_THROW(HapticTick({}, hand, options()), std::logic_error);
 }
 
-TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
+TEST_F(HapticTickTest, FitsTheWorkspaceOfADeviceToTheTouchableSurface) {
   ScriptedHand hand(pressing, false);
   const WorkspaceMap map = workspaceFor(model(), hand, hand.profile());
   EXPECT_GT(map.scale, 1);
@@ -267,7 +267,7 @@ TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
   EXPECT_EQ(workspaceFor(model(), hand, hand.profile()).scale, 1);
 }
 
-TEST_F(HapticTickTest, DoesNotMapDevicesThatLiveInTheScene) {
+TEST_F(HapticTickTest, DoesNotMapDevicesThatUseTheScenesFrame) {
   const ScriptedHand hand(pressing);
   const WorkspaceMap map = workspaceFor(model(), hand, hand.profile());
   EXPECT_EQ(map.scale, 1);

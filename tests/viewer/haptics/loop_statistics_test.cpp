@@ -43,7 +43,7 @@ TEST(TimeHistogram, IsEmptyAtFirst) {
   EXPECT_TRUE(histogram.bins().empty());
 }
 
-TEST(TimeHistogram, TakesWhatIsOutOfItsRange) {
+TEST(TimeHistogram, CountsValuesOutsideItsRange) {
   TimeHistogram histogram;
   for (const double time : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), 1e-9, 100.0})
     histogram.add(time);
@@ -93,7 +93,7 @@ LoopStatistics someStatistics() {
   return statistics;
 }
 
-TEST(LoopStatistics, AddUpOverTheLoopsOfARun) {
+TEST(LoopStatistics, AccumulateOverTheLoopsOfARun) {
   LoopStatistics total, part = someStatistics();
   part.largest_force = 2;
   add(total, part);

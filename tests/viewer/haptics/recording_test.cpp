@@ -145,7 +145,7 @@ TEST(Recording, HoldsEveryTickToTheLastBit) {
   }
 }
 
-TEST(Recording, GivesTheReadingsOfTheDeviceBackToTheLastBit) {
+TEST(Recording, ReturnsTheReadingsOfTheDeviceToTheLastBit) {
   const TemporaryDirectory folder;
   const Recorder recorder = someRecorder(1000);
   EXPECT_TRUE(recorder.complete());
@@ -164,7 +164,7 @@ TEST(Recording, GivesTheReadingsOfTheDeviceBackToTheLastBit) {
   }
 }
 
-TEST(Recording, SaysWhatTheRunWasMadeWith) {
+TEST(Recording, RecordsTheSettingsOfTheRun) {
   const TemporaryDirectory folder;
   someRecorder(3).save(folder / "run.h5");
   hdf5::Reader in(folder / "run.h5");
@@ -193,7 +193,7 @@ TEST(Recording, SaysWhatTheRunWasMadeWith) {
   EXPECT_EQ(in.read<double>("/workspace/origin", {3}), (std::vector{0.1, -0.2, 1.0 / 3}));
 }
 
-TEST(Recording, OfNothingIsARecording) {
+TEST(Recording, AnEmptyRunIsARecording) {
   const TemporaryDirectory folder;
   someRecorder(0).save(folder / "run.h5");
   EXPECT_TRUE(readRecording(folder / "run.h5").readings.empty());
@@ -208,7 +208,7 @@ TEST(Recording, SavesTheSameBytesEveryTimeAndReplacesTheOldFile) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
 }
 
-TEST(Recording, TellsWhenTicksAreMissing) {
+TEST(Recording, ReportsMissingTicks) {
   std::mt19937 random(5);
   Recorder recorder(someRun());
   recorder.add(someState(1, random));
@@ -230,7 +230,7 @@ TEST(Recording, IsNotReadFromForeignFiles) {
                        {"dataset.h5", "not a recording"});
 }
 
-TEST(Recording, OfALaterFormatIsRefused) {
+TEST(Recording, IsRefusedInALaterFormat) {
   const TemporaryDirectory folder;
   const std::int32_t version = 2;
   {
@@ -257,7 +257,7 @@ TEST(Recording, CutAtAnyLengthIsAnErrorThatNamesTheFile) {
   }
 }
 
-TEST(Recording, WithAChangedByteIsAnErrorOrTheSameReadings) {
+TEST(Recording, AChangedByteIsAnErrorOrGivesTheSameReadings) {
   const TemporaryDirectory folder;
   const std::vector<HapticState> states = someStates(20);
   someRecorder(20).save(folder / "run.h5");
@@ -305,7 +305,7 @@ void rewrite(const std::filesystem::path& file, const char* path, std::vector<T>
   H5Fclose(opened);
 }
 
-TEST(Recording, WithImpossibleValuesIsRefused) {
+TEST(Recording, IsRefusedWithImpossibleValues) {
   const TemporaryDirectory folder;
   someRecorder(3).save(folder / "run.h5");
   rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 4, 0}, {3});
@@ -313,7 +313,7 @@ TEST(Recording, WithImpossibleValuesIsRefused) {
                     {"run.h5", "/device/status"});
 }
 
-TEST(Recording, IsRefusedForDamageInWhatAReplayDoesNotNeedToo) {
+TEST(Recording, IsRefusedForDamageThatAReplayWouldNotRead) {
   const TemporaryDirectory folder;
   someRecorder(3).save(folder / "run.h5");
   rewrite<double>(folder / "run.h5", "/time", {1, 3, 2}, {3}, false);
@@ -336,7 +336,7 @@ int saveToAFullDisk(const Recorder& recorder, const std::filesystem::path& file,
   }
 }
 
-TEST(Recording, LeavesTheOldFileAndNothingElseOnAFullDisk) {
+TEST(Recording, LeavesOnlyTheOldFileOnAFullDisk) {
   const TemporaryDirectory folder;
   const std::filesystem::path file = folder / "run.h5";
   someRecorder(10).save(file);

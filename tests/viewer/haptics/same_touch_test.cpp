@@ -15,7 +15,7 @@ Touch pressed(const HapticModel& model) {
   return contact.touch();
 }
 
-TEST(SameTouch, AnswersAtTheSamePlaceAndDisplacementByItsOwnForces) {
+TEST(SameTouch, HasItsOwnForcesAtTheSamePlaceAndDisplacement) {
   const HapticModel soft = test::cubeModel();
   const HapticModel stiff = test::cubeModel([](const Eigen::Vector3d&) { return 3.0; });
   const Touch touch = pressed(soft);
@@ -30,7 +30,7 @@ TEST(SameTouch, AnswersAtTheSamePlaceAndDisplacementByItsOwnForces) {
   EXPECT_NEAR((itself->force - touch.force).norm(), 0, 1e-12);
 }
 
-TEST(SameTouch, IsNoneOfAnotherBodyWhereNothingWasComputedOrIsPrepared) {
+TEST(SameTouch, IsEmptyForOtherBodiesMethodsAndUntouchablePlaces) {
   const HapticModel cube = test::cubeModel(), blob = test::tenNodeModel();
   const Touch touch = pressed(cube);
   EXPECT_FALSE(sameTouch(cube, touch, blob, 0));

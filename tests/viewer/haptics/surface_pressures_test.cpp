@@ -38,7 +38,7 @@ class SurfacePressuresTest : public testing::Test {
   const HapticModelOptions asked{.methods = {"trilinear"}, .pressures = true};
 };
 
-TEST_F(SurfacePressuresTest, AreThoseOfEachVertexBlendedFromTheSpacesOfATouch) {
+TEST_F(SurfacePressuresTest, BlendTheSpacesOfATouchAtEachVertex) {
   const test::PressedBody body(mesh, {{middle_of_top}, {middle_of_top + 1}});
   const Dataset dataset = sealed(body);
   const HapticModel model(dataset, asked);
@@ -66,13 +66,13 @@ TEST_F(SurfacePressuresTest, ArePositiveInCompressionAsStored) {
   }
 }
 
-TEST_F(SurfacePressuresTest, AtRestAreThoseOfTheStateAtRest) {
+TEST_F(SurfacePressuresTest, EqualTheRestStatesWithoutATouch) {
   const HapticModel model(sealed(test::PressedBody(mesh, {{middle_of_top}})), asked);
   for (const float pressure : pressuresOf(model, {}, {0, 0, -0.02}))
     EXPECT_EQ(pressure, test::PressedBody::at_rest);
 }
 
-TEST_F(SurfacePressuresTest, AreMissingWhereNoMaterialHasThem) {
+TEST_F(SurfacePressuresTest, AreMissingWithoutAMaterialThatHasThem) {
   const test::PressedBody layered(mesh, {{middle_of_top}}, 1, 0.04);
   const HapticModel model(sealed(layered), asked);
   EXPECT_FALSE(model.pressures().everywhere());
@@ -96,7 +96,7 @@ TEST_F(SurfacePressuresTest, AreZeroAndNotMissingInABodyOfOneMaterial) {
 }
 
 /// Of the vertices that have a pressure.
-TEST_F(SurfacePressuresTest, KnowTheStrengthThatHalfOfTheConfigurationsHave) {
+TEST_F(SurfacePressuresTest, HaveTheMedianStrengthAsTheirUsualOne) {
   for (const double linear_below : {-1.0, 0.07}) {
     const test::PressedBody body(mesh, {{middle_of_top}}, 1, linear_below);
     const Dataset dataset = sealed(body);
@@ -118,7 +118,7 @@ TEST_F(SurfacePressuresTest, KnowTheStrengthThatHalfOfTheConfigurationsHave) {
   }
 }
 
-TEST(Strength, IsWhatOneOfTwentyExceedsWithEitherSign) {
+TEST(Strength, IsThe95thPercentileOfTheAbsoluteValue) {
   std::vector<float> pressures(100, -10.0F);
   std::fill_n(pressures.begin(), 4, 9000.0F);
   EXPECT_EQ(strengthOf(pressures), 10) << "four of a hundred are outliers";
@@ -130,7 +130,7 @@ TEST(Strength, IsWhatOneOfTwentyExceedsWithEitherSign) {
   EXPECT_EQ(strengthOf(pressures), 3) << "of those that have one";
 }
 
-TEST_F(SurfacePressuresTest, ArePreparedWhenThereIsTimeAndGoOnWhereTheyWereStopped) {
+TEST_F(SurfacePressuresTest, PreparationResumesWhereItWasStopped) {
   HapticModelOptions later = asked;
   later.prepare = false;
   const test::PressedBody body(mesh, {{middle_of_top}, {middle_of_top + 1}});
@@ -149,14 +149,14 @@ TEST_F(SurfacePressuresTest, ArePreparedWhenThereIsTimeAndGoOnWhereTheyWereStopp
   EXPECT_EQ(pressuresOf(model, blendOf({{1, 1}}), {0, 0, -0.01}), once) << "nothing is left to do";
 }
 
-TEST_F(SurfacePressuresTest, AreNeverPreparedWhereNobodyAskedForThem) {
+TEST_F(SurfacePressuresTest, AreNeverPreparedUnlessRequested) {
   HapticModel model(sealed(test::PressedBody(mesh, {{middle_of_top}})), {});
   model.preparePressures();
   EXPECT_FALSE(model.pressures().isPrepared());
   EXPECT_EQ(model.pressures().source(), PressureSource::stored);
 }
 
-TEST_F(SurfacePressuresTest, SayWhatOfTheSceneStandsInTheWay) {
+TEST_F(SurfacePressuresTest, NameTheSceneSettingThatPreventsThem) {
   Scene scene;
   scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
   EXPECT_EQ(pressureSourceOf(scene), PressureSource::storage);
@@ -168,7 +168,7 @@ TEST_F(SurfacePressuresTest, SayWhatOfTheSceneStandsInTheWay) {
   EXPECT_EQ(pressureSourceOf(scene), PressureSource::material);
 }
 
-TEST_F(SurfacePressuresTest, OfADatasetWithoutThemAreNeverPrepared) {
+TEST_F(SurfacePressuresTest, AreNeverPreparedForADatasetWithoutThem) {
   test::TouchableBody(mesh, {{middle_of_top}}).seal(directory / "without.h5");
   HapticModel model(Dataset(directory / "without.h5"), asked);
   model.preparePressures();

@@ -203,12 +203,12 @@ TEST(SurfaceTree, HasNoCracksAtEdgesAndVertices) {
   EXPECT_EQ(leaks, 0);
 }
 
-TEST(SurfaceTree, DoesNotCountAWayOutAsAnEntry) {
+TEST(SurfaceTree, DoesNotCountAnExitAsAnEntry) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
   EXPECT_EQ(treeOf(mesh).entry({0.05, 0.05, 0.05}, {0.05, 0.06, 0.2}).triangle, -1);
 }
 
-TEST(SurfaceTree, AnswersForAnEmptySurfaceAndForNoSegment) {
+TEST(SurfaceTree, AnswersForAnEmptySurfaceAndAnEmptySegment) {
   EXPECT_EQ(SurfaceTree().nearest({0, 0, 0}).triangle, -1);
   EXPECT_EQ(SurfaceTree().entry({0, 0, 0}, {1, 0, 0}).triangle, -1);
   const Eigen::Vector3d point(0.05, 0.05, 0.1);

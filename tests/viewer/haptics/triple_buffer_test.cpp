@@ -25,7 +25,7 @@ TEST(TripleBuffer, GivesTheLastOfManyValues) {
   }
 }
 
-TEST(TripleBuffer, LeavesTheValueBeingReadAlone) {
+TEST(TripleBuffer, DoesNotOverwriteTheValueBeingRead) {
   TripleBuffer<int> buffer;
   buffer.write(1);
   const int& held = buffer.read();

@@ -24,14 +24,14 @@ void expectFault(const std::function<void(CarriedOrgan&)>& change,
       ExitCode::failed, [&] { decode(encode(organ)); }, words);
 }
 
-TEST(CarriedOrgan, OfAnotherVersionSaysWhichAndWhatToDo) {
+TEST(CarriedOrgan, NamesAnotherVersionAndTheRemedy) {
   test::expectError(ExitCode::failed, [] { decode("palpate-organ-0\n..."); },
                     {"version 0", "of version 3", "palpate share"});
   for (const char* bytes : {"", "something else", "palpate-organ-", "palpate-organ-no version\n"})
     test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"organ", "palpate share"});
 }
 
-TEST(CarriedOrgan, StaysWhatItWas) {
+TEST(CarriedOrgan, RoundTripsUnchanged) {
   for (const bool finger : {false, true}) {
     const std::string bytes = encode(test::smallOrgan(finger));
     EXPECT_EQ(encode(decode(bytes)), bytes);
@@ -39,14 +39,14 @@ TEST(CarriedOrgan, StaysWhatItWas) {
 }
 
 /// A lattice that is deep and narrow was taken for one whose points were lost.
-TEST(CarriedOrgan, MayReachDeepAndNotWide) {
+TEST(CarriedOrgan, AcceptsADeepAndNarrowLattice) {
   const std::string bytes =
       encode(test::smallOrgan(true, 0.4, {Eigen::Vector3d::UnitZ(), -0.25, 0.02}));
   EXPECT_EQ(encode(decode(bytes)), bytes);
 }
 
 /// In single precision forces on a stiff organ were more than 1e-6 N off.
-TEST(CarriedOrgan, KeepsWhatAFingerHasFarBeyondSinglePrecision) {
+TEST(CarriedOrgan, KeepsFingerDataBeyondSinglePrecision) {
   CarriedOrgan organ = test::smallOrgan(true);
   Equilibrium& exact = organ.spaces[1].points[4].equilibrium;
   exact.energy = M_PI;
@@ -61,7 +61,7 @@ TEST(CarriedOrgan, KeepsWhatAFingerHasFarBeyondSinglePrecision) {
             1e-11 * exact.stiffness_by_s.norm());
 }
 
-TEST(CarriedOrgan, CutOffAnywhereIsRefused) {
+TEST(CarriedOrgan, IsRefusedIfCutAnywhere) {
   const std::string bytes = encode(test::smallOrgan(true));
   for (std::size_t length = 16; length < bytes.size(); ++length)
     test::expectError(ExitCode::failed, [&] { decode(std::string_view(bytes).substr(0, length)); },
@@ -70,7 +70,7 @@ TEST(CarriedOrgan, CutOffAnywhereIsRefused) {
                     {"extra bytes", "palpate share"});
 }
 
-TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
+TEST(CarriedOrgan, RefusesIndicesOutOfRange) {
   expectFault([](auto& organ) { organ.triangles[2][1] = std::ssize(organ.vertices); },
               {"triangle 2", "corner"});
   expectFault([](auto& organ) { organ.triangles[2][1] = -1; }, {"triangle 2", "corner -1"});
@@ -88,7 +88,7 @@ TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
       {"space 1", "split 0"});
 }
 
-TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
+TEST(CarriedOrgan, RefusesNumbersThatAreNotFinite) {
   expectFault([](auto& organ) { organ.vertices[2].y() = no_number; }, {"vertex 2"});
   expectFault([](auto& organ) { organ.max_force = 0; }, {"force", "0 N"});
   expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"touch 0"});
@@ -107,7 +107,7 @@ TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
   expectFault([](auto& organ) { organ.shapes.shares[1][3] = 1e9f; }, {"space 1", "shape"});
 }
 
-TEST(CarriedOrgan, LatticesOfOneSurfaceAreAlikeAndNotLargerThanTheirPoints) {
+TEST(CarriedOrgan, RefusesUnlikeOrOversizedLatticesOfOneSurface) {
   expectFault([](auto& organ) { organ.spaces[1].lattice = Lattice(0.02, 0.02, 4); }, {"lattice"});
   std::string bytes = encode(test::smallOrgan(true));
   const double radius = 0.02, finer = radius / 100;
@@ -120,7 +120,7 @@ TEST(CarriedOrgan, LatticesOfOneSurfaceAreAlikeAndNotLargerThanTheirPoints) {
   test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"lattice", "about 4188790 points"});
 }
 
-TEST(CarriedOrgan, WithAnyByteChangedIsRefusedOrCanBeTouched) {
+TEST(CarriedOrgan, AChangedByteIsRefusedOrLeavesItTouchable) {
   const std::string whole = encode(test::smallOrgan(true));
   int refused = 0;
   for (std::size_t place = 0; place < whole.size(); ++place) {

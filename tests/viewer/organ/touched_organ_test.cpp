@@ -33,7 +33,7 @@ struct TouchedOrganTest : testing::Test {
   }
 };
 
-TEST_F(TouchedOrganTest, AFingerFeelsWhatTheDatasetSays) {
+TEST_F(TouchedOrganTest, AFingerFeelsTheForcesOfTheDataset) {
   const test::FingerBody body;
   const CarriedOrgan organ = organOfBody(body);
   std::vector<const SpaceTable*> sites;

@@ -29,7 +29,7 @@ Edges contourFrom(const Eigen::Vector3f& eye) {
   return found;
 }
 
-TEST(Contour, IsWhereTrianglesThatFaceTheEyeMeetOthers) {
+TEST(Contour, SeparatesTrianglesThatFaceTheEyeFromOthers) {
   EXPECT_EQ(contourFrom({0.1F, 0.2F, 50}), (Edges{{0, 2}, {1, 2}, {1, 3}, {0, 3}}));
   EXPECT_EQ(contourFrom({50, 50, 50}), (Edges{{0, 3}, {0, 5}, {1, 2}, {1, 4}, {2, 5}, {3, 4}}));
 }

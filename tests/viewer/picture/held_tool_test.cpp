@@ -26,7 +26,7 @@ class HeldToolTest : public ::testing::Test {
   HeldTool held;
 };
 
-TEST_F(HeldToolTest, PointsAwayFromTheSkinAndIsHeldFromTheSideOfTheEye) {
+TEST_F(HeldToolTest, PointsAwayFromTheSkinWithItsHandleTowardTheEye) {
   freeAbove(0.01);
   EXPECT_NEAR(held.pose().outward.z(), 1, 1e-9);
   EXPECT_NEAR(held.pose().handle.norm(), 1, 1e-12);
@@ -46,7 +46,7 @@ TEST_F(HeldToolTest, ThrowsAShadowThatFadesWithTheGap) {
   EXPECT_EQ(held.shadow(0.005).strength, 0);
 }
 
-TEST_F(HeldToolTest, TurnsBitByBit) {
+TEST_F(HeldToolTest, TurnsGradually) {
   freeAbove(0.01);
   HapticState state;
   state.touch.touching = true;

@@ -36,7 +36,7 @@ TEST(LabelPlace, IsClearOfTheTool) {
   EXPECT_FALSE(covers(box, tool[0]));
 }
 
-TEST(LabelPlace, StaysInTheViewAndThenStillClearOfTheArrow) {
+TEST(LabelPlace, StaysInTheViewClearOfTheArrow) {
   for (const Eigen::Vector2d& tip : {Eigen::Vector2d(970, 300), Eigen::Vector2d(480, 8),
                                      Eigen::Vector2d(10, 612), Eigen::Vector2d(970, 10)}) {
     const ThickLine arrow = {{480, 300}, tip, 6};
@@ -49,7 +49,7 @@ TEST(LabelPlace, StaysInTheViewAndThenStillClearOfTheArrow) {
   }
 }
 
-TEST(LabelPlace, OfAnArrowTowardTheEyeIsAboveIt) {
+TEST(LabelPlace, IsAboveAnArrowThatPointsTowardTheEye) {
   const ThickLine arrow = {{480, 300}, {481, 300}, 6};
   const ScreenBox box = labelOfArrow(arrow);
   EXPECT_FALSE(covers(box, arrow));
@@ -66,7 +66,7 @@ TEST(LabelPlace, IsClearOfLegends) {
               (box.to.array() < legend.from.array()).any());
 }
 
-TEST(LabelPlace, CoversWhatABoxTouches) {
+TEST(LabelPlace, ABoxCoversThickLinesThatTouchIt) {
   const ScreenBox box = {{0, 0}, {10, 10}};
   EXPECT_TRUE(covers(box, {{-5, 5}, {15, 5}, 0}));
   EXPECT_TRUE(covers(box, {{12, 5}, {30, 5}, 3}));

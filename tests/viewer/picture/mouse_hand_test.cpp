@@ -30,7 +30,7 @@ class MouseHandTest : public testing::Test {
   static inline HapticModel *cube = nullptr, *blob = nullptr;
 };
 
-TEST_F(MouseHandTest, WaitsOutsideOfTheSkinBeforeThePlaceThatIsPointedAt) {
+TEST_F(MouseHandTest, HoversBeforeTheSkinAtThePointedPlace) {
   test::MouseRun run(*cube);
   run.act({.pointer = run.onScreen(top())}, 20);
   ASSERT_TRUE(run.hand.place());
@@ -43,7 +43,7 @@ TEST_F(MouseHandTest, WaitsOutsideOfTheSkinBeforeThePlaceThatIsPointedAt) {
   EXPECT_FALSE(run.touched);
 }
 
-TEST_F(MouseHandTest, IsAwayWhereNothingIsPointedAt) {
+TEST_F(MouseHandTest, IsAwayIfNothingIsPointedAt) {
   test::MouseRun run(*cube);
   run.act({}, 3);
   EXPECT_EQ(run.state().reading.status, DeviceStatus::away);
@@ -73,14 +73,14 @@ TEST_F(MouseHandTest, PressesAlongTheNormalWhileTheButtonIsHeldAndComesOutAgain)
   EXPECT_LT(run.state().force.norm(), 1e-9);
 }
 
-TEST_F(MouseHandTest, PressesAtOnceWhereItWasNotBefore) {
+TEST_F(MouseHandTest, PressesAtOnceWithoutHoveringFirst) {
   test::MouseRun run(*cube);
   run.act({.pointer = run.onScreen(top()), .button = true}, 60);
   EXPECT_TRUE(run.state().touch.touching);
   EXPECT_NEAR((run.state().touch.anchor_position - top()).norm(), 0, 1e-6);
 }
 
-TEST_F(MouseHandTest, GoesDeeperWithTheWheelAndNotBeyondWhatWasComputed) {
+TEST_F(MouseHandTest, GoesDeeperWithTheWheelWithinTheComputedRegion) {
   test::MouseRun run(*cube);
   const HandInput input{.pointer = run.onScreen(top()), .button = true};
   run.act(input, 60);
@@ -98,7 +98,7 @@ TEST_F(MouseHandTest, GoesDeeperWithTheWheelAndNotBeyondWhatWasComputed) {
   EXPECT_GT(depthUnder(top(), run), 0) << "the button is still held";
 }
 
-TEST_F(MouseHandTest, SlidesOverTheSkinAfterThePointer) {
+TEST_F(MouseHandTest, FollowsThePointerOverTheSkin) {
   test::MouseRun run(*cube);
   run.act({.pointer = run.onScreen(top()), .button = true}, 60);
   const Eigen::Vector3d there = top() + Eigen::Vector3d(0.02, -0.03, 0);
@@ -132,7 +132,7 @@ TEST_F(MouseHandTest, TouchesNothingOnItsWayToAnotherSide) {
   EXPECT_FALSE(run.touched);
 }
 
-TEST_F(MouseHandTest, TakesHoldOfNothingThatCannotBeTouched) {
+TEST_F(MouseHandTest, DoesNotHoldUntouchableParts) {
   test::MouseRun run(*blob);
   run.look({0.2, 0.1, -1});  // from below
   run.act({.pointer = {0, 0}, .button = true}, 30);
@@ -142,7 +142,7 @@ TEST_F(MouseHandTest, TakesHoldOfNothingThatCannotBeTouched) {
   EXPECT_FALSE(run.touched);
 }
 
-TEST_F(MouseHandTest, ComesOutByOneKeyWhileTheButtonIsStillHeld) {
+TEST_F(MouseHandTest, OneKeyReleasesWhileTheButtonIsStillHeld) {
   test::MouseRun run(*cube);
   HandInput input{.pointer = run.onScreen(top()), .button = true};
   run.act(input, 60);
@@ -152,7 +152,7 @@ TEST_F(MouseHandTest, ComesOutByOneKeyWhileTheButtonIsStillHeld) {
   EXPECT_GT(run.state().touch.gap, 0);
 }
 
-TEST_F(MouseHandTest, ObeysKeysAlone) {
+TEST_F(MouseHandTest, CanBeSteeredByKeysAlone) {
   test::MouseRun run(*cube);
   run.act({.take = true}, 60);
   ASSERT_TRUE(run.state().touch.touching) << "it took hold of what is in front";
@@ -170,7 +170,7 @@ TEST_F(MouseHandTest, ObeysKeysAlone) {
   EXPECT_FALSE(run.state().touch.touching);
 }
 
-TEST_F(MouseHandTest, ComesOutByOneKeyOfAPressByKeysToo) {
+TEST_F(MouseHandTest, OneKeyReleasesAPressByKeysToo) {
   test::MouseRun run(*cube);
   run.act({.take = true}, 60);
   ASSERT_TRUE(run.hand.holdsByKey() && run.state().touch.touching);
@@ -178,7 +178,7 @@ TEST_F(MouseHandTest, ComesOutByOneKeyOfAPressByKeysToo) {
   EXPECT_FALSE(run.hand.holds() || run.state().touch.touching);
 }
 
-TEST_F(MouseHandTest, TakesAPressByKeysOverWithTheButton) {
+TEST_F(MouseHandTest, TheButtonTakesOverAPressByKeys) {
   test::MouseRun run(*cube);
   run.act({.take = true}, 60);
   ASSERT_TRUE(run.state().touch.touching);
@@ -196,7 +196,7 @@ TEST_F(MouseHandTest, TakesAPressByKeysOverWithTheButton) {
   EXPECT_FALSE(run.hand.holds() || run.state().touch.touching) << "its button holds now";
 }
 
-TEST_F(MouseHandTest, LetsGoOfAPressByKeysWhereTheButtonCannotTouch) {
+TEST_F(MouseHandTest, TheButtonOffTheTouchablePartReleasesAPressByKeys) {
   test::MouseRun run(*cube);
   run.act({.take = true}, 60);
   run.act({.pointer = run.onScreen(top())}, 10);
@@ -229,7 +229,7 @@ TEST_F(MouseHandTest, LeavesTheDragThatEndsAPressByKeysToTheCamera) {
   EXPECT_GT((run.camera.position() - eye).norm(), 0.01);
 }
 
-TEST_F(MouseHandTest, PullsWhatIsGlued) {
+TEST_F(MouseHandTest, PullsGluedTissue) {
   test::MouseRun run(*blob, ContactMode::glued);
   const Eigen::Vector2d at = run.onScreen(touchablePlace(blob->surface(), {0, 0, 0.2}).position);
   run.act({.pointer = at}, 30);
@@ -251,7 +251,7 @@ TEST_F(MouseHandTest, PullsWhatIsGlued) {
   EXPECT_LT(run.state().force.norm(), 1e-9);
 }
 
-TEST_F(MouseHandTest, NeverTouchesAQuarterOfASecondAfterItLetGo) {
+TEST_F(MouseHandTest, DoesNotTouchForAQuarterSecondAfterReleasing) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-0.45, 0.45);
   for (const HapticModel* model : {cube, blob}) {
@@ -278,7 +278,7 @@ TEST_F(MouseHandTest, NeverTouchesAQuarterOfASecondAfterItLetGo) {
 }
 
 /// Once the hints of keys spoke of a button that nobody held.
-TEST_F(MouseHandTest, SaysSomethingElseInEachState) {
+TEST_F(MouseHandTest, HasADifferentHintInEachState) {
   test::MouseRun run(*cube);
   std::set<std::string> hints;
   const auto act = [&](const HandInput& input, int pictures) {

@@ -13,7 +13,7 @@ OrbitCamera framed(double aspect = 1.5) {
   return camera;
 }
 
-TEST(OrbitCamera, FramesASphereFromTheSideAskedFor) {
+TEST(OrbitCamera, FramesASphereFromTheRequestedSide) {
   for (const double aspect : {0.5, 1.0, 2.0}) {
     const OrbitCamera camera = framed(aspect);
     EXPECT_NEAR(
@@ -60,7 +60,7 @@ TEST(OrbitCamera, PansSoThatTheSceneFollowsTheHand) {
   EXPECT_NEAR((camera.project(centre).head<2>() - Eigen::Vector2d(0.2, 0.1)).norm(), 0, 1e-12);
 }
 
-TEST(OrbitCamera, SeesAlongARayWhatIsAtItsPlace) {
+TEST(OrbitCamera, RaysMatchTheProjection) {
   OrbitCamera camera = framed();
   camera.orbit(0.3, 0.2);
   for (const Eigen::Vector2d& place : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.4, -0.3)}) {

@@ -39,7 +39,7 @@ TEST(Image, IsReadBackAsItWasWritten) {
   EXPECT_FALSE(std::filesystem::exists(directory / "a.png.tmp"));
 }
 
-TEST(Image, ThatCannotBeWrittenNamesTheFileAndLeavesNothing) {
+TEST(Image, NamesAnUnwritableFileAndLeavesNothing) {
   const test::TemporaryDirectory directory;
   test::expectError(ExitCode::failed, [&] { writePng(chequered(), directory / "no" / "a.png"); },
                     {"no/a.png", "No such file"});
@@ -60,7 +60,7 @@ TEST(VideoFrames, AreNumberedFromOneAndNeverMixedWithAnotherRun) {
   test::expectBadInput([&] { VideoFrames again(directory / "film"); }, {"film", "frame-00000"});
 }
 
-TEST(ForceHistory, KeepsFiveSecondsAndBeginsAnewWhenTimeDoes) {
+TEST(ForceHistory, KeepsFiveSecondsAndRestartsWhenTimeDoes) {
   ForceHistory history;
   for (int n = 0; n <= 600; ++n)
     history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0), 0);
@@ -84,7 +84,7 @@ TEST(ForceHistory, ForgetsTheOldestWhenPicturesComeTooFast) {
     EXPECT_GT(history.samples()[n].time, history.samples()[n - 1].time);
 }
 
-TEST(ForceHistory, CountsBoundsButNoneBeyondItsForce) {
+TEST(ForceHistory, IncludesBoundsUpToTheForceItself) {
   ForceHistory history;
   history.add(1, Eigen::Vector3d(3, 4, 0), 0.5);
   EXPECT_NEAR(history.largest(), 5.5, 1e-6);
@@ -103,7 +103,7 @@ TEST(ScreenScale, IsInQuartersAndNeverTooSmallOrHuge) {
   EXPECT_EQ(roundedScale(std::nan("")), 1);
 }
 
-TEST(GuardLamps, StayLitForHalfASecondAndNoticeWhatActedBetweenPictures) {
+TEST(GuardLamps, StayLitForHalfASecondAndCatchEventsBetweenFrames) {
   GuardLamps lamps;
   std::array<std::uint64_t, guard_count> ticks = {};
   lamps.update(10, static_cast<std::uint32_t>(Guarded::clamped), ticks);
@@ -152,7 +152,7 @@ TEST(LatticeDots, ShowTheErrorBoundOfCellMiddles) {
 }
 
 /// The scale once followed the largest error: an outlier of 1000 N made all others one colour.
-TEST(LatticeDots, ShowErrorsInColoursThatNoOutlierChanges) {
+TEST(LatticeDots, ColourErrorsWithoutRegardToOutliers) {
   EXPECT_EQ(errorPlace(0), 0);
   EXPECT_EQ(errorPlace(lowest_error), 0);
   EXPECT_NEAR(errorPlace(usual_force_error), 0.5, 1e-12);

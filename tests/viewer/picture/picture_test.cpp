@@ -127,7 +127,7 @@ TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
 }
 
 /// Once all that was pressed after a deep press was dark.
-TEST_F(PictureTest, BringsTheScaleOfTheColoursBackWhenItShowsEverything) {
+TEST_F(PictureTest, ResetsTheColourScaleWhenItShowsEverything) {
   Picture picture({&model}, {.vsync = false, .ghost = false});
   const HapticState press = pressed(0.0048);
   picture.draw(pressed(0.015), {});
@@ -174,7 +174,7 @@ TEST_F(PictureTest, ShowsTheLatticeByTag) {
   EXPECT_GT(find(pictureOf(state, {.lattice = true}), green, 980, 500).count, 16 * 10);
 }
 
-TEST_F(PictureTest, FillsItsPanelsAndSaysTroubleInRed) {
+TEST_F(PictureTest, FillsItsPanelsAndShowsTroubleInRed) {
   Picture picture({&model}, {.vsync = false});
   const HapticState state = pressed(0);
   picture.draw(state, {});
@@ -218,7 +218,7 @@ TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
 }
 
 /// Once the scale of a body ten times as large remained.
-TEST_F(PictureTest, ColoursASmallBodyAsBeforeAfterALargeOneWasBesideIt) {
+TEST_F(PictureTest, ColoursASmallBodyAsBeforeOnceALargeOneIsGone) {
   const HapticModel small = test::smallCubeModel();
   Picture picture({&small, &model}, {.vsync = false, .ghost = false});
   HapticState rest;
@@ -233,7 +233,7 @@ TEST_F(PictureTest, ColoursASmallBodyAsBeforeAfterALargeOneWasBesideIt) {
   EXPECT_GT(find(picture.grab(), isYellow).count, 300);
 }
 
-TEST_F(PictureTest, ShowsAnotherDatasetBesideInTheSameTouch) {
+TEST_F(PictureTest, ShowsAnotherDatasetInTheSameTouchAlongside) {
   const auto bluesAfterB = [&](const HapticModel& other) {
     Picture picture({&model, &other}, {.vsync = false});
     const HapticState state = pressed(0.01);
@@ -260,7 +260,7 @@ TEST_F(PictureTest, WantsToCloseWhenItsWindowIsClosed) {
   EXPECT_TRUE(picture.wantsClose());
 }
 
-TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
+TEST_F(PictureTest, PassesOnCommandsByKeys) {
   Picture picture({&model}, {.vsync = false});
   const HapticState state = pressed(0);
   picture.draw(state, {});
@@ -279,7 +279,7 @@ TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
   EXPECT_FALSE(method.release || method.pause || method.quit);
 }
 
-TEST_F(PictureTest, MovesTheToolToWhereThePersonPointsAndPresses) {
+TEST_F(PictureTest, MovesTheToolToThePointedPlaceAndPresses) {
   Picture picture({&model}, {.vsync = false});
   const HapticState state = pressed(0);
   const PictureStatus mouse{.mouse = true};
@@ -306,7 +306,7 @@ TEST_F(PictureTest, MovesTheToolToWhereThePersonPointsAndPresses) {
   EXPECT_FALSE(picture.draw(state, {}).tool) << "another device";
 }
 
-TEST_F(PictureTest, ShowsWhatCanBePressedByARingAndAHint) {
+TEST_F(PictureTest, MarksPressablePlacesByARingAndAHint) {
   Picture picture({&model}, {.vsync = false});
   HapticState state = pressed(0);
   state.reading.status = DeviceStatus::away;
@@ -352,7 +352,7 @@ TEST_F(PictureTest, ShowsTheLatticeByError) {
   EXPECT_GT(differences(tags, picture.grab(), 980, 622), 1000);
 }
 
-TEST_F(PictureTest, ShowsWhatTheColoursAreAskedFor) {
+TEST_F(PictureTest, ShowsTheRequestedColours) {
   Picture picture({&model}, {.vsync = false, .ghost = false});
   test::Person person(screen.name(), "Palpate");
   const HapticState state = pressed(0.0048);
@@ -418,7 +418,7 @@ TEST_F(PressurePictureTest, ShowsCompressionUnderTheToolWhenAskedForPressures) {
   EXPECT_GT(bar(pressure), bar(displacement) + 100) << "and its legend";
 }
 
-TEST_F(PressurePictureTest, LeavesTissueWhereThereIsNoPressure) {
+TEST_F(PressurePictureTest, LeavesTissueColourWhereThereIsNoPressure) {
   const HapticModel body = blob(), layered = blob(1, 0.0);
   const HapticState state = pressedInto(body, 0.005);
   const Image whole = coloured({&body}, state, "cc"), half = coloured({&layered}, state, "cc");

@@ -77,7 +77,7 @@ TEST(SurfaceShape, ColoursLengthsOverTissueAsTheLegendDoes) {
   EXPECT_EQ(rest[3], 255) << "and wet";
 }
 
-TEST(SurfaceShape, ColoursPlacesByViridisAndLeavesTissueWhereThereIsNone) {
+TEST(SurfaceShape, ColoursPlacesByViridisAndOthersAsTissue) {
   SurfaceShape shape = Square().shape();
   std::vector<float> places(25, std::numeric_limits<float>::quiet_NaN());
   places[3] = 0.5F;
@@ -130,7 +130,7 @@ TEST(SurfaceShape, HasTheMeanPressureInTheMiddleOfAnEdge) {
   expectColour(bytesAt(shape, found), pressureColour(0.5));
 }
 
-TEST(SurfaceShape, KnowsWhereItCanBeFeltWithASoftBorder) {
+TEST(SurfaceShape, FadesTheTouchablePartAtItsBorder) {
   const Square square;
   SurfaceShape shape = square.shape();
   EXPECT_EQ(shape.felt()[0], 1) << "two columns from the border";
@@ -145,7 +145,7 @@ TEST(SurfaceShape, KnowsWhereItCanBeFeltWithASoftBorder) {
   EXPECT_GT(redness(bytesAt(shape, 0)), redness(bytesAt(shape, 4)) + 20);
 }
 
-TEST(SurfaceShape, TakesWhatIsNotFiniteForAtRest) {
+TEST(SurfaceShape, TreatsValuesThatAreNotFiniteAsAtRest) {
   SurfaceShape shape = Square().shape();
   std::vector<float> u(3 * 25, std::numeric_limits<float>::quiet_NaN());
   shape.setDisplacements(u);
@@ -154,7 +154,7 @@ TEST(SurfaceShape, TakesWhatIsNotFiniteForAtRest) {
   EXPECT_EQ(shape.positions(), shape.rest());
 }
 
-TEST(SurfaceShape, RefusesSizesThatDoNotFit) {
+TEST(SurfaceShape, RefusesMismatchedSizes) {
   SurfaceShape shape = Square().shape();
   EXPECT_THROW(shape.setDisplacements(std::vector<float>(7)), std::logic_error);
 }

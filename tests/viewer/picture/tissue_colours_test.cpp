@@ -42,7 +42,7 @@ TEST(TissueColours, HaveBlotchesBetweenTheirEnds) {
 }
 
 /// The eye is to see zero, and from it as much one way as the other.
-TEST(PressureColours, AreLightAtNoneAndGrowDarkerBothWays) {
+TEST(PressureColours, AreLightAtZeroAndDarkenBothWays) {
   const Rgb none = pressureColour(0);
   EXPECT_EQ(none[0], none[1]);
   EXPECT_EQ(none[1], none[2]);
@@ -65,7 +65,7 @@ TEST(PressureColours, ArePurpleInCompressionAndGreenInTension) {
   }
 }
 
-TEST(SurfaceColour, GoesRoundThroughAllThatCanBeShown) {
+TEST(SurfaceColour, CyclesThroughAllAvailableColourings) {
   SurfaceColour colour = SurfaceColour::tissue;
   for (int n = 0; n < surface_colour_count; ++n) {
     EXPECT_STRNE(word(colour), "");

@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-TEST(ToolShape, OfASingleNodeIsAPoint) {
+TEST(ToolShape, ASingleNodeIsAPoint) {
   EXPECT_EQ(toolOf(test::modelOf({test::cubeMesh(0.1, 4), {{112}}}), 0), ToolShape{});
 }
 
-TEST(ToolShape, OfAPatchIsADiscThatCoversIt) {
+TEST(ToolShape, APatchIsADiscThatCoversIt) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   const Eigen::Vector3d middle = mesh.nodes[112];
   test::TouchableBody body(mesh, {{112}});
@@ -31,7 +31,7 @@ TEST(ToolShape, OfAPatchIsADiscThatCoversIt) {
   EXPECT_NEAR(tool.radius, farthest, 1e-9);
 }
 
-TEST(ToolShape, OfAFingerHasItsRadius) {
+TEST(ToolShape, AFingerHasItsRadius) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "body.h5");
   const HapticModel model{Dataset(directory / "body.h5")};

@@ -36,7 +36,7 @@ TEST(TouchWords, GiveForceAndBound) {
   EXPECT_EQ(forceText(HapticState()), "");
 }
 
-TEST(TouchWords, GiveNoBoundToAWall) {
+TEST(TouchWords, GiveNoBoundOutsideTheComputedRegion) {
   HapticState state = touchedWith(1, 0.001);
   state.touch.inside = false;
   EXPECT_TRUE(isUncertain(state.touch));

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-TEST(VertexErrors, AreKnownWhereThereIsSomethingToFeelAlone) {
+TEST(VertexErrors, AreKnownOnTheTouchableSurfaceOnly) {
   const test::TemporaryDirectory directory;
   test::TouchableBody(test::cubeMesh(0.1, 4), {{112}}).seal(directory / "body.h5");
   const HapticModel model{Dataset(directory / "body.h5")};

@@ -39,7 +39,7 @@ TEST_F(ViewControlTest, PansByTheMiddleButtonOrShiftAndZoomsByTheWheel) {
   EXPECT_NEAR(camera.project(centre).x(), 0.2, 1e-9);
 }
 
-TEST_F(ViewControlTest, LeavesLeftButtonAndWheelToAHandThatHolds) {
+TEST_F(ViewControlTest, LeavesLeftButtonAndWheelToAPressingHand) {
   const Eigen::Vector3d from = camera.position();
   control.apply({.right = 0.2, .wheel = 3, .over_view = true, .left = true}, true, camera);
   EXPECT_EQ(camera.position(), from);
@@ -47,7 +47,7 @@ TEST_F(ViewControlTest, LeavesLeftButtonAndWheelToAHandThatHolds) {
   EXPECT_GT((camera.position() - from).norm(), 0.01) << "the body can be turned while it is held";
 }
 
-TEST_F(ViewControlTest, TurnsAndComesCloserByKeysToo) {
+TEST_F(ViewControlTest, TurnsAndZoomsByKeysToo) {
   const Eigen::Vector3d from = camera.position();
   const double distance = camera.distance();
   control.apply({.turns = {2, 0}}, true, camera);

@@ -94,14 +94,14 @@ TEST_F(QueryCommand, NamesTheLineItCannotRead) {
                    {"standard input, line 3"});
 }
 
-TEST_F(QueryCommand, SaysWhatIsOutsideAndEndsWithCodeThree) {
+TEST_F(QueryCommand, MarksOutsideAnswersAndEndsWithCodeThree) {
   options.displacement = {"-"};
   EXPECT_EQ(ask("0 0 0\n0.03 0 0\n"), ExitCode::partly_failed);
   EXPECT_THAT(answer, HasSubstr("\"inside\":true"));
   EXPECT_THAT(answer, HasSubstr("\"inside\":false"));
 }
 
-TEST_F(QueryCommand, TellsAPersonWhatIsMissingAroundADisplacement) {
+TEST_F(QueryCommand, ShowsAPersonWhichNeighboursAreMissing) {
   options.json = false;
   options.active = "tip";
   const LatticePoint failed = sample.lattice.point(7);
@@ -149,7 +149,7 @@ TEST_F(QueryCommand, ProgramTakesNegativeNumbersAnywhere) {
   EXPECT_EQ(answer, first);
 }
 
-TEST_F(QueryCommand, ProgramReadsStandardInputAndEndsWithItsCodes) {
+TEST_F(QueryCommand, ProgramReadsStandardInputAndReturnsItsExitCodes) {
   const std::string file = options.dataset.string(), lines = (directory / "lines").string();
   std::ofstream(lines) << "-0.01 -1e-3 -.002\n0 0 0.5\n";
   EXPECT_EQ(run(file + " --active edge-2 --displacement - --json < " + lines), 3) << answer;
@@ -215,7 +215,7 @@ TEST_F(QueryOfAFinger, SaysWhereThereIsNoAnswer) {
   EXPECT_EQ(ask(), ExitCode::partly_failed);
 }
 
-TEST_F(QueryOfAFinger, WantsAPlaceAndItsOwnMethod) {
+TEST_F(QueryOfAFinger, NeedsAPlaceAndOnlyItsOwnMethod) {
   expectBadInput([&] { ask(); }, {"\"top\"", "--at X Y Z"});
   options.at = {"0.05", "0.05", "0.1"};
   options.method = "trilinear";
@@ -225,7 +225,7 @@ TEST_F(QueryOfAFinger, WantsAPlaceAndItsOwnMethod) {
   expectBadInput([&] { ask(); }, {"--at", "more than the body is wide"});
 }
 
-TEST_F(QueryCommand, OfANodeHasNoPlaces) {
+TEST_F(QueryCommand, ANodeTakesNoPlace) {
   options.at = {"0.05", "0.05", "0.1"};
   expectBadInput([&] { ask(); }, {"--at", "\"edge-2\" is not a finger"});
 }

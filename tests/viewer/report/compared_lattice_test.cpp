@@ -47,7 +47,7 @@ TEST(ThinnedSpace, KeepsFailuresAndAttemptsOfItsPointsOnly) {
   }
 }
 
-TEST(ThinnedSpace, OfAPartOfTheBallHasNothingInTheRest) {
+TEST(ThinnedSpace, StaysWithinItsPartOfTheBall) {
   const PushedPart part = {Eigen::Vector3d::UnitZ(), 0.2};
   const SpaceTable dense = test::solvedSpace(Lattice(0.06, 0.01, 1, part), StiffeningEnergy());
   const SpaceTable coarse = thinned(dense, 2);
@@ -74,7 +74,7 @@ TEST(ThinnedSpace, LeavesRefinementOut) {
   EXPECT_EQ(thinned(dense, 3).points.size(), 33U);
 }
 
-TEST(ThinnedSpace, RefusesWhatWouldBeTheOriginAlone) {
+TEST(ThinnedSpace, RefusesToLeaveTheOriginAlone) {
   const SpaceTable dense = denseSpace();
   EXPECT_TRUE(isThinnable(dense.lattice, 6));
   EXPECT_FALSE(isThinnable(dense.lattice, 7));

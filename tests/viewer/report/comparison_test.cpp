@@ -57,7 +57,7 @@ class ComparisonTest : public ::testing::Test {
   ReportCommandOptions options;
 };
 
-TEST_F(ComparisonTest, OfTwoMaterialsSaysHowTheirForcesDiffer) {
+TEST_F(ComparisonTest, ShowsHowForcesOfTwoMaterialsDiffer) {
   const nlohmann::json compared = json();
   EXPECT_THAT(compared["differences"].get<std::vector<std::string>>(), ElementsAre("material"));
   EXPECT_EQ(compared["common_nodes"], 2);
@@ -93,7 +93,7 @@ TEST_F(ComparisonTest, PageHasBothOnTheSameAxesWithExactPoints) {
     }
 }
 
-TEST_F(ComparisonTest, OfDifferentBodiesSaysThatTheyAreAndWhatToDo) {
+TEST_F(ComparisonTest, ReportsDifferentBodiesWithTheRemedy) {
   for (Eigen::Vector3d& node : second.problem.mesh.nodes) node *= 1.5;
   const nlohmann::json compared = json();
   EXPECT_THAT(compared["differences"].get<std::vector<std::string>>(), Contains("mesh"));
@@ -102,7 +102,7 @@ TEST_F(ComparisonTest, OfDifferentBodiesSaysThatTheyAreAndWhatToDo) {
               AllOf(HasSubstr("meshes differ"), HasSubstr("on one mesh")));
 }
 
-TEST_F(ComparisonTest, LeavesOutActiveNodesThatOneHasAloneAndSaysSo) {
+TEST_F(ComparisonTest, LeavesOutUnsharedActiveNodesAndSaysSo) {
   second.problem.scene.active[1].name = "other";
   second.problem.active[1].name = "other";
   second.spaces[1].patch.name = "other";
@@ -113,7 +113,7 @@ TEST_F(ComparisonTest, LeavesOutActiveNodesThatOneHasAloneAndSaysSo) {
               AllOf(HasSubstr("2 active nodes"), HasSubstr("[[active]]")));
 }
 
-TEST_F(ComparisonTest, WithoutAnActiveNodeInCommonIsRefused) {
+TEST_F(ComparisonTest, IsRefusedWithoutACommonActiveNode) {
   for (std::size_t n = 0; n < 2; ++n) {
     const std::string name = fmt::format("other-{}", n);
     second.problem.scene.active[n].name = name;
@@ -125,7 +125,7 @@ TEST_F(ComparisonTest, WithoutAnActiveNodeInCommonIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(options.html));
 }
 
-TEST_F(ComparisonTest, SitesOfAFingerAndNodesAreNoSamePlaces) {
+TEST_F(ComparisonTest, SitesOfAFingerDoNotMatchNodes) {
   first.seal(options.report.datasets[0]);
   test::FingerBody().seal(options.report.datasets[1]);
   std::ostringstream output;
@@ -151,13 +151,13 @@ TEST_F(ComparisonTest, TakesOneMethod) {
   expectBadInput([&] { run(); }, {"--methods", "potential"});
 }
 
-TEST_F(ComparisonTest, OfMoreThanTwoIsRefused) {
+TEST_F(ComparisonTest, IsRefusedForMoreThanTwo) {
   options.report.datasets.push_back(directory / "third.h5");
   first.seal(options.report.datasets[2]);
   expectBadInput([&] { run(); }, {"soft.h5", "stiff.h5", "material", "workspace.spacing"});
 }
 
-TEST_F(ComparisonTest, OfASpaceWithoutSolutionsSaysWhichAndWhy) {
+TEST_F(ComparisonTest, NamesASpaceWithoutSolutionsAndTheCause) {
   for (PointRecord& point : second.spaces[0].points) {
     point = {};
     point.tag = Tag::failed;

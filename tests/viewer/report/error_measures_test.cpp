@@ -38,7 +38,7 @@ TEST(ErrorMeasures, DoNotDivideByVanishingForces) {
   EXPECT_TRUE(std::isnan(zero.relative_to_mean_force));
 }
 
-TEST(ErrorMeasures, CountWhatKeepsTheTarget) {
+TEST(ErrorMeasures, CountErrorsWithinTheTarget) {
   const std::vector<ForceComparison> points = {
       comparison({10, 0, 0}, {10.29, 0, 0}), comparison({10, 0, 0}, {10.31, 0, 0}),
       comparison({0.1, 0, 0}, {0.109, 0, 0}), comparison({0.1, 0, 0}, {0.111, 0, 0})};
@@ -46,7 +46,7 @@ TEST(ErrorMeasures, CountWhatKeepsTheTarget) {
   EXPECT_EQ(measureErrors(points, {.force_error = 0.04, .force_floor = 0.01}).within_target, 0.75);
 }
 
-TEST(ErrorMeasures, JudgeBoundsOnlyWhereThereAreSome) {
+TEST(ErrorMeasures, JudgeBoundsOnlyWhereTheyExist) {
   const std::vector<ForceComparison> points = {
       comparison({1, 0, 0}, {1.1, 0, 0}, 0.3), comparison({1, 0, 0}, {1.1, 0, 0}, 0.05),
       comparison({1, 0, 0}, {1, 0, 0}, 0.0), comparison({1, 0, 0}, {5, 0, 0})};
@@ -65,7 +65,7 @@ TEST(ErrorMeasures, TellCoveredPointsFromTheWholeBall) {
   EXPECT_NEAR(covered.error.maximum, 0.1, tolerance);
 }
 
-TEST(ErrorMeasures, OfNothingAreNotNumbers) {
+TEST(ErrorMeasures, AreNaNWithoutData) {
   const ErrorMeasures measures = measureErrors({}, {});
   EXPECT_EQ(measures.count, 0U);
   for (const double value : {measures.error.mean, measures.error.maximum, measures.mean_component,

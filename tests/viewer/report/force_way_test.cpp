@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(ForceWay, HasTheSolvedPointsOnItAndTheirForces) {
+TEST(ForceWay, HasItsSolvedPointsAndTheirForces) {
   const test::StiffeningEnergy energy;
   SpaceTable space = test::solvedSpace(Lattice(0.02, 0.01), energy);
   const AxisForces both = solvedOnWay(space, Eigen::Vector3d::UnitY(), true);
@@ -26,7 +26,7 @@ TEST(ForceWay, HasTheSolvedPointsOnItAndTheirForces) {
   EXPECT_EQ(solvedOnWay(space, Eigen::Vector3d::UnitY(), false).displacements.size(), 2U);
 }
 
-TEST(ForceWay, HasTheHeldOutSolutionsOnIt) {
+TEST(ForceWay, HasItsHeldOutSolutions) {
   const std::vector<HeldOutSolution> solutions = {
       {{0.003, 0, 0}, {-1, 5, 5}}, {{-0.003, 0, 0}, {2, 0, 0}}, {{0.003, 1e-4, 0}, {-1, 0, 0}}};
   const AxisForces ahead = heldOutOnWay(solutions, 0.02, Eigen::Vector3d::UnitX(), false);
@@ -44,7 +44,7 @@ TEST(ForceWay, IsSampledFromOneEndToTheOther) {
   EXPECT_DOUBLE_EQ(sampled.forces.back(), -0.04);
 }
 
-TEST(ForceWay, TellingOnesAreTheLargestThatAt95PercentAndTheMedian) {
+TEST(ForceWay, ShownOnesAreTheLargestThe95thPercentileAndTheMedian) {
   std::vector<double> values(101);
   for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<double>(n);
   values.push_back(std::nan(""));

@@ -10,7 +10,7 @@ namespace {
 
 SpaceTable fineSpace() { return test::solvedSpace(Lattice(0.06, 0.01), test::StiffeningEnergy()); }
 
-TEST(HeldOutSolutions, OfProbesAreThoseWithinMaxForceOffTheLattices) {
+TEST(HeldOutSolutions, AreTheProbesWithinMaxForceOffTheLattices) {
   SpaceTable dense = fineSpace();
   const auto probe = [](double x, Tag tag, double force) {
     Probe made;
@@ -29,7 +29,7 @@ TEST(HeldOutSolutions, OfProbesAreThoseWithinMaxForceOffTheLattices) {
   EXPECT_EQ(solutions[1].force.x(), 5);
 }
 
-TEST(HeldOutSolutions, WithoutProbesAreThePointsTheCoarserLatticesLeaveOut) {
+TEST(HeldOutSolutions, WithoutProbesAreThePointsLeftOutOfCoarserLattices) {
   SpaceTable dense = fineSpace();
   dense.points[*dense.lattice.indexOf({1, 0, 0})].tag = Tag::failed;
   const SpaceTable second = thinned(dense, 2), third = thinned(dense, 3);

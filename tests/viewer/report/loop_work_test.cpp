@@ -38,7 +38,7 @@ TEST(LoopWork, IsZeroWhereTheForceHasAPotential) {
   EXPECT_LT(loopWork(LinearField(symmetric, 1), 0.1), 1e-12);
 }
 
-TEST(LoopWork, SeesAForceThatGoesRound) {
+TEST(LoopWork, DetectsARotationalForce) {
   EXPECT_GT(loopWork(LinearField(rotation(50), 1), 0.1), 0.2);
   EXPECT_LT(loopWork(LinearField(rotation(50) - 1e4 * Eigen::Matrix3d::Identity(), 1), 0.1), 0.01);
 }

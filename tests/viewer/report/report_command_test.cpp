@@ -117,7 +117,7 @@ TEST_F(RefinedReport, MeasuresTheWorkAroundClosedLoops) {
     EXPECT_GT(lattice["methods"]["trilinear"]["loop_work"].get<double>(), 1e-6);
 }
 
-TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
+TEST_F(RefinedReport, ErrorsAreThoseOfTheForceFieldAtTheProbes) {
   const nlohmann::json& report = usual();
   double sum = 0;
   int count = 0;
@@ -152,7 +152,7 @@ TEST_F(RefinedReport, CountsFailuresByCauseAndJumps) {
   EXPECT_GT(report["nodes"][1]["inconsistent_edges"], 0);
 }
 
-TEST_F(RefinedReport, PageNeedsNothingFromElsewhere) {
+TEST_F(RefinedReport, PageNeedsNoOtherFiles) {
   sample.problem.scene.name = "</script><script>alert(1)</script>";
   const std::string html = page();
   for (const char* reference :
@@ -227,7 +227,7 @@ TEST_F(RefinedReport, MeasuresTheDefaultMethodOnNodesThatAreNotCompared) {
   EXPECT_EQ(report["nodes"][1]["methods"]["potential"]["count"], 2);
 }
 
-TEST_F(RefinedReport, WhoseProbesAllFailedUsesLeftOutPoints) {
+TEST_F(RefinedReport, UsesLeftOutPointsIfAllProbesFailed) {
   for (SpaceTable& space : sample.spaces)
     for (Probe& probe : space.probes) {
       probe.record = {};
@@ -276,7 +276,7 @@ TEST_F(RefinedReport, ListsTheWorstActiveNodesFirst) {
   EXPECT_EQ(drawings()["pictures"][0]["node"], 1) << "of edge-2";
 }
 
-TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
+TEST_F(ReportCommand, SaysThatASingleConfigurationCannotBeMeasured) {
   failBeyond(1);
   const nlohmann::json report = json();
   EXPECT_EQ(report["references"]["kind"], "none");
@@ -286,7 +286,7 @@ TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   EXPECT_THAT(text(), HasSubstr("unreachable"));
 }
 
-TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
+TEST_F(ReportCommand, WithoutAConfigurationSaysWhyThereIsNoMethod) {
   failBeyond(0);
   EXPECT_THAT(text(), HasSubstr("tip: "));
   const nlohmann::json report = json();
@@ -295,7 +295,7 @@ TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
 }
 
 /// How sure it is over the surface, and what its probes say of that.
-TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
+TEST_F(ReportCommand, MeasuresAFingerWithItsProbes) {
   test::FingerBody(40).seal(directory / "sample.h5");
   options.html = directory / "report.html";
   options.json = true;
@@ -352,7 +352,7 @@ TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
   EXPECT_GT(measured["methods"]["potential"]["whole_ball"]["count"], 0);
 }
 
-TEST_F(ReportCommand, RefusesFilesThatAreNoDatasets) {
+TEST_F(ReportCommand, RefusesFilesThatAreNotDatasets) {
   std::ostringstream output;
   expectBadInput([&] { report(options, output); }, {"sample.h5", "no such dataset"});
   std::ofstream(options.report.datasets.front()) << "something else";

@@ -9,7 +9,7 @@ WayComparison at(double way, const Eigen::Vector3d& exact, const Eigen::Vector3d
   return {way, {.exact = exact, .interpolated = interpolated}};
 }
 
-TEST(WayMeasures, AreOfTheExactSolutionsInEachShell) {
+TEST(WayMeasures, MeasureTheExactSolutionsInEachShell) {
   const std::vector<WayShell> shells =
       measureWays({{at(0.01, {0, 0, 1}, {0, 0, 1.5}), at(0.02, {0, 0, 2}, {0, 0, 3}),
                     at(0.08, {0, 0, 1}, {0, 0, 1})},

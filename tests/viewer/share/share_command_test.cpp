@@ -39,7 +39,7 @@ struct ShareCommandTest : testing::Test {
   }
 };
 
-TEST_F(ShareCommandTest, ThePageNeedsNothingElse) {
+TEST_F(ShareCommandTest, ThePageNeedsNoOtherFiles) {
   if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   seal("cube");
   EXPECT_THAT(told(), AllOf(HasSubstr("cube.html"), HasSubstr("MB")));
@@ -48,7 +48,7 @@ TEST_F(ShareCommandTest, ThePageNeedsNothingElse) {
                           Not(HasSubstr("https:")), Not(HasSubstr(" src=")), Not(HasSubstr("{{"))));
 }
 
-TEST_F(ShareCommandTest, NamesAreNoMarkup) {
+TEST_F(ShareCommandTest, NamesAreEscaped) {
   if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   CarriedOrgan organ;
   organ.name = "</script><b>";
@@ -56,7 +56,7 @@ TEST_F(ShareCommandTest, NamesAreNoMarkup) {
                                       Not(HasSubstr("</script><b>"))));
 }
 
-TEST_F(ShareCommandTest, ThePageIsToldWhatErrorAHandNotices) {
+TEST_F(ShareCommandTest, ThePageContainsTheErrorThatAHandNotices) {
   if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   const std::string page = organPage({});
   const std::string begin = R"(<script id="facts" type="application/json">)";
@@ -74,7 +74,7 @@ TEST_F(ShareCommandTest, WithoutEmscriptenItSaysWhatToInstall) {
   EXPECT_FALSE(std::filesystem::exists(options.output));
 }
 
-TEST_F(ShareCommandTest, APageNeedsNoScriptOfItsOwnToSayThatItCannotStart) {
+TEST_F(ShareCommandTest, APageReportsAFailedStartWithoutItsOwnScript) {
   if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   seal("cube");
   told();
@@ -95,7 +95,7 @@ TEST_F(ShareCommandTest, ThePageDoesNotReplaceTheDataset) {
   EXPECT_EQ(readText(options.dataset, "dataset"), before);
 }
 
-TEST_F(ShareCommandTest, WhatIsNoDatasetIsRefusedAndNoPageIsLeft) {
+TEST_F(ShareCommandTest, AFileThatIsNotADatasetIsRefusedAndLeavesNoPage) {
   std::ofstream(options.dataset) << "nothing";
   test::expectError(ExitCode::usage, [&] { told(); }, {"cube.h5"});
   EXPECT_FALSE(std::filesystem::exists(options.output));

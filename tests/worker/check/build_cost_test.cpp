@@ -32,7 +32,7 @@ class BuildCosts : public ::testing::Test {
   Problem problem;
 };
 
-TEST_F(BuildCosts, WeighTheWaysByThePointsAtTheirDistance) {
+TEST_F(BuildCosts, WeightTrialSolvesByThePointsAtTheirDistance) {
   const double one = cost({way({{1, true}, {1, true}})}).least.seconds;
   EXPECT_EQ(problem.active.size(), 1u);
   EXPECT_NEAR(cost({way({{1, true}, {11, true}})}).least.seconds - one, one * 10 * 26 / 33, 1e-9);
@@ -40,7 +40,7 @@ TEST_F(BuildCosts, WeighTheWaysByThePointsAtTheirDistance) {
               3 * one, 1e-9);
 }
 
-TEST_F(BuildCosts, CountNothingWhereTheWaysHaveEnded) {
+TEST_F(BuildCosts, CountNothingBeyondTheEndOfTheTrialSolves) {
   const BuildCost all = cost({way({{1, true}, {1, true}})});
   EXPECT_EQ(all.reached, 1);
   EXPECT_DOUBLE_EQ(all.usual_reach, 0.04);
@@ -52,12 +52,12 @@ TEST_F(BuildCosts, CountNothingWhereTheWaysHaveEnded) {
   EXPECT_DOUBLE_EQ(none.usual_reach, 0.02);
 }
 
-TEST_F(BuildCosts, PromiseNothingWhereNoWayGetsAnywhere) {
+TEST_F(BuildCosts, AreZeroIfNoTrialSolveSucceeds) {
   const Way nowhere = way({{1, false}}, WayEnd::failed);
   EXPECT_NEAR(cost({nowhere, nowhere, nowhere}).reached, 0, 1e-12);
 }
 
-TEST_F(BuildCosts, TakeFailuresForDearerAndNotForTheEnd) {
+TEST_F(BuildCosts, CountFailuresAsDearerAndNotAsTheEnd) {
   const BuildCost solved = cost({way({{1, true}, {1, true}})});
   const BuildCost failed =
       cost({way({{1, true}, {1, false}}, WayEnd::failed), way({{1, true}, {1, true}})});
@@ -66,14 +66,14 @@ TEST_F(BuildCosts, TakeFailuresForDearerAndNotForTheEnd) {
       << "a half of those that fail have a neighbour that was reached, and half of these follow";
 }
 
-TEST_F(BuildCosts, TakeWhatNoWayGotToForWhatLiesBeforeIt) {
+TEST_F(BuildCosts, ExtrapolateBeyondTrialSolvesThatWereCut) {
   const BuildCost all = cost({way({{1, true}, {1, true}})});
   const BuildCost cut = cost({way({{1, true}}, WayEnd::cut)});
   EXPECT_EQ(cut.least.seconds, all.least.seconds);
   EXPECT_EQ(cut.reached, 1);
 }
 
-TEST_F(BuildCosts, OfAnAdaptiveBuildGrowWithTheErrorOfTheWays) {
+TEST_F(BuildCosts, OfAdaptiveBuildsGrowWithTheErrorOfTheTrialSolves) {
   const BuildCost uniform = cost({way({{1, true, 9}, {1, true, 9}})});
   EXPECT_EQ(uniform.likely.configurations, uniform.least.configurations);
   scene.accuracy = {.force_error = 0.03, .levels = 2, .probes = 10};
@@ -86,7 +86,7 @@ TEST_F(BuildCosts, OfAnAdaptiveBuildGrowWithTheErrorOfTheWays) {
   EXPECT_EQ(likely(100), 33 * (8 + 4 * 7) + 10) << "no more often than levels allow";
 }
 
-TEST_F(BuildCosts, OfAnAdaptiveBuildCountTheCellsAtTheEndOfItsAnswers) {
+TEST_F(BuildCosts, OfAdaptiveBuildsIncludeTheCellsWhereAnswersEnd) {
   scene.accuracy = {.force_error = 0.03, .levels = 2};
   const Way whole = way({{1, true}, {1, true}}),
             cut_off = way({{1, true}, {1, false}}, WayEnd::failed);
@@ -95,7 +95,7 @@ TEST_F(BuildCosts, OfAnAdaptiveBuildCountTheCellsAtTheEndOfItsAnswers) {
 }
 
 /// Solves in earnest.
-TEST_F(BuildCosts, AreMeasuredWithTheErrorHalfWay) {
+TEST_F(BuildCosts, AreMeasuredWithTheErrorAtHalfSteps) {
   scene.accuracy = {.force_error = 0.03, .force_floor = 1e-9, .levels = 2};
   cost({});
   const MeasuredWays ways = measureWays(problem, {.seconds = 60, .transitions = 2});
@@ -107,7 +107,7 @@ TEST_F(BuildCosts, AreMeasuredWithTheErrorHalfWay) {
   EXPECT_GT(finer.ways[0].steps[0].error, 0);
 }
 
-TEST_F(BuildCosts, AreNothingWithoutAWay) {
+TEST_F(BuildCosts, AreEmptyWithoutATrialSolve) {
   EXPECT_EQ(cost({}).least.seconds, 0);
   EXPECT_EQ(cost({}).reached, 0);
 }

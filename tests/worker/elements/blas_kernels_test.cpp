@@ -30,12 +30,12 @@ std::string kernelsWith(const std::string& environment) {
 
 const std::string unset = "-u OPENBLAS_CORETYPE -u PALPATE_OPENBLAS_PINNED";
 
-TEST(BlasKernels, AWorkerRunsThoseOfItsCpusFamily) {
+TEST(BlasKernels, AreThoseOfTheCpusFamilyInAWorker) {
   const std::string chosen = kernelsWith(unset);
   EXPECT_EQ(chosen, arithmeticOf(cpuFamily()) + "\n");
 }
 
-TEST(BlasKernels, AUsersChoiceStaysAndIsTold) {
+TEST(BlasKernels, ChosenByTheUserAreKeptAndReported) {
   const std::string chosen = kernelsWith("-u PALPATE_OPENBLAS_PINNED OPENBLAS_CORETYPE=Prescott");
   EXPECT_THAT(chosen, HasSubstr("/Prescott\n"));
   if (supportedKernels().front()->family != std::string("baseline")) {
@@ -89,7 +89,7 @@ bool computesRight(int n) {
 }
 
 /// Small matrices have kernels of their own; the others fill blocks and leave edges.
-TEST(BlasKernels, OfThisProcessComputeRight) {
+TEST(BlasKernels, ComputeCorrectlyInThisProcess) {
   openblas_set_num_threads(1);
   for (const int n : {5, 48, 97}) {
     EXPECT_TRUE((computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n))) << n;
@@ -98,12 +98,12 @@ TEST(BlasKernels, OfThisProcessComputeRight) {
 }
 
 /// This program again, with those kernels.
-TEST(BlasKernels, OfEveryFamilyThatThisCpuRunsComputeRight) {
+TEST(BlasKernels, ComputeCorrectlyInEveryFamilyOfThisCpu) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   for (const CpuFamily family : all_cpu_families) {
     if (family > cpuFamily()) continue;
     const auto result = test::runCommand(fmt::format(
-        "OPENBLAS_CORETYPE={} '{}' --gtest_filter=BlasKernels.OfThisProcessComputeRight",
+        "OPENBLAS_CORETYPE={} '{}' --gtest_filter=BlasKernels.ComputeCorrectlyInThisProcess",
         blasKernelsOf(family), self));
     EXPECT_EQ(result.exit_code, 0) << blasKernelsOf(family) << ": " << result.output;
   }
@@ -116,7 +116,7 @@ test::CommandResult kernelsWithin(int kilobytes) {
                   kilobytes, PALPATE_BIN_DIR));
 }
 
-TEST(BlasKernels, WhereMemoryIsLimitedOneThreadTakesItOrTheLimitIsNamed) {
+TEST(BlasKernels, UnderAMemoryLimitUseOneThreadOrNameTheLimit) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
 #endif
@@ -129,7 +129,7 @@ TEST(BlasKernels, WhereMemoryIsLimitedOneThreadTakesItOrTheLimitIsNamed) {
   EXPECT_THAT(too_little.output, HasSubstr("ulimit -v"));
 }
 
-TEST(BlasKernels, ArePartOfTheWordThatADatasetRecords) {
+TEST(BlasKernels, ArePartOfTheRecordedArithmetic) {
   EXPECT_THAT(arithmetic(chooseKernels()), EndsWith("/" + blasKernels()));
   EXPECT_NO_THROW(prepareBlas());
 }

@@ -18,7 +18,7 @@ TEST(KernelFamily, HasTheNameOfItsInstructionSet) {
     EXPECT_EQ(supported[n]->family, name(all_cpu_families[supported.size() - 1 - n]));
 }
 
-TEST(KernelFamily, OffersWhatOlderMachinesHaveUnlessTheUserChose) {
+TEST(KernelFamily, OffersOlderFamiliesUnlessTheUserChose) {
   // Whatever who runs the tests chose.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");

@@ -10,7 +10,7 @@
 namespace palpate::kernels_default {
 namespace {
 
-TEST(PointResponse, TakesTheRootOfAllLanesAtOnceToTwoUnitsInTheLastPlace) {
+TEST(PointResponse, RootsOfAllLanesAreAccurateToTwoUlp) {
   for (int n = 0; n < 2000; ++n) {
     Pack J;
     for (int lane = 0; lane < lanes; ++lane)
@@ -24,12 +24,12 @@ TEST(PointResponse, TakesTheRootOfAllLanesAtOnceToTwoUnitsInTheLastPlace) {
   }
 }
 
-TEST(PointResponse, KeepsTheBodyAtRestWithoutARoundingError) {
+TEST(PointResponse, IsExactAtRest) {
   const Pack result = inverseTwoThirds(Pack{} + 1.0);
   for (int lane = 0; lane < lanes; ++lane) EXPECT_EQ(result[lane], 1);
 }
 
-TEST(PointResponse, OfAnInvertedElementIsNotANumberWhereTheVolumeHasALogarithm) {
+TEST(PointResponse, IsNaNForInvertedElementsUnderALogarithmicLaw) {
   ElementParameters parameters;
   parameters.law = LawName::neo_hookean;
   parameters.mu = 1000;

@@ -39,14 +39,14 @@ double worstError(const QuadratureRule<n>& rule, int degree) {
   return worst;
 }
 
-TEST(Quadrature, ThePointsAreInTheTetrahedron) {
+TEST(Quadrature, PointsLieInTheTetrahedron) {
   for (const auto& x : degree_5_rule.point) {
     EXPECT_NEAR(x[0] + x[1] + x[2] + x[3], 1, 1e-15);
     for (const double coordinate : x) EXPECT_GT(coordinate, 0);
   }
 }
 
-TEST(Quadrature, IsExactToTheDegreeItPromisesAndNotBeyond) {
+TEST(Quadrature, IsExactUpToItsDegreeAndNotBeyond) {
   for (const int degree : {0, 1}) EXPECT_LT(worstError(centroid_rule, degree), 1e-15);
   EXPECT_GT(worstError(centroid_rule, 2), 1e-3);
   for (const int degree : {0, 1, 2, 3, 4, 5})
@@ -74,7 +74,7 @@ TYPED_TEST(ShapeFunctions, AreOneAtTheirNodeAndZeroAtTheOthers) {
   }
 }
 
-TYPED_TEST(ShapeFunctions, HaveTheSlopesOfTheirValues) {
+TYPED_TEST(ShapeFunctions, HaveTheGradientsOfTheirValues) {
   const double x[4] = {0.1, 0.25, 0.4, 0.25};
   constexpr double h = 1e-6;
   // Along an edge of the tetrahedron, from vertex `from` to vertex `to`.

@@ -260,7 +260,7 @@ TYPED_TEST(EveryLaw, HasASymmetricTangent) {
   }
 }
 
-TYPED_TEST(EveryLaw, IsNotChangedByARotationOfTheDeformedBody) {
+TYPED_TEST(EveryLaw, IsInvariantUnderARotationOfTheDeformedBody) {
   for (const Matrix3d& F : this->deformations_.various()) {
     if (!TypeParam::isSmoothAt(F)) continue;
     const Response here = this->respond(F);
@@ -269,7 +269,7 @@ TYPED_TEST(EveryLaw, IsNotChangedByARotationOfTheDeformedBody) {
   }
 }
 
-TYPED_TEST(EveryLaw, TurnsWithTheBodyAtRestAndItsFibers) {
+TYPED_TEST(EveryLaw, RotatesWithTheBodyAtRestAndItsFibers) {
   for (const Matrix3d& F : this->deformations_.various()) {
     if (!TypeParam::isSmoothAt(F)) continue;
     const Matrix3d Q = this->deformations_.rotation();
@@ -283,7 +283,7 @@ TYPED_TEST(EveryLaw, TurnsWithTheBodyAtRestAndItsFibers) {
   }
 }
 
-TYPED_TEST(EveryLaw, GivesEveryLaneOfAPackWhatItGivesADouble) {
+TYPED_TEST(EveryLaw, GivesEveryLaneOfAPackTheResultOfADouble) {
   const std::vector<Matrix3d> all = this->deformations_.various();
   for (std::size_t first = 0; first + lanes <= all.size(); first += lanes) {
     Strain<Pack> strain{};
@@ -340,7 +340,7 @@ TYPED_TEST(EveryLaw, IsFreeOfStressAtRestAndHasTheShearModulusOfItsMaterial) {
   }
 }
 
-TYPED_TEST(EveryLaw, StoresEnergyOfAPureChangeOfVolumeOnlyIfItIsOneOfStVenantKirchhoffs) {
+TYPED_TEST(EveryLaw, StoresVolumetricEnergyOnlyAsStVenantKirchhoff) {
   for (const double stretch : {0.7, 1.0, 1.4}) {
     const Response response = this->respond(stretch * Matrix3d::Identity());
     if (std::is_base_of_v<StVenantKirchhoff, decltype(TypeParam::law())>) {
@@ -376,7 +376,7 @@ double pureShear(const Law& law, double l) {
 
 const std::vector<double> stretches = {0.5, 0.8, 0.9, 1.0, 1.1, 1.2, 1.5, 2.0};
 
-TEST(MooneyRivlinLaw, HasTheTabledStressesOfHomogeneousStates) {
+TEST(MooneyRivlinLaw, HasTheTabulatedStressesOfHomogeneousStates) {
   const MooneyRivlin law{1300, 1280};
   struct Row {
     double stretch, uniaxial, equibiaxial, pure_shear;  // kPa
@@ -392,7 +392,7 @@ TEST(MooneyRivlinLaw, HasTheTabledStressesOfHomogeneousStates) {
   }
 }
 
-TEST(MooneyRivlinLaw, IsThePapersEnergyWithoutItsMisprintWhereVolumeIsKept) {
+TEST(MooneyRivlinLaw, IsThePapersCorrectedEnergyForIsochoricStates) {
   Deformations deformations;
   for (int round = 0; round < 20; ++round) {
     const Vector6d e = strainVoigt(deformations.draw(0.2, 1));
@@ -455,7 +455,7 @@ void expectSameLaw(const Law& law, const Other& other, const Fibers& fibers = no
   }
 }
 
-TEST(Laws, CoincideWhereOneContainsTheOther) {
+TEST(Laws, CoincideIfOneContainsTheOther) {
   const NeoHookean neo_hookean{5160};
   expectSameLaw(Ogden{{5160}, {2}, 1}, neo_hookean);
   expectSameLaw(Ogden{{2 * 1300, -2 * 1280}, {2, -2}, 2}, MooneyRivlin{1300, 1280});
@@ -477,7 +477,7 @@ TEST(HolzapfelGasserOgdenLaw, HasTheStressOfUniaxialTensionAlongItsFibersAndNoFi
   }
 }
 
-TEST(HolzapfelGasserOgdenLaw, HasAtRestTheMeanTangentOfTautAndSlackFibers) {
+TEST(HolzapfelGasserOgdenLaw, AtRestHasTheMeanTangentOfTautAndSlackFibers) {
   const HolzapfelGasserOgden law{5160, 3000, 2, 0.1};
   const Fibers fibers = HolzapfelGasserOgdenSample::fibers();
   // Hardly stretched and compressed along the fibers.
@@ -501,7 +501,7 @@ TEST(HolzapfelGasserOgdenLaw, IsIsotropicWhenItsFibersAreFullyDispersed) {
   }
 }
 
-TEST(HolzapfelGasserOgdenLaw, AddsTheFamiliesOfFibers) {
+TEST(HolzapfelGasserOgdenLaw, SumsItsFamiliesOfFibers) {
   const HolzapfelGasserOgden law{5160, 3000, 2, 0.1};
   const auto [a, b] = HolzapfelGasserOgdenSample::fibers();
   Deformations deformations;
@@ -524,7 +524,7 @@ TEST(Laws, GiveAnInfiniteEnergyWhereTheExponentialOverflows) {
       infinity);
 }
 
-TEST(PrincipalStrains, AreAnOrthonormalBasisAlsoWhereTheyCoincide) {
+TEST(PrincipalStrains, HaveAnOrthonormalBasisEvenIfTheyCoincide) {
   Deformations deformations;
   for (const Matrix3d& F : deformations.various()) {
     const Vector6d voigt = strainVoigt(F);
@@ -548,7 +548,7 @@ TEST(PrincipalStrains, AreAnOrthonormalBasisAlsoWhereTheyCoincide) {
   }
 }
 
-TEST(VolumetricEnergy, VanishesAtRestAndHasTheDerivativesThatItSays) {
+TEST(VolumetricEnergy, VanishesAtRestAndHasTheStatedDerivatives) {
   const double bulk = 1e5, h = 1e-4;
   const VolumeDerivatives<double> rest = volumetricEnergy(bulk, 1.0);
   EXPECT_EQ(rest.U, 0);
@@ -565,7 +565,7 @@ TEST(VolumetricEnergy, VanishesAtRestAndHasTheDerivativesThatItSays) {
   EXPECT_TRUE(std::isnan(volumetricEnergy(bulk, -0.1).U));
 }
 
-TEST(VolumetricEnergy, GivesEveryLaneOfAPackWhatItGivesADouble) {
+TEST(VolumetricEnergy, GivesEveryLaneOfAPackTheResultOfADouble) {
   const Pack J = {0.3, 0.5, 0.9, 1.0, 1.1, 1.5, 2.0, 9.0};
   const VolumeDerivatives<Pack> pack = volumetricEnergy(1e5, J);
   for (int l = 0; l < lanes; ++l) {

@@ -26,7 +26,7 @@ void finish(Mailbox& mailbox, bool last = false) {
 }
 
 /// Each message costs the scheduler more than its bytes.
-TEST(Mailbox, LeavesTargetsThatFollowEachOtherFastToTravelTogether) {
+TEST(Mailbox, SendsTargetsThatFollowFastTogether) {
   Mailbox mailbox(1h);
   begin(mailbox);
   finish(mailbox);
@@ -40,7 +40,7 @@ TEST(Mailbox, LeavesTargetsThatFollowEachOtherFastToTravelTogether) {
   EXPECT_EQ(mailbox.takeFinished().size(), 3u);
 }
 
-TEST(Mailbox, WakesTheNetworkForEachTargetThatTakesItsTime) {
+TEST(Mailbox, WakesTheNetworkForEachSlowTarget) {
   Mailbox mailbox(0ms);
   begin(mailbox);
   for (int n = 0; n < 3; ++n) {

@@ -133,14 +133,14 @@ TEST_F(WorkerSessionTest, SaysHelloUntilItIsWelcome) {
   EXPECT_EQ(count(Message::kProblemRequest), 1);
 }
 
-TEST_F(WorkerSessionTest, AsksAgainForAProblemThatDoesNotCome) {
+TEST_F(WorkerSessionTest, RequestsAMissingProblemAgain) {
   pass(0s);
   welcome("first");
   pass(12s);
   EXPECT_EQ(count(Message::kProblemRequest), 2);
 }
 
-TEST_F(WorkerSessionTest, AsksAgainForJobsAndMeansNoMoreThanBefore) {
+TEST_F(WorkerSessionTest, RequestsJobsAgainWithoutAddingUp) {
   join();
   pass(25s);
   ASSERT_EQ(count(Message::kRequest), 2);
@@ -151,7 +151,7 @@ TEST_F(WorkerSessionTest, AsksAgainForJobsAndMeansNoMoreThanBefore) {
     }
 }
 
-TEST_F(WorkerSessionTest, AsksAgainForTheStartOfAJob) {
+TEST_F(WorkerSessionTest, RequestsTheStartOfAJobAgain) {
   join();
   wire::Job job = originJob();
   job.set_start_id(std::string(32, 's'));
@@ -172,7 +172,7 @@ TEST_F(WorkerSessionTest, DeliversAResultUntilItIsAcknowledged) {
   EXPECT_EQ(session.unacknowledged(), 0u);
 }
 
-TEST_F(WorkerSessionTest, ForgetsAResultThatNobodyWants) {
+TEST_F(WorkerSessionTest, DropsAResultThatIsNotNeeded) {
   join();
   solveOrigin();
   pass(1s);
@@ -180,7 +180,7 @@ TEST_F(WorkerSessionTest, ForgetsAResultThatNobodyWants) {
   EXPECT_EQ(session.unacknowledged(), 0u);
 }
 
-TEST_F(WorkerSessionTest, LeavesWhenToldAndAllIsAcknowledged) {
+TEST_F(WorkerSessionTest, LeavesWhenToldOnceAllIsAcknowledged) {
   join();
   solveOrigin();
   drainIt();
@@ -191,7 +191,7 @@ TEST_F(WorkerSessionTest, LeavesWhenToldAndAllIsAcknowledged) {
   EXPECT_EQ(session.exitCode(), ExitCode::done);
 }
 
-TEST_F(WorkerSessionTest, WorksForTheNextSchedulerWhenTheOneThatSentItAwayIsGone) {
+TEST_F(WorkerSessionTest, WorksForTheNextSchedulerAfterOneSentItAway) {
   join();
   solveOrigin();
   drainIt();
@@ -202,7 +202,7 @@ TEST_F(WorkerSessionTest, WorksForTheNextSchedulerWhenTheOneThatSentItAwayIsGone
   EXPECT_EQ(count(Message::kRequest), 1);
 }
 
-TEST_F(WorkerSessionTest, LeavesWithinItsTimeWhatIsSolvedBehind) {
+TEST_F(WorkerSessionTest, LeavesInTimeAndAbandonsItsSolve) {
   join();
   giveJob(originJob());
   beginJob();
@@ -213,7 +213,7 @@ TEST_F(WorkerSessionTest, LeavesWithinItsTimeWhatIsSolvedBehind) {
   EXPECT_EQ(session.exitCode(), ExitCode::interrupted);
 }
 
-TEST_F(WorkerSessionTest, EndsWithoutAWordWhenTheSolverHangs) {
+TEST_F(WorkerSessionTest, EndsSilentlyWhenTheSolverHangs) {
   join();
   giveJob(originJob());
   beginJob();
@@ -222,7 +222,7 @@ TEST_F(WorkerSessionTest, EndsWithoutAWordWhenTheSolverHangs) {
   EXPECT_EQ(count(Message::kGoodbye), 0);
 }
 
-TEST_F(WorkerSessionTest, BeginsAnewWithTheKernelsOfTheBuildIfItHasThem) {
+TEST_F(WorkerSessionTest, RestartsWithTheKernelsOfTheBuildIfItHasThem) {
   pass(0s);
   ASSERT_EQ(said.at(0).first.hello().runs_size(), 1);
   Message message;
@@ -239,7 +239,7 @@ struct LeavingWorkerTest : WorkerSessionTest {
   LeavingWorkerTest() : WorkerSessionTest(60) {}
 };
 
-TEST_F(LeavingWorkerTest, GoesWhenItHadNothingToDoForLong) {
+TEST_F(LeavingWorkerTest, LeavesAfterALongTimeWithoutWork) {
   join();
   EXPECT_EQ(pass(59s), Next::go_on);
   EXPECT_EQ(pass(3s), Next::end);
@@ -247,7 +247,7 @@ TEST_F(LeavingWorkerTest, GoesWhenItHadNothingToDoForLong) {
   EXPECT_EQ(session.exitCode(), ExitCode::done);
 }
 
-TEST_F(LeavingWorkerTest, StaysAsLongAsItHasWorkOrAResultToDeliver) {
+TEST_F(LeavingWorkerTest, StaysWhileItHasWorkOrAResultToDeliver) {
   join();
   wire::Job job = originJob();
   job.set_hung_after_s(0);
@@ -262,7 +262,7 @@ TEST_F(LeavingWorkerTest, StaysAsLongAsItHasWorkOrAResultToDeliver) {
   EXPECT_EQ(pass(3s), Next::end);
 }
 
-TEST_F(WorkerSessionTest, DoesNotCountWhatItsProcessStoodStill) {
+TEST_F(WorkerSessionTest, DoesNotCountTheTimeOfASuspendedProcess) {
   join();
   giveJob(originJob());
   beginJob();
@@ -271,7 +271,7 @@ TEST_F(WorkerSessionTest, DoesNotCountWhatItsProcessStoodStill) {
   EXPECT_EQ(pass(20s), Next::go_on) << "neither its solver hangs nor the scheduler is silent";
 }
 
-TEST_F(WorkerSessionTest, ConnectsAnewAndThenGivesUpWhenNobodyAnswers) {
+TEST_F(WorkerSessionTest, ReconnectsAndThenGivesUpWithoutAnAnswer) {
   EXPECT_EQ(pass(19s), Next::go_on);
   EXPECT_EQ(pass(3s), Next::connect);
   session.connected(now);

@@ -69,7 +69,7 @@ TriangleSoup spikedOctahedron(double off, double first, double last, double scal
   return soup;
 }
 
-TEST(ClosedSurface, CutsWhatLiesBehindATriangleWithoutArea) {
+TEST(ClosedSurface, SplitsTheNeighbourOfATriangleWithoutArea) {
   TriangleSoup soup = boxSurface({1, 1, 1}, 1);
   // One edge of a side gets a corner in its middle, on one of its two triangles alone.
   const Triangle divided = soup.triangles[0];
@@ -84,7 +84,7 @@ TEST(ClosedSurface, CutsWhatLiesBehindATriangleWithoutArea) {
   EXPECT_THAT(surface.notes, Contains(HasSubstr("three corners on a line")));
 }
 
-TEST(ClosedSurface, OfSoundBodiesIsTakenAsItIs) {
+TEST(ClosedSurface, SoundBodiesAreKeptUnchanged) {
   for (const TriangleSoup& soup : {boxSurface({2, 3, 4}), sphereSurface(1), torusSurface(3, 1)}) {
     const ClosedSurface surface = closed(soup);
     EXPECT_EQ(surface.triangles.size(), soup.triangles.size());
@@ -113,7 +113,7 @@ TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
   EXPECT_THAT(surface.notes, Contains(HasSubstr("merged with them")));
 }
 
-TEST(ClosedSurface, IsNotMeasuredByPointsThatNoTriangleUses) {
+TEST(ClosedSurface, IgnoresUnusedPointsInItsSize) {
   TriangleSoup soup = test::boxSurface({1, 1, 1}, 2);
   const std::size_t points = closedSurface(soup, "box", Bodies::only).points.size();
   soup.points.emplace_back(1e6, 0, 0);
@@ -146,7 +146,7 @@ TEST(ClosedSurface, TurnsSingleTrianglesLikeTheirNeighbours) {
   EXPECT_NEAR(surface.volume, closed(sphereSurface(1)).volume, 1e-12);
 }
 
-TEST(ClosedSurface, OfAShellInAShellIsABodyWithACavity) {
+TEST(ClosedSurface, AShellInAShellIsABodyWithACavity) {
   for (const TriangleSoup& inner : {sphereSurface(0.4), insideOut(sphereSurface(0.4))}) {
     const ClosedSurface surface = closed(together(sphereSurface(1), inner));
     const double outer_volume = closed(sphereSurface(1)).volume,
@@ -158,7 +158,7 @@ TEST(ClosedSurface, OfAShellInAShellIsABodyWithACavity) {
   }
 }
 
-TEST(ClosedSurface, RefusesAnOpenOneSayingHowManyEdgesAndWhere) {
+TEST(ClosedSurface, RefusesAnOpenSurfaceWithNumberAndPlaceOfEdges) {
   TriangleSoup soup = sphereSurface(1);
   soup.triangles.pop_back();
   refuses(soup,
@@ -175,7 +175,7 @@ TEST(ClosedSurface, ClosesGapsOfSomeHundredThousandthsOfTheBody) {
   EXPECT_THAT(surface.notes, Contains(HasSubstr("gaps were closed")));
 }
 
-TEST(ClosedSurface, TellsHolesFromGapsThatAreTooWideToBeClosed) {
+TEST(ClosedSurface, DistinguishesHolesFromGapsTooWideToClose) {
   refuses(tornSphere(0.01), {"is open", "up to 0.0", "Merge Close Vertices"});
   TriangleSoup with_hole = tornSphere(0.01);
   with_hole.triangles.pop_back();
@@ -199,7 +199,7 @@ TEST(ClosedSurface, FillsCavitiesNarrowerThanAnEdgeOfTheElements) {
   EXPECT_LT(fine.volume, coarse.volume);
 }
 
-TEST(ClosedSurface, RefusesWallsInside) {
+TEST(ClosedSurface, RefusesInnerWalls) {
   TriangleSoup soup = boxSurface({1, 1, 1}, 1);
   const Triangle t = soup.triangles[0];
   soup.points.emplace_back(0, 0, 0);
@@ -213,7 +213,7 @@ TEST(ClosedSurface, RefusesWallsInside) {
   refuses(soup, {"1 of its edges have more than two triangles", "the first at"});
 }
 
-TEST(ClosedSurface, RefusesOneThatCutsItself) {
+TEST(ClosedSurface, RefusesASelfIntersectingSurface) {
   // Two boxes as one shell would be: joined by nothing, so one lies half in the other.
   const TriangleSoup soup =
       together(boxSurface({1, 1, 1}), boxSurface({1, 1, 1}, 2, {0.3, 0.3, 0.3}));
@@ -224,7 +224,7 @@ TEST(ClosedSurface, RefusesOneThatCutsItself) {
   refuses(drawn, {"the surface intersects itself", "pairs of its triangles", "the first at ("});
 }
 
-TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAsked) {
+TEST(ClosedSurface, RefusesSeveralBodiesOrTakesTheLargestOnRequest) {
   const TriangleSoup soup = together(boxSurface({1, 1, 1}, 2, {5, 0, 0}), boxSurface({2, 3, 4}));
   refuses(soup, {"organ.stl: there are 2 separate bodies", "2 x 3 x 4 at (0, 0, 0)",
                  "1 x 1 x 1 at (5, 0, 0)", "--largest"});
@@ -234,7 +234,7 @@ TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAske
   EXPECT_THAT(surface.notes, Contains(HasSubstr("the largest of 2 bodies")));
 }
 
-TEST(ClosedSurface, RefusesBodiesOfWhichEachIsInTheOther) {
+TEST(ClosedSurface, RefusesBodiesThatPenetrateEachOther) {
   const TriangleSoup one = spikedOctahedron(0, 0.4, 0.4, 1),
                      other = spikedOctahedron(0.05, 0.2, 0.6, -1);
   EXPECT_EQ(closed(one).triangles.size(), 12u);
@@ -251,7 +251,7 @@ TEST(ClosedSurface, LeavesOutAnOpenScrapBesideTheLargest) {
   EXPECT_THAT(closed(soup, Bodies::largest).notes, Contains(HasSubstr("1 open pieces")));
 }
 
-TEST(ClosedSurface, RefusesWhatEnclosesNothing) {
+TEST(ClosedSurface, RefusesASurfaceThatEnclosesNothing) {
   TriangleSoup flat;
   flat.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   flat.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 3, 1}, {0, 2, 3}};
@@ -262,7 +262,7 @@ TEST(ClosedSurface, RefusesWhatEnclosesNothing) {
   refuses({{{0, 0, 0}, {1e300, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {"far beyond any body"});
 }
 
-TEST(ClosedSurface, RefusesAOneSidedOne) {
+TEST(ClosedSurface, RefusesAOneSidedSurface) {
   // A Klein bottle as the square with its sides identified, in no shape at all: only how the
   // triangles hang together counts.
   constexpr int n = 5;

@@ -140,7 +140,7 @@ class MeshConversion : public ::testing::Test {
   std::string text;
 };
 
-TEST_F(MeshConversion, KeepsTenNodesGroupsAndVectorsOfWhatMeshioReads) {
+TEST_F(MeshConversion, KeepsTenNodesGroupsAndVectorsReadByMeshio) {
   for (const auto& [name, arguments, labels] :
        {std::tuple("b.vtu", "", "float64"), std::tuple("a.vtu", ", binary=False", "uint8"),
         std::tuple("b.vtk", "", "int32"), std::tuple("a.vtk", ", binary=False", "int64"),
@@ -273,7 +273,7 @@ TEST_F(MeshConversion, ReadsFebioOfEveryVersionWithItsSets) {
   }
 }
 
-TEST_F(MeshConversion, TellsOfFebiosSetsThatNameWhatIsNotThere) {
+TEST_F(MeshConversion, ReportsFebioSetsWithMissingMembers) {
   create("sets.feb") << "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"1\">0,0,0</node>\n"
                         "<node id=\"2\">1,0,0</node>\n<node id=\"3\">0,1,0</node>\n"
                         "<node id=\"4\">0,0,1</node>\n</Nodes>\n"
@@ -371,7 +371,7 @@ TEST_F(MeshConversion, RefusesAPartitionedMeshWhoseGroupsWouldBeLost) {
   expectBadInput([&] { convert("box.msh"); }, {"box.msh: the mesh is partitioned: save it whole"});
 }
 
-TEST_F(MeshConversion, WeldsWhatLiesInOnePlaceOnRequest) {
+TEST_F(MeshConversion, WeldsCoincidentNodesOnRequest) {
   const Mesh layers = test::together(test::distortedBoxMesh({1, 1, 1}, {3, 3, 3}),
                                      test::moved(test::cubeMesh(1, 3), {1 + 1e-8, 0, 0}));
   test::writeGmsh22(layers, directory / "layers.msh");
@@ -385,7 +385,7 @@ TEST_F(MeshConversion, WeldsWhatLiesInOnePlaceOnRequest) {
   EXPECT_THAT(measure(mesh).coincident, IsEmpty());
 }
 
-TEST_F(MeshConversion, WeldsTetrahedraOfTenNodesToo) {
+TEST_F(MeshConversion, WeldsTenNodeTetrahedraToo) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   create("two.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
                        "Box(2) = {1, 0, 0, 1, 1, 1};\nTransfinite Curve{:} = 3;\n"
@@ -395,7 +395,7 @@ TEST_F(MeshConversion, WeldsTetrahedraOfTenNodesToo) {
   EXPECT_TRUE(hasTenNodesEach());
 }
 
-TEST_F(MeshConversion, RefusesVoxelsBesideTetrahedraWithTheirCount) {
+TEST_F(MeshConversion, RefusesVoxelsAmongTetrahedraWithTheirCount) {
   const char* points = "0 0 0 40 0 0 0 40 0 40 40 0 0 0 40 40 0 40 0 40 40 40 40 40 80 20 20";
   create("voxel.vtu")
       << R"(<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" )"
@@ -421,14 +421,14 @@ TEST_F(MeshConversion, SaysWhatMeshioLeavesOut) {
   EXPECT_THAT(notes, Contains(HasSubstr("meshio: ")));
 }
 
-TEST_F(MeshConversion, PutsTheMiddlesOfAnotherProgramsOrderRight) {
+TEST_F(MeshConversion, ReordersMidEdgeNodesOfAnotherProgram) {
   for (auto& middles : body.mid_edge_nodes) std::swap(middles[4], middles[5]);
   writeByMeshio("mixed-up.vtu");
   convert("mixed-up.vtu");
   EXPECT_THAT(notes, Contains(HasSubstr("in Gmsh's order")));
 }
 
-TEST_F(MeshConversion, RefusesCurvedEdgesUnlessTheCornersAreWanted) {
+TEST_F(MeshConversion, RefusesCurvedEdgesUnlessOnlyCornersAreRequested) {
   body.nodes[body.mid_edge_nodes[3][2]] += Eigen::Vector3d(0.01, 0, 0);
   writeByMeshio("curved.vtu");
   expectBadInput([&] { convert("curved.vtu"); },
@@ -444,7 +444,7 @@ constexpr const char* one_tetrahedron =
     "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
     "*ELEMENT, TYPE=C3D4, ELSET=Liver\n1, 1,2,3,4\n2, 2,5,3,4\n";
 
-TEST_F(MeshConversion, KeepsNodesAndElementsOfOneNameApart) {
+TEST_F(MeshConversion, KeepsNodeAndElementSetsOfOneNameApart) {
   create("body.inp") << one_tetrahedron
                      << "*NSET, NSET=FIXED\n1, 2, 3\n*ELSET, ELSET=Fixed\n2\n*ELSET, ELSET=FIXED\n";
   const Mesh mesh = convert("body.inp");
@@ -457,7 +457,7 @@ TEST_F(MeshConversion, KeepsNodesAndElementsOfOneNameApart) {
   EXPECT_THAT(notes, Contains(HasSubstr("the same name as a set of nodes")));
 }
 
-TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
+TEST_F(MeshConversion, ReadsAbaqusNumbersWithinTheirPart) {
   const auto write = [this](const char* more) {
     create("assembly.inp")
         << "*PART, NAME=Organ\n"
@@ -485,7 +485,7 @@ TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
   expectBadInput([&] { convert("assembly.inp"); }, {"tetrahedra in 2 parts", "export one"});
 }
 
-TEST_F(MeshConversion, TakesANodeOfAbaqusThatIsThereTwiceAtOnePlaceForOne) {
+TEST_F(MeshConversion, MergesRepeatedAbaqusNodesAtOnePlace) {
   create("again.inp") << "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n"
                          "*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n"
                          "*NODE\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
@@ -504,7 +504,7 @@ TEST_F(MeshConversion, RefusesAnAbaqusFileThatEndsInsideAnElementOrNeedsAnother)
   expectBadInput([&] { convert("twice.inp"); }, {"twice.inp:11: node 2 is defined twice"});
 }
 
-TEST_F(MeshConversion, PutsMiddlesThatWereRoundedInTheirPlaces) {
+TEST_F(MeshConversion, CorrectsRoundedMidEdgeNodes) {
   for (Eigen::Vector3d& node : body.nodes)
     node = (node + Eigen::Vector3d(312, -205, 1151)).cast<float>().cast<double>();
   writeByMeshio("rounded.vtu");
@@ -512,7 +512,7 @@ TEST_F(MeshConversion, PutsMiddlesThatWereRoundedInTheirPlaces) {
   EXPECT_THAT(notes, Contains(HasSubstr("mid-edge nodes were rounded")));
 }
 
-TEST_F(MeshConversion, ExecutesNothingThatLiesInTheCurrentFolder) {
+TEST_F(MeshConversion, ExecutesNothingFromTheCurrentFolder) {
   test::writeStl(test::sphereSurface(40, 3), directory / "a.stl");
   create("numpy.py") << "raise SystemExit('this is of somebody else')\n";
   const std::filesystem::path before = std::filesystem::current_path();
@@ -521,14 +521,14 @@ TEST_F(MeshConversion, ExecutesNothingThatLiesInTheCurrentFolder) {
   std::filesystem::current_path(before);
 }
 
-TEST_F(MeshConversion, SaysThatTheOutputCannotBeWritten) {
+TEST_F(MeshConversion, ReportsAnUnwritableOutput) {
   test::writeStl(test::sphereSurface(40, 3), directory / "a.stl");
   std::filesystem::create_symlink("/dev/full", directory / "converted.msh");
   test::expectError(ExitCode::failed, [&] { converted("a.stl"); },
                     {"converted.msh: cannot be written: No space left", "TMPDIR"});
 }
 
-TEST_F(MeshConversion, CutsPolygonsThatAreNotConvexIntoTheirOwnTriangles) {
+TEST_F(MeshConversion, TriangulatesNonConvexPolygons) {
   // A prism whose ends are an L, seen from every corner of it.
   for (int first = 0; first < 6; ++first) {
     std::ofstream out = create("prism.obj");
@@ -551,7 +551,7 @@ TEST_F(MeshConversion, CutsPolygonsThatAreNotConvexIntoTheirOwnTriangles) {
   }
 }
 
-TEST_F(MeshConversion, TakesABinaryStlForOneWhateverItsHeaderSays) {
+TEST_F(MeshConversion, RecognisesABinaryStlWhateverItsHeader) {
   test::writeBinaryStl(test::sphereSurface(40, 3), directory / "a.stl");
   std::string bytes = readText(directory / "a.stl", "surface");
   bytes.replace(0, 6, "solid ");
@@ -561,7 +561,7 @@ TEST_F(MeshConversion, TakesABinaryStlForOneWhateverItsHeaderSays) {
   expectBadInput([&] { converted("cut.stl"); }, {"cut.stl: it announces", "truncated"});
 }
 
-TEST_F(MeshConversion, ReadsTextStlOfSeveralSolidsInCapitalsWithBlanksBehind) {
+TEST_F(MeshConversion, ReadsTextStlWithSeveralSolidsCapitalsAndBlanks) {
   create("solids.stl") << "solid a\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\n"
                           "vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendsolid a\n\n"
                           "SOLID B\r\nVERTEX 0 0 0\r\nVERTEX 0 0 1\r\nVERTEX 0 1 0\r\n"
@@ -598,7 +598,7 @@ TEST_F(MeshConversion, ReadsSurfacesOfEveryFormatToTheSameTriangles) {
   }
 }
 
-TEST_F(MeshConversion, MakesTrianglesOfPolygonsAndCountsBackwardsAsObjDoes) {
+TEST_F(MeshConversion, TriangulatesPolygonsAndReadsNegativeObjIndices) {
   create("cube.obj") << "v 0 0 0 1 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n"
                         "v 0 1 1\ng sides\nf 4 3 2 1\nf -4 -3 -2 -1\nf 1 2 6 5\nf 2 3 7 6\n"
                         "f 3 4 8 7\nf 4 1 5 8\n";
@@ -608,7 +608,7 @@ TEST_F(MeshConversion, MakesTrianglesOfPolygonsAndCountsBackwardsAsObjDoes) {
   EXPECT_THAT(surface.notes, ::testing::IsEmpty());
 }
 
-TEST_F(MeshConversion, ReadsMeditAndLeavesWhatOnlyMarksIt) {
+TEST_F(MeshConversion, ReadsMeditAndIgnoresMarkings) {
   create("marked.mesh") << "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n"
                            "0 1 0 0\n0 0 1 0\n1 1 1 0\nRequiredVertices\n1\n2\nNormals\n1\n0 0 -1\n"
                            "Tetrahedra 2\n1 2 3 4 7\n2 5 3 4 8\nRequiredEdges\n1\n1\nEnd\n";
@@ -619,7 +619,7 @@ TEST_F(MeshConversion, ReadsMeditAndLeavesWhatOnlyMarksIt) {
   expectBadInput([&] { convert("cut.mesh"); }, {"cut.mesh:5: expected 16 numbers, found 10"});
 }
 
-TEST_F(MeshConversion, PassesOverTheMarkOfUtf8InEveryFormatOfText) {
+TEST_F(MeshConversion, SkipsAByteOrderMarkInEveryTextFormat) {
   const TriangleSoup sphere = test::sphereSurface(40, 3);
   test::writeStl(sphere, directory / "a.stl");
   test::writeObj(sphere, directory / "c.obj");
@@ -637,7 +637,7 @@ TEST_F(MeshConversion, PassesOverTheMarkOfUtf8InEveryFormatOfText) {
   }
 }
 
-TEST_F(MeshConversion, CountsRangesOfAbaqusInBothDirections) {
+TEST_F(MeshConversion, ReadsAbaqusRangesInBothDirections) {
   const auto fixed = [this](const char* range) {
     create("range.inp") << one_tetrahedron << "*NSET, NSET=FIX,\nGENERATE\n" << range << "\n";
     return convert("range.inp").node_groups.at("FIX").size();
@@ -650,7 +650,7 @@ TEST_F(MeshConversion, CountsRangesOfAbaqusInBothDirections) {
   expectBadInput([&] { fixed("4, 1, 1"); }, {"range.inp:12: GENERATE from 4 to 1 by 1"});
 }
 
-TEST_F(MeshConversion, LeavesOutWhatIsNoContinuumInAbaqusWithANote) {
+TEST_F(MeshConversion, LeavesOutAbaqusElementsWithoutAContinuumWithANote) {
   create("more.inp") << one_tetrahedron << "*ELEMENT, TYPE=MASS, ELSET=M\n99, 1\n"
                      << "*ELEMENT, TYPE=CONN3D2\n98, 1, 2\n*ELEMENT, TYPE=SPRING1\n97, 1\n";
   EXPECT_EQ(convert("more.inp").tetrahedra.size(), 2u);
@@ -661,7 +661,7 @@ TEST_F(MeshConversion, LeavesOutWhatIsNoContinuumInAbaqusWithANote) {
   }
 }
 
-TEST_F(MeshConversion, FollowsFilesAndRangesOfFebio) {
+TEST_F(MeshConversion, FollowsFebioFilesAndRanges) {
   const auto spec = [this](const char* name, const std::string& inside) {
     create(name) << "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">" << inside
                  << "</febio_spec>\n";
@@ -686,7 +686,7 @@ TEST_F(MeshConversion, FollowsFilesAndRangesOfFebio) {
   expectBadInput([&] { convert("round.feb"); }, {"round.feb:2", "includes itself"});
 }
 
-TEST_F(MeshConversion, CutsStripsOfPlyIntoTriangles) {
+TEST_F(MeshConversion, SplitsPlyStripsIntoTriangles) {
   create("strips.ply") << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
                           "property float y\nproperty float z\nelement tristrips 1\n"
                           "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
@@ -704,7 +704,7 @@ struct Reported {
   std::vector<const char*> names;
 };
 
-TEST_F(MeshConversion, ReadsSoundFilesThatOthersReported) {
+TEST_F(MeshConversion, ReadsSoundFilesFromReports) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   const std::vector<Reported> sound = {

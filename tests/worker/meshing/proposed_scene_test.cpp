@@ -24,7 +24,7 @@ Scene sceneOf(const Mesh& mesh, const std::string& word = "m") {
   return parseScene(proposedScene(mesh, "organ", "organ.msh", unit(word), "").toml, "scene.toml");
 }
 
-TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndSaysWhereItMayBeAnother) {
+TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndNamesAlternatives) {
   const auto word = [](double extent) { return guessedUnit(extent).value().unit.word; };
   const auto doubt = [](double extent) { return guessedUnit(extent).value().doubt; };
   EXPECT_EQ(word(0.21), "m");
@@ -43,12 +43,12 @@ TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndSaysWhereItMayBeAnother) {
     EXPECT_FALSE(guessedUnit(extent)) << extent;
 }
 
-TEST(GuessedUnit, RefusesUnitsThatThereAreNot) {
+TEST(GuessedUnit, RefusesUnknownUnits) {
   EXPECT_EQ(unitNamed("cm").metres, 0.01);
   test::expectBadInput([] { unitNamed("inch"); }, {"--unit inch", "m, cm or mm"});
 }
 
-TEST(ProposedScene, HoldsAGroupOnlyWhereItsNameSaysSoAndItCanHoldABody) {
+TEST(ProposedScene, FixesAGroupOnlyIfItsNameAndShapeAllow) {
   Mesh mesh = test::boxMesh({0.1, 0.06, 0.04}, {8, 5, 4});
   const auto fixed = [&] {
     return proposedScene(mesh, "organ", "organ.msh", unit("m"), "").choices.front();
@@ -82,7 +82,7 @@ TEST(ProposedScene, HasNoWarningsForBodiesOfManyShapesAndSizes) {
   }
 }
 
-TEST(ProposedScene, SaysTheSameInEveryUnit) {
+TEST(ProposedScene, IsTheSameInEveryUnit) {
   const Mesh mesh = test::blobMesh(6);
   const Scene metres = sceneOf(mesh);
   EXPECT_EQ(metres.name, "organ");
@@ -118,7 +118,7 @@ TEST(ProposedScene, FixesTheBroaderEndOfTheLongestAxis) {
   EXPECT_EQ(fixed.fraction, 0.15);
 }
 
-TEST(ProposedScene, TellsWhatIsNotSureAndWhichPartsThereAre) {
+TEST(ProposedScene, ReportsUncertaintiesAndComponents) {
   Mesh mesh = test::blobMesh(6);
   mesh.element_groups = {{"liver", {0, 1, 2}}, {"tumour", {3}}};
   const std::string toml =
@@ -127,7 +127,7 @@ TEST(ProposedScene, TellsWhatIsNotSureAndWhichPartsThereAre) {
   EXPECT_THAT(toml, HasSubstr("[[region]] group = \"tumour\"  (1 of"));
 }
 
-TEST(ProposedScene, RefusesAMeshOfWhichNoneCanBeMade) {
+TEST(ProposedScene, RefusesAMeshWithoutAPossibleScene) {
   Mesh two = test::cubeMesh(0.1, 3);
   const Mesh other = two;
   const auto first = static_cast<std::int32_t>(two.nodes.size());

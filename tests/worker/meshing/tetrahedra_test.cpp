@@ -31,7 +31,7 @@ class FilledSurface : public ::testing::Test {
   ClosedSurface surface;
 };
 
-TEST_F(FilledSurface, HasAboutTheWantedNodesAndTheGroupsBodyAndSurface) {
+TEST_F(FilledSurface, HasAboutTheRequestedNodesAndGroupsBodyAndSurface) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   for (const TriangleSoup& soup : {test::sphereSurface(50, 8), test::torusSurface(60, 20)}) {
     const Tetrahedra filled = fill(soup, {.nodes = 400});
@@ -46,7 +46,7 @@ TEST_F(FilledSurface, HasAboutTheWantedNodesAndTheGroupsBodyAndSurface) {
   }
 }
 
-TEST_F(FilledSurface, KeepsTheEdgesOfABoxAndTakesTheSizeThatIsAskedFor) {
+TEST_F(FilledSurface, KeepsTheEdgesOfABoxAndTheRequestedSize) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   const Tetrahedra filled = fill(test::boxSurface({100, 60, 40}, 4), {.size = 15});
   const MeshQuality quality = measure(filled.mesh);
@@ -74,7 +74,7 @@ TEST_F(FilledSurface, LeavesCavitiesEmpty) {
   }
 }
 
-TEST_F(FilledSurface, ByTetgenHasTheGivenTriangles) {
+TEST_F(FilledSurface, TetgenKeepsTheGivenTriangles) {
   PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::tetgen);
@@ -83,7 +83,7 @@ TEST_F(FilledSurface, ByTetgenHasTheGivenTriangles) {
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
 }
 
-TEST_F(FilledSurface, NamesThePackageOfAProgramThatIsNotThere) {
+TEST_F(FilledSurface, NamesThePackageOfAMissingProgram) {
   const test::FirstInPath nowhere(folder.path(), true);
   for (const Mesher mesher : {Mesher::gmsh, Mesher::tetgen, Mesher::automatic})
     test::expectError(
@@ -91,7 +91,7 @@ TEST_F(FilledSurface, NamesThePackageOfAProgramThatIsNotThere) {
         {"organ.stl", mesher == Mesher::gmsh ? "(Debian: gmsh)" : "(Debian: tetgen)"});
 }
 
-TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
+TEST_F(FilledSurface, TriesTetgenIfGmshFailsAndQuotesGmsh) {
   PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   const test::FirstInPath ours(folder.path());
@@ -106,7 +106,7 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
                     {"organ.stl: cannot fill", "Wrong topology", "--mesher"});
 }
 
-TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
+TEST_F(FilledSurface, TriesTetgenIfGmshCrashesAndKeepsAnEarlierMesh) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
@@ -122,7 +122,7 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
   EXPECT_GT(first.mesh.nodes.size(), 60u);
 }
 
-TEST_F(FilledSurface, KeepsItsVolumeWhereDetailsHaveMoreNodesThanAreWanted) {
+TEST_F(FilledSurface, KeepsItsVolumeIfDetailsNeedMoreNodes) {
   test::writeGmsh22(test::boxMesh({100, 60, 40}, {10, 6, 4}), folder / "first.msh");
   test::writeGmsh22(test::boxMesh({100, 60, 36}, {4, 3, 2}), folder / "next.msh");
   const std::string at = folder.path().string();
@@ -135,7 +135,7 @@ TEST_F(FilledSurface, KeepsItsVolumeWhereDetailsHaveMoreNodesThanAreWanted) {
   EXPECT_THAT(filled.notes, Contains(HasSubstr("100 nodes were requested")));
 }
 
-TEST_F(FilledSurface, DoesNotDependOnWhatItsUserSetInGmsh) {
+TEST_F(FilledSurface, DoesNotDependOnTheUsersGmshSettings) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
   const char* home = std::getenv("HOME");
   const std::string before = home != nullptr ? home : "";
@@ -150,7 +150,7 @@ TEST_F(FilledSurface, DoesNotDependOnWhatItsUserSetInGmsh) {
   setenv("HOME", before.c_str(), 1);
 }
 
-TEST(EdgeLength, IsThatOfAsManyNodes) {
+TEST(EdgeLength, GivesTheRequestedNumberOfNodes) {
   EXPECT_GT(edgeFor(1, 6, 100), edgeFor(1, 6, 1000));
   const double h = edgeFor(1, 6, 1e9);
   EXPECT_NEAR(std::numbers::sqrt2 / (h * h * h) / 1e9, 1, 0.01) << "inside there are nearly all";

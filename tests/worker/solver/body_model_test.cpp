@@ -28,7 +28,7 @@ double work(const BodyModel& model, const Field& u) {
   return sum;
 }
 
-TEST(BodyModel, ATractionWorksAsItsIntegralOnWhatTheElementsHold) {
+TEST(BodyModel, ATractionIsIntegratedExactlyForTheElements) {
   for (const DisplacementSpace space : {DisplacementSpace::p1, DisplacementSpace::p2}) {
     BodyModel model = box(space);
     addTraction(model, test::facesOf(model.mesh, "xmax"), {100, 0, 7});
@@ -44,7 +44,7 @@ TEST(BodyModel, ATractionWorksAsItsIntegralOnWhatTheElementsHold) {
   }
 }
 
-TEST(BodyModel, GravityWorksAsItsIntegralOnWhatTheElementsHold) {
+TEST(BodyModel, GravityIsIntegratedExactlyForTheElements) {
   for (const DisplacementSpace space : {DisplacementSpace::p1, DisplacementSpace::p2}) {
     BodyModel model = box(space);
     addGravity(model, {0, 0, -10});
@@ -65,7 +65,7 @@ TEST(BodyModel, GravityNeedsADensity) {
   test::expectBadInput([&] { addGravity(model, {0, 0, -10}); }, {"density"});
 }
 
-TEST(BodyModel, IsWhatTheProblemSays) {
+TEST(BodyModel, MatchesTheProblem) {
   Scene scene = test::mooneyRivlinScene();
   scene.regions[0].material.density = 1000;
   scene.gravity = {0, -9.81, 0};

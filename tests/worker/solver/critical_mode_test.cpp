@@ -63,7 +63,7 @@ TEST_F(CriticalMode, IsTheEigenvectorOfTheMostNegativeEigenvalue) {
   EXPECT_EQ(mode, criticalMode(system_, solver_, straight.state)) << "the same every time";
 }
 
-TEST_F(CriticalMode, IsNothingOfAStableBody) {
+TEST_F(CriticalMode, IsEmptyForAStableBody) {
   const NewtonResult stable = pressed(0.005);
   ASSERT_EQ(stable.cause, Cause::none);
   EXPECT_FALSE(criticalMode(system_, solver_, stable.state).has_value());

@@ -37,13 +37,13 @@ void expectRegular(const BodyModel& body, std::size_t stiff) {
   EXPECT_TRUE(solver.solveWith(tangent, ones, 1e-6).has_value()) << "element " << stiff;
 }
 
-TEST(DofMap, LeaveNoPressureWithoutAnEquationWhereARegionIsOneElement) {
+TEST(DofMap, HasAnEquationForEachPressureInAOneElementRegion) {
   for (const Discretization& discretization : {taylor_hood, stabilized})
     for (std::size_t stiff = 0; stiff < 48; ++stiff)
       expectRegular(withOneStiff(discretization, stiff), stiff);
 }
 
-TEST(DofMap, LeaveNoPressureWithoutAnEquationWhereOneMiddleOfARegionMoves) {
+TEST(DofMap, HasAnEquationForEachPressureIfOneMidEdgeNodeMoves) {
   const Mesh mesh = withOneStiff(taylor_hood, 0).mesh;
   std::vector<int> elements_at(mesh.nodes.size(), 0);
   for (const auto& middles : mesh.mid_edge_nodes)
@@ -61,7 +61,7 @@ TEST(DofMap, LeaveNoPressureWithoutAnEquationWhereOneMiddleOfARegionMoves) {
   EXPECT_GT(alone, 4);
 }
 
-TEST(DofMap, LeaveNoPressureWithoutAnEquationWhereAToolHoldsARegion) {
+TEST(DofMap, HasAnEquationForEachPressureIfAToolHoldsARegion) {
   for (const Discretization& discretization : {taylor_hood, stabilized})
     for (std::size_t stiff = 0; stiff < 48; ++stiff) {
       BodyModel body = withOneStiff(discretization, stiff);

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-TEST(SmallestDetFAtNodes, FindsAMiddleThatIsPulledTowardsAnEndOfItsEdge) {
+TEST(SmallestDetFAtNodes, FindsAMidEdgeNodePulledTowardsAnEndOfItsEdge) {
   Mesh mesh = test::distortedBoxMesh({0.1, 0.1, 0.05}, {2, 2, 1});
   addMidEdgeNodes(mesh);
   std::vector<double> u(3 * mesh.nodes.size(), 0.0);
@@ -24,7 +24,7 @@ TEST(SmallestDetFAtNodes, FindsAMiddleThatIsPulledTowardsAnEndOfItsEdge) {
   EXPECT_EQ(std::count(worst.begin(), worst.end(), b), 1);
 }
 
-TEST(SmallestDetFAtNodes, SaysNothingOfALinearMesh) {
+TEST(SmallestDetFAtNodes, IsEmptyForALinearMesh) {
   const Mesh mesh = test::distortedBoxMesh({0.1, 0.1, 0.05}, {2, 2, 1});
   EXPECT_EQ(smallestDetFAtNodes(mesh, std::vector<double>(3 * mesh.nodes.size(), 0.0)).element, -1);
 }

@@ -77,7 +77,7 @@ class FingerOnABlob : public ::testing::Test {
   std::optional<TransitionSolver> solver_;
 };
 
-TEST_F(FingerOnABlob, ForceAndDriveAreMinusTheGradientsOfOneEnergy) {
+TEST_F(FingerOnABlob, ForcesAreMinusTheGradientsOfOneEnergy) {
   Scene quadratic = test::mooneyRivlinScene(), heavy = quadratic;
   quadratic.discretization = {DisplacementSpace::p2, PressureSpace::p1};
   heavy.regions[0].material.density = 1060;
@@ -89,7 +89,7 @@ TEST_F(FingerOnABlob, ForceAndDriveAreMinusTheGradientsOfOneEnergy) {
 }
 
 /// A push to either side finds other fibres taut.
-TEST_F(FingerOnABlob, AtRestTheStiffnessOfFibresIsNearlyTheMeanOfThoseToEitherSide) {
+TEST_F(FingerOnABlob, FiberStiffnessAtRestIsNearlyTheMeanOfBothSides) {
   constexpr double h = 1e-5;
   Scene scene = test::mooneyRivlinScene();
   scene.regions[0].material = {.law = LawName::holzapfel_gasser_ogden,
@@ -110,14 +110,14 @@ TEST_F(FingerOnABlob, AtRestTheStiffnessOfFibresIsNearlyTheMeanOfThoseToEitherSi
   }
 }
 
-TEST_F(FingerOnABlob, WithoutDisplacementNothingDrivesIt) {
+TEST_F(FingerOnABlob, ConfigurationalForceVanishesWithoutDisplacement) {
   clamp(test::mooneyRivlinScene());
   const Equilibrium rest = equilibriumAt(center(), Eigen::Vector3d::Zero());
   EXPECT_LT(rest.drive.norm(), 1e-12);
   EXPECT_LT(rest.drive_stiffness.norm(), 1e-9);
 }
 
-TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
+TEST_F(FingerOnABlob, APlacedFingerEqualsThatOfAScene) {
   clamp(test::mooneyRivlinScene());
   const Equilibrium placed = equilibriumAt(center(), pushed);
   solver_->chooseTool(0);
@@ -126,7 +126,7 @@ TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
   EXPECT_EQ(chosen.equilibrium().drive_slope, placed.drive_slope);
 }
 
-TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
+TEST_F(FingerOnABlob, IsPushedOnlyUpToTheForceLimit) {
   clamp(test::mooneyRivlinScene());
   const double force = equilibriumAt(center(), pushed).force.norm();
   solver_.reset();
@@ -144,7 +144,7 @@ TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
   EXPECT_FALSE(predicted.converged());
 }
 
-TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
+TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheirForce) {
   clamp(test::mooneyRivlinScene());
   solver_->chooseTool(0);
   Failure failure;
@@ -155,7 +155,7 @@ TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
             1e-3 * start->exerted.norm());
 }
 
-TEST_F(FingerOnABlob, IsNotPlacedOnWhatIsFixed) {
+TEST_F(FingerOnABlob, IsNotPlacedOnFixedNodes) {
   clamp(test::mooneyRivlinScene());
   const Eigen::Vector3d on_the_fixed_side =
       problem_.mesh.nodes[problem_.fixed[problem_.fixed.size() / 2]];

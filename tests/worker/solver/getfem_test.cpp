@@ -119,7 +119,7 @@ TEST_F(Liver, HasAPressureThatOscillatesWithoutStabilisation) {
   EXPECT_GT(highestPressure(PressureSpace::p1), 10 * highestPressure(PressureSpace::p1_stabilized));
 }
 
-TEST_F(Liver, FeelsAlmostTheSameUnderEitherFormOfTheConstraint) {
+TEST_F(Liver, HasAlmostTheSameForceUnderEitherConstraint) {
   for (const PressureSpace pressure : {PressureSpace::p1, PressureSpace::p1_stabilized})
     for (const auto& [metres, tolerance] : {std::pair(0.001, 0.005), std::pair(0.01, 0.05)}) {
       const double determinant = force(pressure, Constraint::det_F_minus_1, metres);

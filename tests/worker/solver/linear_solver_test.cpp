@@ -33,7 +33,7 @@ TEST(SparsityPattern, FindsAnEntryFromEitherSide) {
   EXPECT_THROW(static_cast<void>(pattern.entryOf(0, 1)), std::logic_error);
 }
 
-TEST(SparsityPattern, IsNotMadeForAnUnknownThatOccursNowhere) {
+TEST(SparsityPattern, RefusesAnUnknownWithoutEntries) {
   EXPECT_THROW(static_cast<void>(patternOf({{0}, {}})), std::logic_error);
 }
 
@@ -64,7 +64,7 @@ SparsityPattern coupled(std::int32_t n, unsigned bits) {
   return patternOf(rows);
 }
 
-TEST(LinearSolver, TakesEveryMatrixOfAFewUnknowns) {
+TEST(LinearSolver, SolvesEveryMatrixOfAFewUnknowns) {
   for (std::int32_t n = 1; n <= 5; ++n)
     for (unsigned bits = 0; bits < 1u << n * (n - 1) / 2; ++bits) {
       const SparsityPattern pattern = coupled(n, bits);
@@ -75,14 +75,14 @@ TEST(LinearSolver, TakesEveryMatrixOfAFewUnknowns) {
     }
 }
 
-TEST(LinearSolver, SaysSoWhenTheMatrixIsSingular) {
+TEST(LinearSolver, ReportsASingularMatrix) {
   const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
   const Factorization factorization = solver->factorize({1, 0, 0, 0, 1});
   EXPECT_FALSE(factorization.ok);
   EXPECT_EQ(factorization.infog1, -10);
 }
 
-TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
+TEST(LinearSolver, HandlesAKnownNullSpace) {
   const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, true);
   ASSERT_TRUE(solver->factorize({1, 0, 0, 0, 1}).ok);
   Eigen::MatrixXd x = Eigen::Vector3d(3, 0, 5);
@@ -92,7 +92,7 @@ TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
 }
 
 /// A band of 20,000 unknowns, whose factor takes 24 MB, where 8 are left.
-TEST(LinearSolverDeathTest, WithoutMemoryIsAnErrorAndNoAnswer) {
+TEST(LinearSolverDeathTest, OutOfMemoryIsAnErrorAndNoAnswer) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
 #endif
@@ -126,7 +126,7 @@ TEST(LinearSolverDeathTest, WithoutMemoryIsAnErrorAndNoAnswer) {
   EXPECT_EXIT(factorizeInLittle(), testing::ExitedWithCode(1), "out of memory");
 }
 
-TEST(LinearSolver, GivesNoFiniteSolutionOfAMatrixWithNotANumber) {
+TEST(LinearSolver, GivesNoFiniteSolutionForAMatrixWithNaN) {
   for (const Precision precision : {Precision::single_precision, Precision::double_precision}) {
     const auto solver = LinearSolver::of(tridiagonal(), precision, false);
     for (std::size_t entry = 0; entry < indefinite.size(); ++entry) {

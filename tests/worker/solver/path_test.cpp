@@ -47,7 +47,7 @@ TEST_F(PathTest, ALimitPointIsNamedWhereThePathTurnsBack) {
             1.25 * before.outcome.equilibrium().stiffness.norm());
 }
 
-TEST_F(PathTest, ADetourLeadsPastIt) {
+TEST_F(PathTest, ADetourLeadsPastALimitPoint) {
   const Reached path = walk(solver_, rest_, along(1), 6);
   ASSERT_TRUE(path.outcome.converged()) << describe(path.outcome.failure());
   EXPECT_GE(path.detours, 1);
@@ -55,7 +55,7 @@ TEST_F(PathTest, ADetourLeadsPastIt) {
   EXPECT_EQ(path.end->state.displacement, along(1));
 }
 
-TEST_F(PathTest, TheStraightWayNeedsNoDetour) {
+TEST_F(PathTest, AStraightPathNeedsNoDetour) {
   const Reached path = walk(solver_, rest_, {0, 0.06, 0.04}, 3);
   ASSERT_TRUE(path.outcome.converged());
   EXPECT_EQ(path.detours, 0);
@@ -65,7 +65,7 @@ TEST_F(PathTest, TheStraightWayNeedsNoDetour) {
             1e-8 * direct.equilibrium().force.norm());
 }
 
-TEST_F(PathTest, AFailureSaysHowFarAlongTheWholeWayItGot) {
+TEST_F(PathTest, AFailureReportsItsShareOfTheWholePath) {
   Scene scene = test::youngScene(LawName::st_venant_kirchhoff, 0.49);
   const Problem problem = test::clampedProblem(scene, test::blobMesh(), {0.1, 0, 0});
   TransitionSolver solver(problem, chooseKernels());

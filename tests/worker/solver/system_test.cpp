@@ -176,7 +176,7 @@ TEST_F(SystemTest, TangentIsTheDerivativeOfTheResidualForEveryElementAndLaw) {
   }
 }
 
-TEST_F(SystemTest, AWeightedToolIsAMultiplierBesideEveryElement) {
+TEST_F(SystemTest, AWeightedToolIsAMultiplierForEveryElement) {
   for (const Formulation& formulation : oneFormulationPerElement()) {
     prepare(formulation);
     system_->chooseTool(1);
@@ -229,7 +229,7 @@ TEST_F(SystemTest, RegionsOfDifferentLawsKeepTheDerivatives) {
   }
 }
 
-TEST_F(SystemTest, HasPressuresOnlyWhereAMixedMaterialIs) {
+TEST_F(SystemTest, HasPressuresOnlyInMixedMaterials) {
   const Discretization taylor_hood{DisplacementSpace::p2, PressureSpace::p1, Constraint::ln_det_F};
   const BodyModel model = layered(taylor_hood);
   std::set<std::int32_t> mixed;
@@ -247,7 +247,7 @@ TEST_F(SystemTest, HasPressuresOnlyWhereAMixedMaterialIs) {
 }
 
 /// A tool that holds all nodes of elements: the pressures among them alone have no equation.
-TEST_F(SystemTest, HoldsThePressuresThatSayNothingWhileTheToolHoldsAllAroundThem) {
+TEST_F(SystemTest, FixesPressuresWhoseNodesTheToolHolds) {
   const auto half = [](const Formulation& formulation) {
     BodyModel model = test::freeBody(test::distortedBoxMesh({0.1, 0.05, 0.05}, {3, 1, 1}),
                                      formulation.discretization, formulation.material);
@@ -272,7 +272,7 @@ TEST_F(SystemTest, HoldsThePressuresThatSayNothingWhileTheToolHoldsAllAroundThem
   }
 }
 
-TEST_F(SystemTest, ExpectsNoInertiaOfElementsWithSpuriousPressures) {
+TEST_F(SystemTest, ExpectsNoPivotCountForElementsWithSpuriousPressures) {
   for (const Discretization& element : test::everyElement()) {
     const bool unstable = test::nameOf(element) == "P1/P1" || test::nameOf(element) == "P2/P2";
     prepare({"", element, test::materialOf(LawName::mooney_rivlin)});
@@ -304,7 +304,7 @@ TEST_F(SystemTest, EveryKernelFamilyComputesTheSameToRounding) {
   }
 }
 
-TEST_F(SystemTest, ResidualAloneIsTheOneThatComesWithTheTangent) {
+TEST_F(SystemTest, ResidualAloneEqualsTheOneWithTheTangent) {
   for (const Formulation& formulation : oneFormulationPerElement()) {
     prepare(formulation);
     const Residual alone = residualAt(state_);
@@ -325,7 +325,7 @@ TEST_F(SystemTest, RestIsAnEquilibriumOfEveryFormulation) {
     }
 }
 
-TEST_F(SystemTest, TurningAndMovingTheWholeBodyTurnsItsForces) {
+TEST_F(SystemTest, RotatingAndMovingTheWholeBodyRotatesItsForces) {
   const Eigen::Matrix3d R = (Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitX()) *
                              Eigen::AngleAxisd(-1.3, Eigen::Vector3d::UnitZ()))
                                 .toRotationMatrix();
@@ -370,7 +370,7 @@ TEST_F(SystemTest, AnInvertedElementIsNamedAndHasNoLogarithm) {
   }
 }
 
-TEST_F(SystemTest, MeasuresFromTheRestThatItWasGiven) {
+TEST_F(SystemTest, MeasuresFromTheGivenRestState) {
   const Formulation formulation = oneFormulationPerElement()[1];
   for (const std::size_t tool : {0, 1}) {
     BodyModel model = clamped(formulation);

@@ -83,7 +83,7 @@ TEST_F(TangentSolverTest, RefinesWithTheFactorsOfATangentNearby) {
   }
 }
 
-TEST_F(TangentSolverTest, SaysSoWhenTheFactorsAreTooFarAway) {
+TEST_F(TangentSolverTest, ReportsFactorsThatAreTooFarAway) {
   touch(ToolKind::rigid);
   ASSERT_TRUE(solver_->factorize(at_rest_).ok);
   Tangent far_away;

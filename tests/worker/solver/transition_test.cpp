@@ -73,7 +73,7 @@ TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivati
   }
 }
 
-TEST_F(TransitionTest, AWeightedToolHasTheForceAndStiffnessOfItsEnergyAndStartsFromWhatIsStored) {
+TEST_F(TransitionTest, AWeightedToolMatchesItsEnergyAndStartsFromStoredFields) {
   Scene scene = mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
   scene.active = {
@@ -129,7 +129,7 @@ TEST_F(TransitionTest, UnderItsWeightEveryElementConverges) {
   }
 }
 
-TEST_F(TransitionTest, ABodyThatItsWeightCollapsesSaysSo) {
+TEST_F(TransitionTest, ABodyThatCollapsesUnderItsWeightIsReported) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material.density = 1060;
   scene.gravity = {0, 0, -3e4};
@@ -140,7 +140,7 @@ TEST_F(TransitionTest, ABodyThatItsWeightCollapsesSaysSo) {
   EXPECT_NE(failure.cause, Cause::none);
 }
 
-TEST_F(TransitionTest, AStepOfAnElementTakesFewTangents) {
+TEST_F(TransitionTest, AStepTakesFewTangentsForAnyElement) {
   clamp(mooneyRivlinScene());
   int factorizations = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -187,7 +187,7 @@ TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   EXPECT_LT((direct.force - stepwise.force).norm(), 1e-8 * direct.force.norm());
 }
 
-TEST_F(TransitionTest, ASolveGivesTheSameBitsWhateverWasSolvedBefore) {
+TEST_F(TransitionTest, ASolveGivesTheSameBitsWhateverCameBefore) {
   clamp(mooneyRivlinScene());
   const Eigen::Vector3d target(0.01, 0.02, 0);
   const Outcome first = reach(target);
@@ -274,7 +274,7 @@ TEST_F(TransitionTest, StVenantKirchhoffAndLinearAgreeForSmallDisplacements) {
   EXPECT_LT((equilibriumAt(target).force - linear).norm(), 1e-3 * linear.norm());
 }
 
-TEST_F(TransitionTest, WhatCannotBeReachedFailsWithACauseAndNumbersWithinTheBudget) {
+TEST_F(TransitionTest, UnreachableTargetsFailWithACauseWithinTheBudget) {
   Scene scene = youngScene(LawName::st_venant_kirchhoff, 0.49);
   clamp(test::clampedProblem(scene, test::blobMesh(), blob_tip));
   const Outcome outcome = reach({-0.15, 0, 0});
@@ -307,14 +307,14 @@ TEST_F(TransitionTest, AForceOfZeroHasNoSign) {
   for (const double component : force) EXPECT_FALSE(std::signbit(component));
 }
 
-TEST_F(TransitionTest, ADisplacementThatOverflowsIsNotFiniteAndInvertsNothing) {
+TEST_F(TransitionTest, ADisplacementThatOverflowsIsReportedAsNotFinite) {
   clamp(mooneyRivlinScene());
   const Reached nowhere = solver_->reach(rest_, {1e300, 0, 0});
   EXPECT_EQ(nowhere.outcome.failure().cause, Cause::not_finite);
   EXPECT_FALSE(nowhere.end) << "there is nothing to go on from";
 }
 
-TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
+TEST_F(TransitionTest, AnExhaustedNewtonNamesTheSpentBudget) {
   TransitionOptions options;
   options.newton.max_iterations = 1;
   options.smallest_step = 0.6;
@@ -369,7 +369,7 @@ TEST_F(TransitionTest, EqualOrderPressureConvergesAlthoughItsTangentIsSingular) 
 }
 
 /// Schedulers judge by it when a solve hangs.
-TEST_F(TransitionTest, ASolveDuringWhichItsProcessStoodStillTookNoLonger) {
+TEST_F(TransitionTest, TheTimeOfASolveExcludesASuspendedProcess) {
   clamp(mooneyRivlinScene());
   std::atomic<bool> over = false;
   std::jthread stops_us([&] {
