@@ -10,8 +10,8 @@
 
 namespace palpate::test {
 
-/// A Mooney-Rivlin blob of 125 nodes as files, for tests that run the programs: side xmin held, a
-/// patch of 4 cm at the other end. Change `scene` as you like before write().
+/// A Mooney-Rivlin blob of 125 nodes as files, for tests that run the programs: side xmin is fixed,
+/// a patch of 4 cm is touched at the other end. Tests may change `scene` before write().
 struct BlobOnDisk {
   BlobOnDisk() {
     scene.name = "blob";
@@ -21,7 +21,7 @@ struct BlobOnDisk {
     writeGmsh22(blobMesh(), directory / "blob.msh");
   }
 
-  /// Writes the scene beside its mesh; its path.
+  /// Writes the scene and its mesh into the same folder. Returns the path of the scene.
   std::string write() const {
     const std::filesystem::path file = directory / "blob.toml";
     std::ofstream(file) << resolvedToml(scene);

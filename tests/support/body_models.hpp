@@ -8,7 +8,7 @@
 #include "tests/support/meshes.hpp"
 #include "worker/solver/body_model.hpp"
 
-/// Bodies made in code for what discretises and solves, without a scene.
+/// Bodies made in code for tests of discretisation and solvers, without a scene.
 namespace palpate::test {
 
 struct NamedMaterial {
@@ -16,7 +16,7 @@ struct NamedMaterial {
   Material material;
 };
 
-/// One material of every law; those with det F = 1 without `bulk`. Soft tissue, kPa.
+/// One material for every law; isochoric ones (det F = 1) without `bulk`. Soft tissue, kPa.
 inline std::vector<NamedMaterial> everyMaterial() {
   std::vector<NamedMaterial> all;
   for (const Material& material : std::vector<Material>{
@@ -44,7 +44,7 @@ inline Material materialOf(LawName law) {
   return {};
 }
 
-/// Every pair of spaces.
+/// Every pair of displacement and pressure spaces.
 inline std::vector<Discretization> everyElement() {
   using enum PressureSpace;
   std::vector<Discretization> all;
@@ -60,9 +60,8 @@ inline std::string nameOf(const Discretization& discretization) {
          std::string(word(discretization.pressure));
 }
 
-/// `mesh` of one material with nothing fixed, no loads and no tools; mid-edge nodes added where
-/// needed, and a bulk modulus where there is no pressure to keep the volume. Fibres as the material
-/// says.
+/// A body of `mesh` and one material without fixed nodes, loads or tools. Adds mid-edge nodes if
+/// needed, and a bulk modulus if no pressure keeps the volume. Fibres as given by the material.
 inline BodyModel freeBody(Mesh mesh, const Discretization& discretization, Material material) {
   if (discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   if (discretization.pressure == PressureSpace::none && isIncompressible(material))
@@ -79,14 +78,14 @@ inline BodyModel freeBody(Mesh mesh, const Discretization& discretization, Mater
   return model;
 }
 
-/// Fixes these components (of x, y, z) of the nodes of a group.
+/// Fixes these components (x, y, z) at the nodes of a group.
 inline void fix(BodyModel& model, const std::string& group,
                 const std::vector<int>& components = {0, 1, 2}) {
   for (const std::int32_t node : model.mesh.node_groups.at(group))
     for (const int i : components) model.fixed[3 * static_cast<std::size_t>(node) + i] = 1;
 }
 
-/// The nodes of a group as a rigid tool, or with equal weights.
+/// The nodes of a group as a tool, rigid or with equal weights.
 inline Tool toolOf(const BodyModel& model, const std::string& group, bool weighted = false) {
   Tool tool{model.mesh.node_groups.at(group), {}};
   if (weighted)
@@ -94,7 +93,7 @@ inline Tool toolOf(const BodyModel& model, const std::string& group, bool weight
   return tool;
 }
 
-/// The surface triangles with all vertices in a group.
+/// The surface triangles whose vertices are all in a group.
 inline std::vector<Triangle> facesOf(const Mesh& mesh, const std::string& group) {
   const std::vector<std::int32_t>& nodes = mesh.node_groups.at(group);
   std::vector<Triangle> faces;

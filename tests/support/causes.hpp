@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// Every cause there is, also those that are appended later.
+/// Every existing cause, including causes that are appended later.
 inline std::vector<Cause> allCauses() {
   std::vector<Cause> causes;
   for (std::uint32_t value = 0; value < 1000; ++value)

@@ -10,11 +10,11 @@
 #include <functional>
 #include <stdexcept>
 
-/// Copies of this process, for what is for the whole of one.
+/// Copies of this process, for tests that change a whole process.
 namespace palpate::test {
 
-/// Runs it in a copy, which exits in the ordinary way with the code that it returns: 101, and a
-/// word, where it throws.
+/// Runs `action` in a copy of this process. The copy exits normally with the returned code; if the
+/// action throws, with 101 and a message.
 inline pid_t startChild(const std::function<int()>& action) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork");
@@ -27,7 +27,7 @@ inline pid_t startChild(const std::function<int()>& action) {
   }
 }
 
-/// Waits for its end. The code, or minus the signal that ended it.
+/// Waits for the end of the process. Returns its exit code, or minus the signal that ended it.
 inline int codeOf(pid_t child) {
   int status = 0;
   if (waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid");

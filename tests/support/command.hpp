@@ -9,9 +9,9 @@
 
 namespace palpate::test {
 
-/// What became of a command.
+/// Exit code and output of a command.
 struct CommandResult {
-  int exit_code = -1;  ///< -1 when a signal ended it
+  int exit_code = -1;  ///< -1 if a signal ended it
   std::string output;  ///< stdout and stderr, in the order written
 };
 

@@ -24,7 +24,7 @@ void expectError(ExitCode code, Action&& action, std::initializer_list<std::stri
   }
 }
 
-/// expectError for what the user gave wrongly (exit code 2).
+/// expectError for invalid input by the user (exit code 2).
 template <class Action>
 void expectBadInput(Action&& action, std::initializer_list<std::string> words) {
   expectError(ExitCode::usage, action, words);

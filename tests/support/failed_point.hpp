@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// A lattice point that was tried and has no equilibrium.
+/// A lattice point that was tried without finding an equilibrium.
 inline PointRecord failedPoint() {
   PointRecord point;
   point.tag = Tag::failed;

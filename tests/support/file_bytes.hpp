@@ -12,14 +12,14 @@
 /// Files as bytes, for tests that damage them.
 namespace palpate::test {
 
-/// Error when it cannot be opened.
+/// Throws if the file cannot be opened.
 inline std::string bytesIn(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw failure("{}: cannot open", file.string());
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Replaces what is in a file. Error when it cannot be written.
+/// Replaces the contents of a file. Throws if it cannot be written.
 inline void putInto(const std::filesystem::path& file, std::string_view bytes) {
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -27,7 +27,7 @@ inline void putInto(const std::filesystem::path& file, std::string_view bytes) {
   if (!out) throw failure("{}: cannot write", file.string());
 }
 
-/// Other bits of one byte.
+/// Flips bits of one byte.
 inline void flip(const std::filesystem::path& file, std::uint64_t byte, int bits = 0x10) {
   std::string bytes = bytesIn(file);
   bytes.at(byte) = static_cast<char>(bytes.at(byte) ^ bits);

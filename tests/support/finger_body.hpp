@@ -6,10 +6,10 @@
 
 namespace palpate::test {
 
-/// A sealed dataset of a cube of 100 mm whose top a finger of 20 mm touches, made in code: the
-/// sites of a resolved scene, and in each the energy E(s, p) = g(s) f(p), g a wave over the top and
-/// f convex and stiffening, some 60 N/m at rest. Every point is solved, and so many probes at
-/// places of the top. One side of the cube is fixed.
+/// A sealed dataset of a cube of 100 mm whose top is touched by a finger of 20 mm, made in code. It
+/// has the sites of a resolved scene, each with the energy E(s, p) = g(s) f(p): g is a wave over
+/// the top, f is convex and stiffening, about 60 N/m at rest. All points are solved, and `probes`
+/// probes at places of the top. One side of the cube is fixed.
 struct FingerBody {
   explicit FingerBody(std::int32_t probes = 0, const std::string& fixed = "zmin");
 
@@ -20,9 +20,9 @@ struct FingerBody {
   Problem problem;
   std::vector<SpaceTable> spaces;
 
-  /// All nodes around a site move by p, others less with the distance.
+  /// The nodes around a site move by p, others less with growing distance.
   NodalFields fields(std::size_t space, std::int32_t point) const;
-  /// Error when it cannot be written.
+  /// Throws if the file cannot be written.
   void seal(const std::filesystem::path& file) const;
 };
 

@@ -9,8 +9,8 @@
 
 namespace palpate::test {
 
-/// What a server of this machine says to `request`, whole, if it then closes the connection; empty
-/// when nobody listens there.
+/// The complete answer of a server on this machine to `request`, up to the end of the connection;
+/// empty if nobody listens on the port.
 inline std::string httpAnswer(int port, const std::string& request) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -19,7 +19,7 @@ inline std::string httpAnswer(int port, const std::string& request) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   std::string answer;
   if (connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    // It may refuse before all of it is read.
+    // The server may refuse before it has read everything.
     static_cast<void>(send(socket, request.data(), request.size(), MSG_NOSIGNAL));
     char buffer[4096];
     for (ssize_t count = 0; (count = recv(socket, buffer, sizeof buffer, 0)) > 0;)
@@ -29,7 +29,7 @@ inline std::string httpAnswer(int port, const std::string& request) {
   return answer;
 }
 
-/// The same of GET `path`; `headers` end with \r\n each.
+/// The complete answer to GET `path`; each of `headers` ends with \r\n.
 inline std::string httpGet(int port, const std::string& path, const std::string& headers = "") {
   const std::string host =
       headers.find("Host:") == std::string::npos ? "Host: localhost\r\n" : std::string();
@@ -37,7 +37,7 @@ inline std::string httpGet(int port, const std::string& path, const std::string&
                     "GET " + path + " HTTP/1.1\r\n" + host + headers + "Connection: close\r\n\r\n");
 }
 
-/// What follows the headers.
+/// The part after the headers.
 inline std::string bodyOf(const std::string& answer) {
   const std::size_t end = answer.find("\r\n\r\n");
   return end == std::string::npos ? "" : answer.substr(end + 4);

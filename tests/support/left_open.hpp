@@ -9,7 +9,7 @@
 
 namespace palpate::test {
 
-/// Opens an HDF5 file for writing in a process that ends without closing it.
+/// Opens an HDF5 file for writing in a process that exits without closing it.
 inline void leaveOpenForWriting(const std::filesystem::path& path) {
   const pid_t child = fork();
   if (child == 0) {

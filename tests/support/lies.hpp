@@ -7,13 +7,13 @@
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
 
-/// Results as workers deliver them that are broken, or lie, for tests of what finds them out.
+/// Broken or falsified results of workers, for tests of their detection.
 namespace palpate::test {
 
-/// Falsifies a result that an honest worker found: its header and its payload.
+/// Falsifies the header and payload of an honest worker's result.
 using Lie = std::function<void(wire::Result&, std::string& payload)>;
 
-/// Of a result with another outcome.
+/// A lie that changes the outcome of a result.
 inline Lie lieAbout(const std::function<void(Outcome&)>& falsify) {
   return [falsify](wire::Result& result, std::string& payload) {
     std::optional<Outcome> outcome = fromWire(result);
@@ -28,8 +28,8 @@ inline Lie lieAbout(const std::function<void(Outcome&)>& falsify) {
   };
 }
 
-/// What a result says of forces, and so what a hand feels, falsified by a tenth or more; and a
-/// failure where there is none.
+/// Lies about forces, and thus about what a hand feels, by a tenth or more; and a failure in place
+/// of an equilibrium.
 inline const std::vector<Lie>& lies() {
   static const std::vector<Lie> all = {
       lieAbout([](Outcome& o) { o.configuration().equilibrium.force *= 1.1; }),

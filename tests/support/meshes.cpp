@@ -9,8 +9,8 @@
 namespace palpate::test {
 namespace {
 
-/// From the cube [-1, 1]^3 towards the unit ball. All the way would flatten the tetrahedra along
-/// the cube's edges.
+/// Moves points of the cube [-1, 1]^3 towards the unit ball. A complete move would flatten the
+/// tetrahedra along the cube's edges.
 Eigen::Vector3d rounded(const Eigen::Vector3d& x) {
   constexpr double roundness = 0.7;
   const Eigen::Vector3d q = x.cwiseProduct(x);

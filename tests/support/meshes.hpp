@@ -6,7 +6,7 @@
 #include "common/mesh/mesh.hpp"
 #include "worker/verification/meshes.hpp"
 
-/// The small bodies that tests and benchmarks share. All are finished (finishMesh), positively
+/// The small bodies that tests and benchmarks share. All are complete (finishMesh), positively
 /// oriented, in metres, and the same on every machine. Node groups "xmin", "xmax", "ymin", "ymax",
 /// "zmin" and "zmax" hold the nodes of the six sides.
 namespace palpate::test {
@@ -19,25 +19,25 @@ using verification::distortedBoxMesh;
 Mesh beamMesh();
 
 /// A rounded, slightly bent organ of about 20 x 14 x 10 cm around the origin: (n+1)^3 nodes, 6 n^3
-/// tetrahedra; the default has 125 nodes and 384 tetrahedra. Side xmin is the one to fix.
+/// tetrahedra; by default 125 nodes and 384 tetrahedra. Tests fix side xmin.
 Mesh blobMesh(int n = 4);
 
-/// One tetrahedron: the corner at the origin and the three unit vectors times `edge`.
+/// One tetrahedron with corners at the origin and at the three unit vectors times `edge`.
 Mesh tetrahedronMesh(double edge = 1.0);
 
-/// Both bodies in one mesh, the nodes of the second behind those of the first. Nothing is joined.
-/// Groups are those of the first.
+/// Both bodies in one mesh, unconnected; the nodes of the second follow those of the first. Keeps
+/// only the groups of the first.
 Mesh together(Mesh first, const Mesh& second);
 
-/// The body elsewhere, by a vector in metres.
+/// The mesh moved by a vector in metres.
 Mesh moved(Mesh mesh, const Eigen::Vector3d& by);
 
-/// Nodes in one place made one node, the lowest.
+/// Merges coincident nodes into the one with the lowest index.
 Mesh welded(Mesh mesh);
 
 /// Writes the mesh as Gmsh 2.2 or 4.1 ASCII, coordinates with 17 digits, each node group as a
-/// physical group of points under its name. Reading it back gives the same nodes, tetrahedra and
-/// groups. Error when the file cannot be written.
+/// physical group of points of the same name. Reading it back gives the same nodes, tetrahedra and
+/// groups. Throws if the file cannot be written.
 void writeGmsh22(const Mesh& mesh, const std::filesystem::path& file);
 void writeGmsh41(const Mesh& mesh, const std::filesystem::path& file);
 

@@ -14,8 +14,8 @@
 
 namespace palpate::test {
 
-/// What systemd would hear of a service: whoever is started, or begins, while this object lives
-/// finds it at $NOTIFY_SOCKET. The file is `notify` in a folder.
+/// Receives what a service tells systemd. Processes and ServiceManagers that start while this
+/// object exists find it at $NOTIFY_SOCKET. The socket is the file `notify` in a folder.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::filesystem::path& folder)
@@ -48,7 +48,7 @@ class NotifySocket {
       all.emplace_back(bytes.data(), static_cast<std::size_t>(length));
     }
   }
-  /// As if the manager were gone.
+  /// Removes the socket, as if the manager were gone.
   void remove() const { std::filesystem::remove(path_); }
 
  private:

@@ -6,10 +6,10 @@
 
 namespace palpate::test {
 
-/// Of the workspaces that the fields are tested with, metres.
+/// Radius of the workspaces for tests of fields, metres.
 inline constexpr double radius = 0.02;
 
-/// The same points of the ball of `reach` metres in every run.
+/// Points in the ball of radius `reach` (m), the same in every run.
 inline std::vector<Eigen::Vector3d> pointsInBall(double reach, int count = 300) {
   std::mt19937 random(23);
   const auto coordinate = [&] {

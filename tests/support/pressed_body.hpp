@@ -6,19 +6,19 @@
 
 namespace palpate::test {
 
-/// A TouchableBody that stores pressures, which a function says: what its weight gives at rest
-/// everywhere, and under a tool more the deeper it presses, less with the distance from it. Below a
-/// height its material is linear and has none.
+/// A TouchableBody with stored pressures, given by a function: everywhere the pressure at rest from
+/// its weight, and under a tool a pressure that grows with the depth and falls with the distance.
+/// Below a height the material is linear and has no pressure.
 struct PressedBody : TouchableBody {
   static constexpr float at_rest = 30;  ///< Pa
 
   explicit PressedBody(const Mesh& mesh, const std::vector<Active>& active, double factor = 1,
                        double linear_below = -std::numeric_limits<double>::infinity());
 
-  /// Pa, of a vertex while the active node of a space is displaced by p.
+  /// Pa, at a vertex while the active node of a space is displaced by p.
   float pressure(std::size_t space, const Eigen::Vector3d& p, std::int32_t vertex) const;
   NodalFields fields(std::size_t space, std::int32_t point) const;
-  /// Error when it cannot be written.
+  /// Throws if the file cannot be written.
   void seal(const std::filesystem::path& file) const;
 
  private:

@@ -4,10 +4,10 @@
 
 #include "common/problem/problem.hpp"
 
-/// Scenes made in code for what solves and schedules.
+/// Scenes made in code for tests of solver and scheduler.
 namespace palpate::test {
 
-/// Mooney-Rivlin with the paper's constants, P1-stabilized, ln det F.
+/// Mooney-Rivlin with the paper's constants, P1-stabilized, volumetric term ln det F.
 inline Scene mooneyRivlinScene() {
   Scene scene;
   scene.name = "test";
@@ -16,8 +16,8 @@ inline Scene mooneyRivlinScene() {
   return scene;
 }
 
-/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement
-/// only where it may be.
+/// St. Venant-Kirchhoff, the modified or the linear law with the paper's Young's modulus; without
+/// pressure unless the material is incompressible.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material = {.law = law, .young = 15480, .poisson = poisson};

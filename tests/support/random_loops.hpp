@@ -9,8 +9,8 @@
 
 namespace palpate::test {
 
-/// A closed path of smooth pieces: p(t), t from 0 to 1, a sum of waves, and beyond a half a
-/// straight way back to its start. Inside of a ball.
+/// A closed, piecewise smooth path p(t) inside a ball, t from 0 to 1: a sum of waves until t = 0.5,
+/// then a straight way back to the start.
 class RandomLoop {
  public:
   RandomLoop(std::mt19937& random, double radius) {
@@ -22,7 +22,7 @@ class RandomLoop {
         cosine_[w][axis] = (2 * uniform() - 1) / static_cast<double>(w + 1);
       }
     for (std::size_t w = 0; w < waves; ++w) sum += std::hypot(sine_[w].norm(), cosine_[w].norm());
-    // |p| is at most the sum of the waves.
+    // |p| is at most the sum of the amplitudes.
     scale_ = radius / sum;
     turns_ = 0.3 + 0.7 * uniform();
   }
@@ -56,17 +56,17 @@ class RandomLoop {
 
 /// Work of a force field around a loop, J.
 struct LoopEnergy {
-  double net = 0;        ///< given to whoever moved around; 0 for a conservative field
-  double exchanged = 0;  ///< sum of the magnitudes
-  double error = 0;      ///< estimate of the quadrature's
-  bool covered = true;   ///< coverage was 1, and inside, wherever the field was asked
+  double net = 0;        ///< net work done on the mover; 0 for a conservative field
+  double exchanged = 0;  ///< sum of the absolute values
+  double error = 0;      ///< estimated error of the quadrature
+  bool covered = true;   ///< coverage was 1 and inside true at all evaluated points
 };
 
-/// Adaptive Gauss-Legendre quadrature: kinks at the faces of cells are closed in by halving.
+/// Adaptive Gauss-Legendre quadrature that halves intervals around kinks at the faces of cells.
 class LoopQuadrature {
  public:
   LoopQuadrature(const ForceField& field, const RandomLoop& loop) : field_(field), loop_(loop) {
-    constexpr int pieces = 64;  // an even number: one ends where the loop has its corner
+    constexpr int pieces = 64;  // even, so that one piece ends at the corner of the loop
     for (int n = 0; n < pieces; ++n) {
       const double a = static_cast<double>(n) / pieces, b = static_cast<double>(n + 1) / pieces;
       integrate(a, b, rule(a, b), 0);
@@ -75,7 +75,7 @@ class LoopQuadrature {
   const LoopEnergy& energy() const { return energy_; }
 
  private:
-  static constexpr double tolerance = 1e-13;  // J, per piece
+  static constexpr double tolerance = 1e-13;  // J, for each piece
   static constexpr int most_halvings = 14;
 
   double power(double t) {

@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// A file under the CMake cache variable PALPATE_REFERENCE_DATA, which holds real meshes
+/// A file under the CMake cache variable PALPATE_REFERENCE_DATA. It holds real meshes
 /// (meshes/liver-493.msh, ...) that the project does not ship.
 inline std::filesystem::path referenceData(const std::filesystem::path& name) {
   return std::filesystem::path(PALPATE_REFERENCE_DATA) / name;
@@ -14,8 +14,8 @@ inline std::filesystem::path referenceData(const std::filesystem::path& name) {
 
 }  // namespace palpate::test
 
-/// Ends the running test as skipped, saying why, when `name` is not there; else defines `variable`
-/// as its path.
+/// Skips the running test with a reason if `name` is missing; otherwise defines `variable` as its
+/// path.
 // NOLINTNEXTLINE(bugprone-macro-parentheses): a declaration takes none
 #define PALPATE_REFERENCE_FILE(variable, name)                                             \
   const std::filesystem::path variable = ::palpate::test::referenceData(name);             \

@@ -11,8 +11,8 @@ namespace palpate::test {
 /// The tip of the left lobe of liver-493 and its finer meshes, metres.
 inline const Eigen::Vector3d liver_tip(0.0582, 0.1344, 0.0025);
 
-/// `scene` on one of the reference livers as getfem_reference.py holds and touches it by default:
-/// fixed where x is in the lowest 15 %, one active node at the tip.
+/// `scene` on a reference liver with the default conditions of getfem_reference.py: fixed where x
+/// is in the lowest 15 %, one active node at the tip.
 inline Problem liverProblem(Scene scene, Mesh mesh) {
   scene.fixed = {};
   scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};

@@ -4,7 +4,7 @@
 
 #include "common/space/space_table.hpp"
 
-/// What a plan, a file or a message keeps of points: the same numbers, to the last bit.
+/// Compares what a plan, a file or a message keeps of points: equal numbers, to the last bit.
 namespace palpate::test {
 
 inline void expectSame(const Failure& a, const Failure& b) {
@@ -32,7 +32,7 @@ inline void expectSame(const Equilibrium& a, const Equilibrium& b) {
   EXPECT_EQ(a.drive_slope_by_p, b.drive_slope_by_p);
 }
 
-/// But for seconds, which are no part of a dataset.
+/// Ignores seconds, which are not part of a dataset.
 inline void expectSame(const PointRecord& a, const PointRecord& b) {
   EXPECT_EQ(a.tag, b.tag);
   EXPECT_EQ(a.cause, b.cause);

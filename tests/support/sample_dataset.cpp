@@ -9,9 +9,9 @@
 namespace palpate::test {
 namespace {
 
-/// What differs between the sizes.
+/// The differences between the sizes.
 struct Extent {
-  int cells;      ///< of the cube, along an edge
+  int cells;      ///< along an edge of the cube
   double radius;  ///< m
   std::vector<ActivePatch> active;
   std::int32_t failed_point, failed_element, unknown_point, terminating_point;
@@ -23,7 +23,7 @@ Extent extentOf(SampleDataset::Size size) {
   return {2, 0.02, {{"tip", 26, {26}}, {"edge-2", 8, {5, 8}}}, 7, 11, 32, 20};
 }
 
-/// x^n differentiated `derivative` times.
+/// The derivative of order `derivative` of x^n.
 double power(double x, int n, int derivative) {
   double factor = 1;
   for (int i = 0; i < derivative; ++i) factor *= n - i;
@@ -206,7 +206,8 @@ void SampleDataset::refine() {
         add({i * half, j * half, k * half});
         add({half + i * quarter, j * quarter, k * quarter});
       }
-  add({4 * half, 2 * half, 2 * half});                           // completes a cell at the rim
+  add({4 * half, 2 * half, 2 * half});                           // completes a cell at the boundary
+                                                                 // of the ball
   edge.points[3].equilibrium.force += Eigen::Vector3d(0, 7, 0);  // another branch
 }
 

@@ -21,7 +21,7 @@ class AnalyticEnergy {
       const Eigen::Vector3d& p) const = 0;  ///< N/m; the stiffness is its negative
 };
 
-/// A smooth, stiffening, not symmetric body of about 50 N/m and 1 N at 20 mm; no polynomial.
+/// A smooth, stiffening, asymmetric energy of about 50 N/m and 1 N at 20 mm; not a polynomial.
 class StiffeningEnergy : public AnalyticEnergy {
  public:
   double energy(const Eigen::Vector3d& p) const override;
@@ -48,18 +48,18 @@ class PolynomialEnergy : public AnalyticEnergy {
   double length_;
 };
 
-/// A configuration space in which every point is expandable and holds the derivatives of `energy`.
+/// A configuration space in which all points are expandable and hold the derivatives of `energy`.
 /// No nodal fields.
 SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 
-/// Everything sealDataset takes, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2",
-/// a lattice of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one
+/// All input of sealDataset, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2", a
+/// lattice of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one
 /// point is failed (with two failed attempts), one is unknown and one terminating; in "edge-2" all
-/// are expandable. With P2 displacement the cube has its mid-edge nodes too, and "edge-2" is a
+/// are expandable. With P2 displacement the cube also has mid-edge nodes, and "edge-2" is a
 /// weighted patch.
 struct SampleDataset {
   /// small: 8 nodes and 7 points (radius 10 mm), of which as many are failed, unknown and
-  /// terminating. For fuzzers: the time that a model of a dataset takes grows with its points.
+  /// terminating. For fuzzers, because the time to load a dataset grows with its points.
   enum class Size { usual, small };
 
   explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized,
@@ -71,9 +71,9 @@ struct SampleDataset {
   std::vector<SpaceTable> spaces;
   std::string kernel_family = "portable";
 
-  /// As an adaptive build would leave it: divisions, two probes in each space (one failed), in
-  /// "edge-2" cells split twice, the points of that, one more outside of the ball, and point 3 on
-  /// another branch.
+  /// Refines the dataset as an adaptive build would: divisions, two probes in each space (one
+  /// failed), and in "edge-2" cells split twice with their points, one extra point outside the
+  /// ball, and point 3 on another branch.
   void refine();
 
   NodalFields fields(std::size_t space, std::int32_t point) const;

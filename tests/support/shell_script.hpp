@@ -5,16 +5,16 @@
 #include <fstream>
 #include <string>
 
-/// Programs that stand in the place of others.
+/// Scripts that stand in for other programs.
 namespace palpate::test {
 
-/// Writes an executable program of these lines.
+/// Writes these lines as an executable program.
 inline void writeScript(const std::filesystem::path& file, const std::string& lines) {
   std::ofstream(file) << "#!/bin/sh\n" << lines << '\n';
   std::filesystem::permissions(file, std::filesystem::perms::owner_all);
 }
 
-/// As long as it is there, programs are looked for in a folder first, or there alone.
+/// While this object exists, programs are looked up in a folder first, or only there.
 class FirstInPath {
  public:
   explicit FirstInPath(const std::filesystem::path& folder, bool alone = false) {

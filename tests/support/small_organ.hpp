@@ -4,7 +4,8 @@
 
 namespace palpate::test {
 
-/// 60 N/m everywhere in a ball of `radius` metres, and with a finger a little that drives it along.
+/// 60 N/m everywhere in a ball of `radius` metres; with a finger also a small configurational
+/// force.
 inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0.02) {
   SpaceTable space;
   space.patch.finger = finger;
@@ -23,8 +24,8 @@ inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0
   return space;
 }
 
-/// The smallest organ that has all parts: a tetrahedron of 100 mm that a finger of 30 mm touches
-/// from two sites, as deep as is given, or with an active node at its tip.
+/// The smallest organ that has all parts: a tetrahedron of 100 mm, touched by a finger of 30 mm
+/// from two sites to a given depth, or by an active node at its tip.
 inline CarriedOrgan smallOrgan(bool finger, double deep = 0.02, const PushedPart& reach = {}) {
   constexpr double radius = 0.03;
   CarriedOrgan organ;

@@ -8,10 +8,10 @@
 #include "common/wire/wire.hpp"
 #include "tests/support/meshes.hpp"
 
-/// A problem whose transitions are solved by looking them up, for tests of those who hand them out.
+/// A problem whose transitions are looked up instead of solved, for tests of the scheduler.
 namespace palpate::test {
 
-/// A cube of so many cells along an edge, with two active nodes and the lattice points within
+/// A cube of `cells` cells along an edge, with two active nodes and the lattice points within
 /// `radius` (m) around each, 10 mm apart.
 inline Problem cubeProblemOf(int cells, double radius, double c10) {
   Scene scene;
@@ -30,14 +30,14 @@ inline Problem cubeProblemOf(int cells, double radius, double c10) {
 /// A small cube with two active nodes and 33 lattice points around each.
 inline Problem cubeProblem(double c10 = 1300) { return cubeProblemOf(2, 0.02, c10); }
 
-/// The same with 123 points around each: so many that one in a hundred is one.
+/// The same with 123 points around each, so that a share of one in a hundred is about one point.
 inline Problem wideProblem() { return cubeProblemOf(2, 0.03, 1300); }
 
-/// The smallest: 8 nodes, and 7 lattice points around each of two. For fuzzers, which begin a build
-/// of it for every input, and sometimes finish it.
+/// The smallest: 8 nodes, and 7 lattice points around each of two active nodes. For fuzzers, which
+/// begin a build of it for every input, and sometimes complete it.
 inline Problem smallCubeProblem() { return cubeProblemOf(1, 0.01, 1300); }
 
-/// The header that a worker makes of an outcome, and its payload.
+/// The header and the payload that a worker makes of an outcome.
 inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std::uint32_t space,
                                                      const LatticePoint& target,
                                                      const LatticePoint& parent,
@@ -54,16 +54,16 @@ inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std
   return {result, payload};
 }
 
-/// Says in a result what it has to say of the job that asked for it, and how: in so many steps it
-/// comes to other bits.
+/// Fills in what a result repeats from its job. The number of steps is included because it affects
+/// the bits.
 inline void answer(const wire::Job& job, const wire::Target& target, wire::Result& result) {
   result.set_start_id(job.start_id());
   result.set_lease(target.lease());
   result.mutable_cost()->set_steps(static_cast<std::int32_t>(target.steps()));
 }
 
-/// Fields that say `elsewhere(n)` of a node, but have the tool, at p, and what is fixed where they
-/// are. At rest all are zero.
+/// Fields with displacement `elsewhere(n)` at node n, p at the tool's nodes, and zero at fixed
+/// nodes. At rest all are zero.
 template <class Elsewhere>
 NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const Eigen::Vector3d& p,
                      const Elsewhere& elsewhere) {
@@ -81,9 +81,9 @@ NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const Eigen::V
   return fields;
 }
 
-/// What a worker would answer: a pure function of the transition. About a quarter of the
-/// transitions fail and some points lie beyond max_force. Forces of neighbours contradict each
-/// other, so that branches are looked for.
+/// The answer of a worker as a pure function of the transition. About a quarter of the transitions
+/// fail, and some points lie beyond max_force. Forces of neighbours are inconsistent, so that the
+/// scheduler looks for branches.
 inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::uint32_t space,
                                                   const LatticePoint& target,
                                                   const LatticePoint& parent) {
@@ -103,7 +103,7 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
       found.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
                                  1e-3 / (1 + norm)};
       found.equilibrium.energy =
-          norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
+          norm + 0.01 * static_cast<double>(dice % 7);  // another branch with another energy
     }
     found.equilibrium.stiffness = -50 * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
@@ -121,8 +121,8 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
   return resultOf(problemId(problem), space, target, parent, outcome);
 }
 
-/// The same of a body that stiffens, E = k p^2 / 2 + c p^4: everything converges, and every result
-/// follows from those beside it.
+/// The same for a stiffening body, E = k p^2 / 2 + c p^4: everything converges, and each result is
+/// consistent with its neighbours.
 inline std::pair<wire::Result, std::string> solveSmoothly(const Problem& problem,
                                                           std::uint32_t space,
                                                           const LatticePoint& target,

@@ -11,11 +11,11 @@
 
 namespace palpate::test {
 
-/// The sources as they lie on disk: what a clone holds, without what was built in it.
+/// The sources on disk as in a clone, without build outputs.
 struct SourceTree {
   std::filesystem::path root = PALPATE_SOURCE_DIR;
   std::vector<std::string> files;  ///< relative to the root, sorted
-  std::set<std::string> folders;   ///< with anything in them, the root ("") too
+  std::set<std::string> folders;   ///< every folder that is not empty, including the root ("")
 
   SourceTree() {
     namespace fs = std::filesystem;
@@ -57,12 +57,12 @@ inline const SourceTree& sourceTree() {
   return tree;
 }
 
-/// "a/b" of "a/b/c.hpp"; "" of a file in the root.
+/// "a/b" for "a/b/c.hpp"; "" for a file in the root.
 inline std::string folderOf(const std::string& file) {
   return std::filesystem::path(file).parent_path();
 }
 
-/// "worker" of "worker/solver".
+/// "worker" for "worker/solver".
 inline std::string topOf(const std::string& path) { return path.substr(0, path.find('/')); }
 
 inline bool hasExtension(const std::string& file, const std::set<std::string>& extensions) {

@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// Of a symmetric matrix times a number that has this gradient.
+/// The slope of a symmetric matrix times a number with this gradient.
 inline SymmetricSlope slopeOf(const Eigen::Matrix3d& symmetric, const Eigen::Vector3d& gradient) {
   SymmetricSlope slope;
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c)

@@ -24,12 +24,13 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/solved_table.hpp"
 
-/// Workers that speak the real protocol and look their answers up, for tests and benchmarks of a
+/// Workers that speak the real protocol and look up their answers, for tests and benchmarks of a
 /// real scheduler.
 namespace palpate::test {
 
-/// The scene cube.toml in `directory`: a cube of (cells + 1)^3 nodes, so many of its surface
-/// active, and so many points of each (about), which no machine finishes in the time.
+/// Writes the scene cube.toml to `directory`: a cube of (cells + 1)^3 nodes with the given number
+/// of active surface nodes, each with about the given number of points, which no machine completes
+/// in the time of a test.
 inline void writeEndlessScene(const std::filesystem::path& directory, int cells, int patches,
                               double points = 11500) {
   constexpr double radius = 0.05;
@@ -48,13 +49,13 @@ inline void writeEndlessScene(const std::filesystem::path& directory, int cells,
       scene << "[[active]]\nname = \"skin-" << ++active << "\"\nnode = " << node << "\n";
 }
 
-/// What a linear body would answer: one branch, everything converges. `problem` must outlive it.
+/// The answer of a linear body: one branch, everything converges. `problem` must outlive it.
 class LinearBody {
  public:
   explicit LinearBody(const Problem& problem)
       : problem_(&problem),
         build_(problemId(problem)),
-        // Of a scene that does not refine, coordinates are in spacings.
+        // The scene must not be adaptive: coordinates are in spacings.
         at_(Lattice::ofRest(problem.scene.workspace.radius, problem.scene.workspace.spacing, 1)) {}
 
   std::pair<wire::Result, std::string> solve(std::uint32_t space, const wire::Point& target,
@@ -79,8 +80,9 @@ class LinearBody {
   Lattice at_;
 };
 
-/// A worker that solves in no time, or as if elsewhere: a solve takes `pause`, and no processor
-/// here. Acknowledgements are counted; nothing is sent again, because nobody goes away.
+/// A worker that solves in no time, or as if on another machine: a solve takes `pause` without
+/// using this machine's processors. It counts acknowledgements and sends nothing again, because no
+/// peer leaves.
 class TableWorker {
  public:
   TableWorker(zmq::context_t& context, const std::string& endpoint,
@@ -106,9 +108,9 @@ class TableWorker {
   std::size_t acknowledged() const { return acknowledged_; }
   std::size_t payloadBytes() const { return payload_bytes_; }
 
-  /// Answers everything that came, and is due.
+  /// Handles all received messages and delivers the results that are due.
   void turn() {
-    // Until the scheduler is there, messages are dropped.
+    // Messages are dropped until the scheduler is running.
     if (!welcome_ && Clock::now() - hello_ > std::chrono::milliseconds(200)) {
       send(introduction_);
       hello_ = Clock::now();
@@ -131,9 +133,9 @@ class TableWorker {
   using Clock = std::chrono::steady_clock;
   struct Solve {
     Clock::time_point due;
-    wire::Job job;  ///< without the other targets it would do
+    wire::Job job;  ///< without its other targets
     wire::Target target;
-    bool last = false;  ///< of its job
+    bool last = false;  ///< target of its job
   };
 
   void handle(const Incoming& incoming) {
@@ -183,7 +185,7 @@ class TableWorker {
   std::chrono::milliseconds pause_;
   std::deque<Solve> work_;
   wire::Message introduction_;
-  std::unique_ptr<Problem> problem_;  ///< where it stays
+  std::unique_ptr<Problem> problem_;  ///< at a fixed address, because the body refers to it
   std::optional<LinearBody> body_;
   bool welcome_ = false;
   Clock::time_point hello_, beat_;

@@ -9,7 +9,7 @@
 
 namespace palpate::test {
 
-/// A fresh directory that is removed with everything in it when this object goes.
+/// A new directory that is removed with its contents when this object is destroyed.
 class TemporaryDirectory {
  public:
   explicit TemporaryDirectory(

@@ -8,9 +8,9 @@
 
 namespace palpate::test {
 
-/// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), some 60 f N/m at rest and twice that at 20
-/// mm; A is not isotropic, and stiffer by k k^T, k = `stiff_along` (root of N/m). A body that a
-/// hand can slide on without falling into a hole.
+/// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), about 60 f N/m at rest and twice that at 20
+/// mm. A is anisotropic, and stiffer by k k^T with k = `stiff_along` (root of N/m). A hand can
+/// slide on this body without falling into a hole.
 class ConvexEnergy : public AnalyticEnergy {
  public:
   explicit ConvexEnergy(double factor = 1,
@@ -25,19 +25,19 @@ class ConvexEnergy : public AnalyticEnergy {
   Eigen::Matrix3d at_rest_;
 };
 
-/// The fields of a body whose node at `center` moves by p, others less with the distance from it.
+/// The fields of a body whose node at `center` moves by p, others less with growing distance.
 NodalFields movedAround(const Problem& problem, const Eigen::Vector3d& center,
                         const Eigen::Vector3d& p);
 
-/// A sealed dataset of a mesh, made in code: active nodes with ConvexEnergy of their own factors,
-/// every point solved, and around each active node displacements that fall off with the distance.
+/// A sealed dataset of a mesh, made in code: active nodes with ConvexEnergy and their own factors,
+/// all points solved, and displacements that fall off with the distance from the active node.
 struct TouchableBody {
   struct Active {
     std::int32_t node;
     double factor = 1;
     Eigen::Vector3d stiff_along = Eigen::Vector3d::Zero();
   };
-  /// Fixed are the nodes of the group "zmin"; the others of `nodes` may be active.
+  /// Fixes the nodes of group "zmin"; active nodes must be others.
   TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius = 0.03,
                 double spacing = 0.015);
 
@@ -45,11 +45,11 @@ struct TouchableBody {
   std::vector<SpaceTable> spaces;
 
   NodalFields fields(std::size_t space, std::int32_t point) const;
-  /// Error when it cannot be written.
+  /// Throws if the file cannot be written.
   void seal(const std::filesystem::path& file) const;
 };
 
-/// Every vertex of the surface but the fixed ones, with a factor for each position.
+/// All surface vertices except the fixed ones, with a factor for each position.
 std::vector<TouchableBody::Active> wholeSurface(
     const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor =
                           [](const Eigen::Vector3d&) { return 1.0; });

@@ -7,10 +7,10 @@
 #include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
 
-/// Configuration spaces that are not the same all over.
+/// Configuration spaces that are not uniform.
 namespace palpate::test {
 
-/// Solved everywhere; the cells of `lattice` (1024 units wide) split one after the other.
+/// All points solved; the cells of `lattice` (1024 units wide) are split one after the other.
 inline SpaceTable splitSpace(Lattice lattice, std::vector<LatticeCell> splits,
                              const AnalyticEnergy& energy) {
   for (const LatticeCell& cell : splits) {
@@ -27,11 +27,11 @@ inline SpaceTable splitSpace(Lattice lattice, std::vector<LatticeCell> splits,
   return space;
 }
 
-/// Two neighbouring cells split, and an eighth of one of them once more.
+/// Two neighbouring cells are split, and an eighth of one of them again.
 inline const std::vector<LatticeCell> three_sizes = {
     {{0, 0, 0}, 0}, {{1024, 0, 0}, 0}, {{512, 512, 512}, 1}};
 
-/// Points that failed, and hold numbers that must not be looked at.
+/// Failed points, with numbers that must not be read.
 inline SpaceTable without(SpaceTable space, const std::vector<LatticePoint>& points) {
   for (const LatticePoint& point : points) {
     PointRecord& record = space.points[at(*space.lattice.indexOf(point))];
@@ -41,20 +41,20 @@ inline SpaceTable without(SpaceTable space, const std::vector<LatticePoint>& poi
   return space;
 }
 
-/// In the ball of points_in_ball.hpp, of StiffeningEnergy: the cell between the origin and
-/// (1, 1, 1) split once, all of its corners solved.
+/// Points in the ball of points_in_ball.hpp, with StiffeningEnergy: the cell between the origin and
+/// (1, 1, 1) is split once, all its corners are solved.
 inline SpaceTable refinedSpace(double spacing) {
   return splitSpace(Lattice(radius, spacing, 1024), {{{0, 0, 0}, 0}}, StiffeningEnergy());
 }
 
-/// Likewise, cells of spacing 5 mm whole, five of the points not solved.
+/// The same with unsplit cells of spacing 5 mm and five unsolved points.
 inline SpaceTable holedSpace() {
   return without(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()),
                  {{1, 0, 0}, {1, 1, 0}, {0, -2, 1}, {0, -2, 2}, {-1, -1, -1}});
 }
 
-/// Two branches of StiffeningEnergy that meet at the plane x = `at`: beyond it the force is
-/// `force_jump` more along y, and there is `lost` less energy.
+/// Two branches of StiffeningEnergy that meet at the plane x = `at`: beyond it the force along y is
+/// larger by `force_jump`, and the energy lower by `lost`.
 class JumpingEnergy : public AnalyticEnergy {
  public:
   explicit JumpingEnergy(double at, double force_jump = 5, double lost = 0)
@@ -72,7 +72,8 @@ class JumpingEnergy : public AnalyticEnergy {
   double at_, force_jump_, lost_;
 };
 
-/// In the ball of points_in_ball.hpp, in cells of 5 mm: branches that meet between lattice planes.
+/// In the ball of points_in_ball.hpp, with cells of 5 mm: branches that meet between lattice
+/// planes.
 inline SpaceTable branchedSpace() {
   return solvedSpace(Lattice(radius, 0.005), JumpingEnergy(0.007));
 }

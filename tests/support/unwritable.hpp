@@ -12,8 +12,9 @@
 
 namespace palpate::test {
 
-/// Whether `reads` says yes in a process that may not write `folder`, which is in `directory`: for
-/// root, one of the user nobody, to whom both are given. None where that user does not get there.
+/// Returns what `reads` returns in a process that may not write to `folder`, a folder in
+/// `directory`. For root this process runs as the user nobody, who gets both folders. Empty if that
+/// user cannot reach them.
 template <class Reads>
 std::optional<bool> readsUnwritable(const std::filesystem::path& folder,
                                     const TemporaryDirectory& directory, Reads reads) {
