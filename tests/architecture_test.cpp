@@ -12,8 +12,8 @@
 
 #include "tests/support/source_tree.hpp"
 
-// The rules of the house. Nothing is listed here: folders and files are read from the tree, and
-// what a folder may include from the CMakeLists.txt that links it.
+// Rules of the architecture. The rules list no names: folders and files are read from the tree, and
+// the allowed includes of a folder from the CMakeLists.txt that links it.
 
 namespace palpate {
 namespace {
@@ -23,9 +23,9 @@ using test::sourceTree;
 using test::topOf;
 
 using Names = std::set<std::string>;
-using Graph = std::map<std::string, Names>;  ///< from each node to those that it needs
+using Graph = std::map<std::string, Names>;  ///< the nodes that each node needs
 
-/// Folders whose code is checked: those of the programs. Tests may see everything.
+/// Only folders of the programs are checked. Tests may include everything.
 bool isProduct(const std::string& file) {
   return !file.starts_with("tests/") && !file.starts_with("deploy/");
 }
@@ -40,7 +40,7 @@ std::vector<std::string> productCode() {
 // ---- What CMake says -------------------------------------------------------------------------
 
 struct Command {
-  std::string folder;  ///< of its CMakeLists.txt
+  std::string folder;  ///< folder of its CMakeLists.txt
   std::string name;
   std::vector<std::string> words;
 };
@@ -70,7 +70,7 @@ std::string libraryOf(std::string folder) {
   return "palpate_" + folder;
 }
 
-/// Every folder that is a library or a program of its own, and the folders it is linked with.
+/// Every folder that is a library or a program, with the folders that it links.
 Graph linkedFolders() {
   const std::vector<Command> commands = cmakeCommands();
   Graph links;
@@ -118,7 +118,7 @@ struct Include {
   std::string from, to;  ///< files
 };
 
-/// Includes of our own headers; "proto/palpate.pb.h" stands for the file it is made of.
+/// Includes of project headers; "proto/palpate.pb.h" stands for its .proto file.
 std::vector<Include> includes() {
   static const std::regex directive(R"re(^\s*#\s*include\s*["<]([^">]+)[">])re");
   std::vector<Include> result;
@@ -139,7 +139,7 @@ std::vector<Include> includes() {
   return result;
 }
 
-/// foo of foo.hpp and foo.cpp: one noun.
+/// The common name of foo.hpp and foo.cpp: foo.
 std::string unitOf(const std::string& file) {
   return (std::filesystem::path(folderOf(file)) / std::filesystem::path(file).stem()).string();
 }
@@ -154,7 +154,7 @@ Graph includeGraph(Part part) {
   return graph;
 }
 
-/// One line for each node that can be reached from itself: "a: a needs b, b needs a" is two.
+/// One line for each node that can reach itself: "a: a needs b, b needs a" is two.
 std::vector<std::string> circles(const Graph& graph) {
   std::vector<std::string> found;
   for (const auto& [node, needs] : graph) {

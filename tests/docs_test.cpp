@@ -12,7 +12,7 @@
 
 #include "tests/support/source_tree.hpp"
 
-// What is written about the code, held against the tree.
+// Checks statements of the documentation about the tree.
 
 namespace palpate {
 namespace {
@@ -28,7 +28,7 @@ std::vector<std::string> pages() {
   return result;
 }
 
-/// A line of a page that is not in a fenced block.
+/// A line of a page outside fenced blocks.
 struct Line {
   std::string where;  ///< FILE:LINE
   std::string text;
@@ -55,8 +55,7 @@ std::vector<std::string> allMatches(const std::string& text, const std::regex& w
   return result;
 }
 
-/// The anchors that GitHub makes of the headings: lower case, hyphens for spaces, without other
-/// signs.
+/// The anchors that GitHub makes of headings: lower case, hyphens for spaces, no other signs.
 std::set<std::string> anchorsOf(const std::string& page) {
   std::set<std::string> anchors;
   std::map<std::string, int> seen;
@@ -75,7 +74,7 @@ std::set<std::string> anchorsOf(const std::string& page) {
   return anchors;
 }
 
-/// Nothing, or what is wrong with a link that stands on `page`.
+/// The reason why a link on `page` is wrong; empty if it is right.
 std::string faultOf(const std::string& link, const std::string& page) {
   const std::size_t hash = link.find('#');
   const std::string path = link.substr(0, hash);
@@ -104,8 +103,8 @@ TEST(Docs, EveryRelativeLinkLeadsSomewhere) {
   EXPECT_GE(links, 50);
 }
 
-/// Whether a word between backticks names a file or folder of ours: it begins with a folder of the
-/// root, or is the name of a C++ or Protobuf file. NAME stands for any.
+/// Returns whether a word between backticks names a file or folder of the project: it begins with a
+/// top-level folder, or is the name of a C++ or Protobuf file. A word with NAME is a pattern.
 bool namesAFile(const std::string& word) {
   if (word.find("NAME") != std::string::npos) return false;
   static const std::regex path(R"([A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)+/?)"),
@@ -114,7 +113,7 @@ bool namesAFile(const std::string& word) {
          std::regex_match(word, source);
 }
 
-/// `worker/laws/laws.hpp`, `worker/laws/` and `worker/laws/laws` (.hpp and .cpp) are there; so is
+/// `worker/laws/laws.hpp`, `worker/laws/` and `worker/laws/laws` (.hpp and .cpp) exist; so does
 /// `laws.hpp` in any folder.
 bool isThere(std::string word) {
   if (word.ends_with('/')) word.pop_back();
@@ -152,12 +151,12 @@ TEST(Docs, EveryPageNamedInCodeExists) {
   EXPECT_THAT(missing, ::testing::IsEmpty());
 }
 
-/// A test folder that mirrors one of the programs is explained by that one's README.
+/// A test folder that mirrors a program's folder is explained by that folder's README.
 bool isMirror(const std::string& folder) {
   return folder.starts_with("tests/") && sourceTree().folders.contains(folder.substr(6));
 }
 
-/// A folder with code of ours, or with folders that have some.
+/// A folder with code, or with subfolders that have code.
 bool holdsCode(const std::string& folder) {
   for (const std::string& file : sourceTree().files)
     if (file.starts_with(folder + "/") && (test::isCode(file) || file.ends_with(".proto")))
@@ -180,7 +179,7 @@ TEST(Docs, EveryCodeFolderHasAReadmeOfAtMostFifteenLines) {
   EXPECT_THAT(wrong, ::testing::IsEmpty());
 }
 
-/// Every `Suite.Case` of a page that promises something.
+/// Checks every `Suite.Case` named on pages with promises.
 TEST(Docs, EveryTestNamedOnAPageExists) {
   std::set<std::string> tests;
   const std::regex begins(R"(^TEST(_F|_P)?\((\w+), *(\w+)\))");

@@ -11,8 +11,8 @@
 #include "tests/attack/fortress.hpp"
 #include "tests/support/long_tests.hpp"
 
-// What docs/security.md says is held, against real sockets of this machine. An attack runs at the
-// lowest priority, as if it came from elsewhere, and from an address of its own.
+// Checks the limits in docs/security.md with real sockets on this machine. An attack runs at the
+// lowest priority, as if it came from another machine, and from its own address.
 
 namespace palpate {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using wire::Message;
 
-/// Sends what it likes, as libzmq lets it.
+/// Sends any messages and frames that libzmq allows.
 class Attacker {
  public:
   Attacker(zmq::context_t& context, const test::Fortress& fortress, const KeyFolder& keys,
@@ -36,8 +36,8 @@ class Attacker {
   }
   zmq::socket_t& socket() { return socket_; }
 
-  /// Of all attackers that are made from now on, 127.0.1.N: what one did is not held against the
-  /// next.
+  /// Address 127.0.1.N of all attackers from now on, so that an attack is not held against the next
+  /// one.
   static inline int address = 1;
 
   bool sendFrame(const std::string& frame, bool more = false) {
@@ -60,7 +60,7 @@ class Attacker {
     hello.set_kernel_family("baseline");
     say(message);
   }
-  /// Whatever came is read, and not looked at. How much it was.
+  /// Reads and drops all received messages. Returns their number.
   int read() {
     int messages = 0;
     while (receiveMessage(socket_, false)) ++messages;
@@ -71,7 +71,7 @@ class Attacker {
   zmq::socket_t socket_;
 };
 
-/// So many of one role.
+/// Several attackers with the same role.
 std::shared_ptr<std::vector<Attacker>> crowd(zmq::context_t& context, const test::Fortress& target,
                                              const std::string& name, const std::string& role,
                                              int count) {
@@ -86,7 +86,7 @@ std::shared_ptr<Attacker> loner(zmq::context_t& context, const test::Fortress& t
   return std::make_shared<Attacker>(context, target, target.stranger(name, role), buffered);
 }
 
-/// One step of an attack; it is called again and again.
+/// One step of an attack; it is called repeatedly.
 using Step = std::function<void()>;
 using Attack = std::function<Step(zmq::context_t&, test::Fortress&)>;
 
@@ -100,10 +100,10 @@ struct AttackTest : testing::Test {
   static void TearDownTestSuite() { fortress.reset(); }
   static inline std::unique_ptr<test::Fortress> fortress;
 
-  /// Honest work, the status and memory, while an attack goes on and beside it while it does not.
+  /// Rate of honest work, status and memory, during an attack and between attacks.
   struct Measured {
     double quiet = 0, attacked = 0;               ///< results in four seconds
-    std::chrono::milliseconds wait{}, longest{};  ///< for the status; of three quarters, of all
+    std::chrono::milliseconds wait{}, longest{};  ///< for the status: upper quartile and maximum
     double memory = 0, memory_before = 0;         ///< MB
     std::int64_t steps = 0, noticed = 0;
     bool reached = false;
@@ -112,7 +112,7 @@ struct AttackTest : testing::Test {
     }
   };
 
-  /// One of these counters of the scheduler tells that the attack reached it.
+  /// `traces`: counters of the scheduler; one of them must show that the attack reached it.
   static Measured measured(const std::vector<std::string>& traces, const Attack& attack) {
     Measured result;
     fortress->statusAfter();
@@ -126,7 +126,7 @@ struct AttackTest : testing::Test {
     std::atomic<bool> ready = false, attacking = false;
     std::atomic<std::int64_t> steps = 0;
     std::jthread enemy([&](const std::stop_token& stop) {
-      // Threads that libzmq makes have it from their maker.
+      // Threads created by libzmq inherit this priority.
       setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), 19);
       zmq::context_t context;
       const Step step = attack(context, *fortress);
@@ -161,8 +161,8 @@ struct AttackTest : testing::Test {
     return result;
   }
 
-  /// Other work on this machine takes from everybody, and most from who is attacked meanwhile; what
-  /// an attack does by itself shows every time. So what is not held is measured again, twice.
+  /// Other work on this machine also slows the scheduler, most of all during an attack; only the
+  /// effect of an attack repeats. So a failed measurement is repeated twice.
   static void withstand(const std::string& what, const std::vector<std::string>& traces,
                         const Attack& attack) {
     Measured m;
@@ -190,7 +190,7 @@ TEST_F(AttackTest, LongMessagesFromAWorker) {
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemy = loner(context, target, "long", "worker", 1);
               return [enemy, n = 0]() mutable {
-                // Their library gives it away when it is whole: 20 MB.
+                // libzmq delivers this message only when it is complete: 20 MB.
                 if (!enemy->sendFrame(randomText(60000), ++n % 350 != 0))
                   std::this_thread::sleep_for(1ms);
               };
@@ -198,8 +198,8 @@ TEST_F(AttackTest, LongMessagesFromAWorker) {
 }
 
 TEST_F(AttackTest, LargeFrames) {
-  // It is not copied, and must outlive the threads of libzmq that send it. They encrypt all of it,
-  // at the lowest priority, before anybody hears of it.
+  // The frame is not copied and must outlive the libzmq threads that send it. They encrypt all of
+  // it, at the lowest priority, before the scheduler receives anything.
   static const std::string frame(100 << 20, 'x');
   withstand("frames of 100 MB", {}, [](zmq::context_t& context, test::Fortress& target) {
     auto enemy = loner(context, target, "large", "worker", 1);
@@ -250,7 +250,7 @@ TEST_F(AttackTest, WorkersThatHoardWork) {
 }
 
 TEST_F(AttackTest, EndlessHellos) {
-  // Whether that many come that the connection is closed depends on the machine.
+  // Whether enough arrive to close the connection depends on the machine.
   std::atomic<std::int64_t> answers = 0;
   withstand("hellos", {}, [&](zmq::context_t& context, test::Fortress& target) {
     auto enemy = loner(context, target, "hello");
@@ -306,7 +306,7 @@ TEST_F(AttackTest, UnrequestedResults) {
             });
 }
 
-/// What an observer says that workers and operators may say.
+/// An observer sends messages that only workers and operators may send.
 TEST_F(AttackTest, AnObserverThatExceedsItsRole) {
   withstand("an observer", {"bad_messages"}, [](zmq::context_t& context, test::Fortress& target) {
     auto enemy = loner(context, target, "observer", "observer");
@@ -320,7 +320,7 @@ TEST_F(AttackTest, AnObserverThatExceedsItsRole) {
   });
 }
 
-/// A socket without ZeroMQ, connected.
+/// A connected TCP socket without ZeroMQ.
 class RawConnection {
  public:
   explicit RawConnection(const std::string& endpoint) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -363,7 +363,7 @@ TEST_F(AttackTest, StrangersWithoutAKey) {
     auto held = std::make_shared<std::deque<RawConnection>>();
     return [held, &target, n = 0]() mutable {
       held->emplace_back(target.endpoint());
-      // A greeting that is none, and half of one.
+      // An invalid greeting and half of a valid one.
       held->back().send(++n % 2 == 0 ? randomText(100000)
                                      : std::string("\xff\0\0\0\0\0\0\0\x01\x7f", 10));
       if (held->size() > 100) held->pop_front();

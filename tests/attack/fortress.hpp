@@ -11,12 +11,12 @@
 
 namespace palpate::test {
 
-/// What is attacked: a real `palpate-scheduler serve` with keys, on a port of this machine, and
-/// four honest workers as if on machines of their own, each with 10 ms for a solve.
+/// The target: a real `palpate-scheduler serve` with keys on a port of this machine, and four
+/// honest workers as if on their own machines, each with 10 ms for a solve.
 class Fortress {
  public:
   Fortress() {
-    writeEndlessScene(directory_.path(), 10, 8);  // for four minutes
+    writeEndlessScene(directory_.path(), 10, 8);  // enough work for four minutes
     scheduler_.emplace(
         "palpate-scheduler",
         std::vector<std::string>{"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
@@ -36,21 +36,22 @@ class Fortress {
   const std::string& endpoint() const { return endpoint_; }
   bool stands() { return scheduler_->running(); }
   std::string log() { return scheduler_->output(); }
-  /// Results of the honest workers that are on disk.
+  /// Number of the honest workers' results on disk.
   std::size_t acknowledged() const { return acknowledged_; }
 
-  /// The keys of somebody else, who has this role here from now on.
+  /// Creates and admits a key pair of a stranger with these roles.
   KeyFolder stranger(const std::string& name, const std::string& roles) const {
     const KeyFolder theirs(directory_ / name);
     keys().allow({theirs.ownOrNew().open(), rolesOf(roles), name});
     theirs.trust(keys().own().open(), "*");
-    // The list is read again within a second, and whom it refuses libzmq connects no more.
+    // The scheduler reads the list again within a second; libzmq does not reconnect after a
+    // refusal.
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     return theirs;
   }
   KeyFolder keys() const { return KeyFolder(directory_ / "keys"); }
 
-  /// Acknowledged in a second, over so long.
+  /// Acknowledged results per second, averaged over `time`.
   double rate(std::chrono::milliseconds time) const {
     const auto began = std::chrono::steady_clock::now();
     const std::size_t before = acknowledged_;
@@ -59,7 +60,7 @@ class Fortress {
     return static_cast<double>(acknowledged_ - before) / taken.count();
   }
 
-  /// How long somebody who connects now waits for the status.
+  /// How long a new connection waits for the status.
   std::chrono::milliseconds statusAfter() {
     const auto began = std::chrono::steady_clock::now();
     zmq::socket_t socket = makeDealer(context_);
@@ -86,14 +87,14 @@ class Fortress {
     return patience;
   }
 
-  /// Of the status that was asked for last.
+  /// A counter of the latest status.
   std::int64_t counter(const std::string& name) const {
     return status_.at("counters").value(name, std::int64_t{0});
   }
 
   std::size_t workers() const { return status_.at("workers").size(); }
 
-  /// The most that the scheduler had in memory so far, in MB.
+  /// Peak memory of the scheduler so far, MB.
   double mostMemory() const {
     std::ifstream status("/proc/" + std::to_string(scheduler_->pid()) + "/status");
     std::string word;

@@ -37,11 +37,11 @@ inline wire::Message goodbyeOf(const std::string& reason = "") {
   return message;
 }
 
-/// A build in a temporary directory, a clock that tests move, and workers that are names: messages
-/// go in by hand and what comes out is sorted by peer.
+/// A build in a temporary directory with a simulated clock and simulated workers, which are only
+/// names. Tests send messages by hand; outgoing messages are sorted by peer.
 class BuildWorld {
  public:
-  /// Nothing is solved twice, so that tests say who solves what.
+  /// No result is solved twice, so tests control which worker solves which target.
   static CoordinatorSettings withoutChecks() {
     CoordinatorSettings settings;
     settings.spot_checks.share = 0;
@@ -49,7 +49,7 @@ class BuildWorld {
     allotment.overdue_at_least = allotment.overdue_without_any = std::chrono::hours(24 * 365);
     return settings;
   }
-  /// This share of the results is solved twice; what is overdue, as for users.
+  /// This share of the results is solved twice; limits for overdue work are the defaults.
   static CoordinatorSettings checking(double share) {
     CoordinatorSettings settings;
     settings.spot_checks.share = share;
@@ -61,7 +61,7 @@ class BuildWorld {
     start();
   }
 
-  /// As after a kill: everything that is not on disk is gone.
+  /// Simulates a kill: everything that is not on disk is lost.
   void restart() {
     build_.reset();
     inbox.clear();
@@ -76,7 +76,7 @@ class BuildWorld {
   Coordinator& coordinator() { return build_->coordinator(); }
   Build& build() { return *build_; }
 
-  /// In steps that a scheduler makes which is not stopped meanwhile.
+  /// Advances the clock in steps, as for a scheduler that runs all the time.
   void pass(std::chrono::milliseconds time) {
     constexpr std::chrono::milliseconds longest{1000};
     do {
@@ -86,7 +86,7 @@ class BuildWorld {
       settle();
     } while (time.count() > 0);
   }
-  /// The scheduler does nothing meanwhile.
+  /// Advances the clock while the scheduler does nothing.
   void sleep(std::chrono::milliseconds time) { now += time; }
   void send(const std::string& peer, const wire::Message& message,
             const std::string& payload = "") {
@@ -95,7 +95,7 @@ class BuildWorld {
     coordinator().receive(incoming, now);
     collect();
   }
-  /// `all_read`: nothing more has come.
+  /// `all_read`: no further messages are waiting.
   Next settle(bool all_read = true) {
     const Next next = coordinator().advance(now, all_read);
     collect();
@@ -131,13 +131,13 @@ class BuildWorld {
     *message.mutable_result() = result;
     send(peer, message, payload);
   }
-  /// Says what a result has to say of the job that asked this peer for it last, if one did.
+  /// Fills in what a result repeats from the peer's last job for it, if there was one.
   void prove(const std::string& peer, wire::Result& result) const {
     const auto asked = leases_.find({peer, keyOf(result)});
     if (asked == leases_.end()) return;
     result.set_start_id(asked->second.start_id());
     result.set_lease(asked->second.lease());
-    // In so many steps it comes to other bits.
+    // The number of steps affects the bits.
     result.mutable_cost()->set_steps(static_cast<std::int32_t>(asked->second.steps()));
   }
   void deliver(const std::string& peer, const wire::Job& job) {
@@ -145,7 +145,7 @@ class BuildWorld {
       deliver(peer, job.space(), target.point(), job.start());
   }
 
-  /// The peer delivers all that it was given, and asks for as many jobs. How many targets.
+  /// The peer delivers all its targets and requests as many jobs. Returns the number of targets.
   int work(const std::string& peer) {
     int delivered = 0;
     for (const wire::Job& job : takeJobs(peer)) {
@@ -155,7 +155,7 @@ class BuildWorld {
     }
     return delivered;
   }
-  /// Both origins, by "a".
+  /// "a" solves both origins.
   void solveOrigins() {
     join("a", 2);
     for (const wire::Job& job : takeJobs("a")) deliver("a", job);
@@ -163,7 +163,7 @@ class BuildWorld {
     take("a", wire::Message::kResultAck);
   }
 
-  /// Takes the messages of one kind out of a peer's inbox.
+  /// Removes the messages of one kind from a peer's inbox and returns them.
   std::vector<wire::Message> take(const std::string& peer, wire::Message::BodyCase kind) {
     std::vector<wire::Message> taken;
     std::erase_if(inbox[peer], [&](const Outgoing& outgoing) {
@@ -185,7 +185,7 @@ class BuildWorld {
     return found == status.counters().end() ? 0 : found->second;
   }
 
-  /// Lets `peers` (joined) solve everything.
+  /// Lets `peers` (already joined) solve everything.
   void finish(const std::vector<std::string>& peers) {
     for (int turns = 0; !coordinator().complete(); ++turns) {
       ASSERT_LT(turns, 10000) << "the build does not end";
@@ -203,9 +203,9 @@ class BuildWorld {
   const Problem problem;
   Coordinator::Time now = std::chrono::steady_clock::now();
   std::map<std::string, std::vector<Outgoing>> inbox;
-  /// Of peers that have one.
+  /// The keys of peers that have one.
   std::map<std::string, PublicKey> key_of;
-  /// The table in which workers look their answers up, and what liars make of them.
+  /// Looks up the answers of workers, and changes them for liars.
   std::function<std::pair<wire::Result, std::string>(const Problem&, std::uint32_t,
                                                      const LatticePoint&, const LatticePoint&)>
       solver = solve;

@@ -25,7 +25,7 @@ std::vector<Eigen::Vector3d> read(const std::vector<std::string>& words,
   return read;
 }
 
-/// The words that the option takes from a command line.
+/// The values that the option takes from a command line.
 std::vector<std::string> optionFrom(const std::vector<std::string>& arguments) {
   CLI::App app;
   std::vector<std::string> words;
@@ -66,7 +66,7 @@ TEST(DisplacementInput, RecognisesMillimetresGivenAsMetres) {
 }
 
 TEST(DisplacementInput, WarnsOfMillimetresOnceAndContinues) {
-  testing::internal::CaptureStdout();  // where spdlog logs as long as no program says otherwise
+  testing::internal::CaptureStdout();  // where spdlog logs by default
   EXPECT_EQ(read({"-"}, "0 0 0.01\n13 7 -21\n14 7 -21\n").size(), 3u);
   const std::string logged = testing::internal::GetCapturedStdout();
   EXPECT_THAT(logged, HasSubstr("displacement (13, 7, -21) m"));

@@ -28,7 +28,8 @@ TEST(InParallel, RethrowsATasksExceptionAfterAllHaveEnded) {
                               ++ended;
                               throw std::runtime_error("three");
                             }
-                            // Else the other thread has done them all before this one has unwound.
+                            // Otherwise the other thread would finish all tasks before this one has
+                            // unwound.
                             if (n > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
                             ++ended;
                           }),

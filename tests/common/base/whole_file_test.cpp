@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-/// A mark on a damaged record was once given up when the system took a part of it.
+/// Regression: a mark on a damaged record was abandoned after a partial write.
 TEST(WriteAt, CompletesPartialWritesAndReportsTheErrorThatStopsIt) {
   const test::TemporaryDirectory directory;
   const std::string file = (directory / "file").string();

@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-/// The ```python blocks of docs/dataset.md, in order: what the page promises is what runs here.
+/// The ```python blocks of docs/dataset.md in order, so that the examples of the page are tested.
 std::vector<std::string> snippetsOfThePage() {
   std::ifstream page(std::filesystem::path(PALPATE_SOURCE_DIR) / "docs/dataset.md");
   std::vector<std::string> snippets;
@@ -34,7 +34,7 @@ std::vector<std::string> snippetsOfThePage() {
   return snippets;
 }
 
-/// Runs a Python program of the distribution, which has h5py as package python3-h5py, on `file`.
+/// Runs a program on `file` with the distribution's Python, which has h5py (package python3-h5py).
 test::CommandResult runPython(const test::TemporaryDirectory& directory, const std::string& program,
                               const std::filesystem::path& file) {
   std::ofstream(directory / "snippet.py") << program;
@@ -96,7 +96,7 @@ TEST_F(DatasetPage, ExampleReadsQuantizedDisplacementsOfARefinedDataset) {
     EXPECT_EQ(runPython(directory, snippets[snippet], file).exit_code, 0);
 }
 
-/// A change by h5py, and words of the error that reading then ends with.
+/// A change by h5py, and text of the error that reading then reports.
 struct Change {
   std::string python, error = "no error";
 };
@@ -105,8 +105,8 @@ class ChangedDataset : public DatasetPage {
  protected:
   enum class Hashes { as_they_were, forged };
 
-  /// For each change a copy of the dataset, changed-N.h5. Forged: all hashes are made to match
-  /// afterwards, so that only a look at the values finds it.
+  /// Applies each change to a copy of the dataset, changed-N.h5. Forged: all hashes are updated to
+  /// match, so that only a check of the values can find the change.
   void expectErrors(Hashes hashes, const std::vector<Change>& changes) {
     for (std::size_t n = 0; n < changes.size(); ++n)
       std::ofstream(directory / fmt::format("change-{}.py", n)) << changes[n].python;
@@ -191,7 +191,7 @@ TEST_F(ChangedDataset, IsRefusedForWrongShapesAndTypes) {
                 {"del f['points/energy']", "/points/energy: is missing"}});
 }
 
-/// Rows that were never written take no room in a file, and empty ones never do.
+/// Rows that were never written take no space in a file; neither do empty rows.
 TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
   const auto extra = [](const char* shape, const char* type, const char* chunks) {
     return fmt::format(
@@ -205,7 +205,7 @@ TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
        {extra("(2**31 - 1, 0)", "<i4", "None"), "impossible shape"}});
 }
 
-/// Files from before fingers had a width reach all of their part of the ball.
+/// In files without finger widths, fingers reach all of their part of the ball.
 TEST_F(ChangedDataset, IsReadWithoutAFingerWidth) {
   test::FingerBody().seal(file);
   expectErrors(Hashes::forged, {{"del f['spaces/finger_width']"},
@@ -227,7 +227,7 @@ TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
                 {"f['points/ijk'][5, 0] += 1", "/points/ijk"}});
 }
 
-/// What only a look at the fields can find.
+/// Only a check of the fields can find this.
 TEST_F(ChangedDataset, FieldsAreComparedWithTheirOwnHash) {
   expectErrors(Hashes::forged, {{"f['points/displacement'][3, 0, 0] = 7"}});
   const Dataset dataset(directory / "changed-0.h5");

@@ -46,13 +46,13 @@ std::vector<float> displacementsOf(const std::vector<std::int32_t>& nodes,
   return values;
 }
 
-/// The sites of a finger and five probes, made once: it takes a second.
+/// The sites of a finger and five probes, created once because it takes a second.
 const test::FingerBody& fingers() {
   static const test::FingerBody body(5);
   return body;
 }
 
-/// A sealed sample and room for damaged copies of it.
+/// A sealed sample and a folder for damaged copies of it.
 class SealedDataset : public ::testing::Test {
  protected:
   SealedDataset() { sample.seal(file); }
@@ -60,7 +60,7 @@ class SealedDataset : public ::testing::Test {
   /// Opens and reads everything, as a client and `verifyAll` would.
   static void readAll(const std::filesystem::path& path) { Dataset(path).verifyAll(); }
 
-  /// Where `values` lie in the file; they must lie there exactly once.
+  /// The position of `values` in the file, where they must occur exactly once.
   std::size_t placeOf(const std::string& bytes, std::string_view values) const {
     const std::size_t at = bytes.find(values);
     EXPECT_NE(at, std::string::npos);
@@ -283,7 +283,8 @@ TEST_F(SealedDataset, IsReadWhileOpenInThisProcessWithOtherLocking) {
     const hid_t theirs = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
     ASSERT_GE(theirs, 0);
     EXPECT_EQ(Dataset(file).spaces().size(), sample.spaces.size());
-    EXPECT_GT(H5Lexists(theirs, "points", H5P_DEFAULT), 0);  // ours closes nothing of theirs
+    EXPECT_GT(H5Lexists(theirs, "points", H5P_DEFAULT), 0);  // our reader closes nothing of this
+                                                             // handle
     H5Fclose(theirs);
     H5Pclose(access);
   }
@@ -341,7 +342,7 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
   expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
 }
 
-// What is sealed is read before it is renamed: the reader refuses it.
+// A sealed file is read before it is renamed: the reader refuses this one.
 TEST_F(SealedDataset, IsRefusedIfInterpolatingItsNumbersOverflows) {
   const auto refused = [&](auto&& forge) {
     SampleDataset forged = sample;
@@ -445,8 +446,8 @@ TEST_F(SealedDataset, IsNotSealedFromInconsistentTables) {
 
 TEST_F(SealedDataset, IsKeptIfTheDiskIsFull) {
   const std::string before = bytesIn(file);
-  // A file size limit makes write() fail as a full disk does; in a child, because it is for the
-  // whole process.
+  // A file size limit makes write() fail like a full disk. The limit applies to a whole process, so
+  // a child sets it.
   for (std::size_t limit = 0; limit < before.size(); limit += before.size() / 12) {
     const pid_t child = test::startChild([&] {
       std::signal(SIGXFSZ, SIG_IGN);

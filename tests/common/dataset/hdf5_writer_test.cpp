@@ -27,10 +27,10 @@ using test::expectError;
 using testing::Each;
 using testing::ElementsAre;
 
-/// For all tests of this program that fill a disk.
+/// Needed by all tests of this program that fill a disk.
 [[maybe_unused]] const bool exit_leaves_files = (leaveOpenFilesAtExit(), true);
 
-/// A RowWriter hands on a mebibyte at a time: rows of 24 bytes do not end there, those of 32 do.
+/// A RowWriter passes on a mebibyte at a time: rows of 24 bytes do not end there, rows of 32 do.
 constexpr std::size_t mebibyte = std::size_t{1} << 20;
 
 struct Hdf5WriterTest : testing::Test {
@@ -48,8 +48,8 @@ struct Hdf5WriterTest : testing::Test {
     reader.findArrays();
     return reader;
   }
-  /// Runs it in a process that exits in the ordinary way, and may write no more than so many bytes
-  /// into a file. 0 as it returns; what it throws is told.
+  /// Runs `action` in a process that may write at most `most` bytes to a file. Expects it to exit
+  /// normally with 0; reports what it throws.
   static void expectToEndWell(rlim_t most, const std::function<int()>& action) {
     const pid_t child = test::startChild([&] {
       std::signal(SIGXFSZ, SIG_IGN);
@@ -98,7 +98,7 @@ TEST_F(Hdf5WriterTest, AListWrittenByRowsHasTheSameBytesAsAWholeOne) {
   }
 }
 
-/// As the points of a space are: its numbers go into twenty lists, point by point.
+/// The points of a space are written like this: each point adds its numbers to twenty lists.
 TEST_F(Hdf5WriterTest, InterleavedListsDoNotMix) {
   const auto list = vectors(100000);
   std::vector<double> lengths;
@@ -154,7 +154,7 @@ TEST_F(Hdf5WriterTest, AnOpenListOfAClosedFileIsAnErrorThatNamesBoth) {
   expectError(ExitCode::failed, [&] { addTo(0, 0); }, {"list.h5", "blake2b"});
 }
 
-/// Before the whole list was computed in vain; the process may go on with another file.
+/// Regression: the whole list was computed first. The process may continue with another file.
 TEST_F(Hdf5WriterTest, AFullDiskIsReportedSoonAndSurvived) {
   for (const rlim_t room : {0 * mebibyte, mebibyte / 2, 3 * mebibyte}) {
     SCOPED_TRACE(room);
@@ -297,7 +297,7 @@ TEST_F(Hdf5WriterTest, AttributesAreReadBack) {
   EXPECT_FALSE(reader.hasAttribute("other"));
 }
 
-/// HDF5 stamps with seconds, unless it is told not to.
+/// By default HDF5 stores timestamps in seconds.
 TEST_F(Hdf5WriterTest, EqualCallsGiveEqualBytesAtAnyTime) {
   const auto write = [&](const char* name) {
     Writer writer(directory / name);

@@ -15,7 +15,7 @@ namespace {
 using test::CommandResult;
 using ::testing::HasSubstr;
 
-/// A copy of the front command beside programs that only print how they were called.
+/// A copy of the front command beside programs that only print their arguments.
 class FrontCommand : public ::testing::Test {
  protected:
   FrontCommand() {

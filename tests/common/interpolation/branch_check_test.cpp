@@ -17,8 +17,8 @@ using ::testing::IsEmpty;
 
 constexpr double radius = 0.02;
 
-/// Moves every point with x > 0 to another branch: this much more force along z, and at z = 0 this
-/// much less energy.
+/// Moves every point with x > 0 to another branch, with `force` more along z and, at z = 0,
+/// `energy` less.
 SpaceTable withJump(SpaceTable space, double force, double energy) {
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (space.lattice.point(n)[0] > 0) {
@@ -28,7 +28,7 @@ SpaceTable withJump(SpaceTable space, double force, double energy) {
   return space;
 }
 
-/// The edges of uniform cells that leave the plane x = 0 upwards.
+/// The edges of uniform cells from the plane x = 0 towards larger x.
 std::vector<LatticeEdge> edgesAcross(const Lattice& lattice) {
   std::vector<LatticeEdge> edges;
   for (std::int32_t n = 0; n < lattice.uniformSize(); ++n) {
@@ -118,7 +118,8 @@ TEST(BranchCheck, TestsTheEdgesOfTheLeavesOfARefinedLattice) {
         if (const LatticePoint p{512 * i, 512 * j, 512 * k}; !lattice.indexOf(p)) lattice.add(p);
   SpaceTable space = withJump(solvedSpace(lattice, StiffeningEnergy()), 2, 0);
   space.splits = {split};
-  std::vector<LatticeEdge> expected = edgesAcross(lattice);  // whole edges: of coarse cells around
+  std::vector<LatticeEdge> expected = edgesAcross(lattice);  // whole edges, because coarse cells
+                                                             // contain them
   for (const std::int32_t j : {0, 512, 1024})
     for (const std::int32_t k : {0, 512, 1024})
       expected.push_back({*lattice.indexOf({0, j, k}), *lattice.indexOf({512, j, k})});

@@ -57,8 +57,8 @@ TEST(CellTree, FindsNoLeafOutsideTheBall) {
 }
 
 TEST(CellTree, HasOnlyCellsThatReachIntoTheBall) {
-  // Of the 27 of an octant those whose nearest corner is within 3 spacings: not (2, 2, 1), on the
-  // sphere, and alike, nor (2, 2, 2).
+  // Of the 27 cells of an octant, those whose nearest corner is closer than 3 spacings: not (2, 2,
+  // 1) and its permutations, which lie on the sphere, and not (2, 2, 2).
   EXPECT_EQ(CellTree(spaceWithSplits({})).leaves().size(), 184U);
 }
 

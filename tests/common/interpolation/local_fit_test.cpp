@@ -10,7 +10,7 @@ namespace {
 
 constexpr double unit = 0.002;  // m per lattice coordinate
 
-/// Of the third degree in the position, metres: E = x^3 + 2 x y z - y^2 z + 3 x^2 + x.
+/// A cubic energy of the position in metres: E = x^3 + 2 x y z - y^2 z + 3 x^2 + x.
 Equilibrium cubic(const Eigen::Vector3d& at) {
   const double x = at.x(), y = at.y(), z = at.z();
   Equilibrium e;
@@ -22,7 +22,7 @@ Equilibrium cubic(const Eigen::Vector3d& at) {
   return e;
 }
 
-/// Solved points at random places around one that is not.
+/// Solved points at random places around an unsolved one.
 struct SourcesAround {
   explicit SourcesAround(unsigned seed) {
     std::mt19937 random(seed);
@@ -69,7 +69,7 @@ TEST(LocalFits, GiveTheSameResultForCachedAndForgottenSources) {
     return fits.extrapolate(around.sources, 6, 5).derivatives;
   };
   const auto of_often = of(often), of_once = of(once);
-  // Of some 7600 numbers each: 200 are more than twice what is kept.
+  // Each has about 7600 numbers; 200 of them exceed twice the size of the cache.
   for (unsigned seed = 2; seed < 200; ++seed) {
     of(SourcesAround(seed));
     if (seed % 40 == 0) {
@@ -80,7 +80,7 @@ TEST(LocalFits, GiveTheSameResultForCachedAndForgottenSources) {
   EXPECT_EQ(of(once), of_once);
 }
 
-/// The same energy, six points around one, and the third derivatives of all.
+/// The same energy at a point and six neighbours, with all third derivatives.
 struct KnownToTheThirdOrder {
   KnownToTheThirdOrder() {
     const std::array<LatticePoint, 6> offsets = {

@@ -16,7 +16,7 @@ double sumOf(const std::vector<BumpIntegral>& integrals) {
       [](double sum, const BumpIntegral& integral) { return sum + integral.value; });
 }
 
-/// Over a disk of the radius R the integral of the bump is pi R^2 / 3.
+/// The integral of the bump over a disk of radius R is pi R^2 / 3.
 TEST(BumpIntegrals, SumUpToTheIntegralOfTheBumpOnAnyMesh) {
   for (const int cells : {1, 2, 7})
     for (const bool quadratic : {false, true})
@@ -29,8 +29,8 @@ TEST(BumpIntegrals, SumUpToTheIntegralOfTheBumpOnAnyMesh) {
       }
 }
 
-/// Far wider than the triangle the bump is 1 on it: a third of the area for each vertex of a linear
-/// one, nothing for the vertices and a third for the middles of a quadratic one.
+/// A bump far wider than the triangle is 1 on it. A linear triangle then gives each vertex a third
+/// of its area; a quadratic one gives a third to each mid-edge node and nothing to the vertices.
 TEST(BumpIntegrals, EqualThoseOfTheShapeFunctionsUnderAFlatBump) {
   Mesh mesh = test::tetrahedronMesh(1e-4);
   mesh.surface = {{0, 1, 2}};

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double fingertip = 0.03;
 
-/// The mean that a finger takes of the nodal values, and what it says about moving.
+/// A finger's mean of nodal values, and its derivatives by the finger's position.
 struct Mean {
   double value = 0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
 };
 
-/// A field that is no polynomial.
+/// A field that is not a polynomial.
 double fieldAt(const Eigen::Vector3d& x) { return std::sin(31 * x[0] + 17 * x[1]) + 9 * x[2]; }
 
 class Fingers : public ::testing::TestWithParam<bool> {
@@ -44,7 +44,7 @@ class Fingers : public ::testing::TestWithParam<bool> {
 };
 
 TEST_P(Fingers, GradientsAndCurvaturesAreTheDerivativesOfTheWeights) {
-  // Beside fixed nodes too, where fewer share the weight.
+  // Also beside fixed nodes, where fewer nodes share the weight.
   fixed = mesh.node_groups.at("xmin");
   const Eigen::Vector3d beside = mesh.nodes[fixed[fixed.size() / 2]] + Eigen::Vector3d(0.02, 0, 0);
   constexpr double h = 1e-6;
@@ -57,7 +57,7 @@ TEST_P(Fingers, GradientsAndCurvaturesAreTheDerivativesOfTheWeights) {
       const Mean up = meanAt(center + e), down = meanAt(center - e);
       EXPECT_NEAR((up.value - down.value) / (2 * h), here.gradient[axis],
                   1e-6 * here.gradient.norm());
-      // The quadrature's curvature jumps a little where the rim of the bump passes its points.
+      // The curvature jumps a little when the edge of the bump passes a quadrature point.
       EXPECT_LT(((up.gradient - down.gradient) / (2 * h) - here.curvature.col(axis)).norm(),
                 1e-2 * here.curvature.norm());
     }
@@ -91,7 +91,7 @@ TEST_P(Fingers, LeaveOutFixedNodesAndReportTheirShare) {
   if (GetParam()) addMidEdgeNodes(mesh);
   fixed = mesh.node_groups.at("xmin");
   const FingerWeights on_the_edge = fingerWeights(mesh, fixed, {0, 0.1, 0.2}, fingertip);
-  // One of the two faces there is fixed, and the first row of nodes of the other.
+  // One of the two faces is fixed, and so is the first row of nodes of the other.
   EXPECT_GT(on_the_edge.free_share, 0.1);
   EXPECT_LT(on_the_edge.free_share, 0.5);
   for (const std::int32_t node : on_the_edge.nodes) EXPECT_FALSE(contains(fixed, node));

@@ -92,7 +92,7 @@ class GmshReader : public ::testing::Test {
     expectBadInput([&] { read(text); }, words);
   }
 
-  /// Cut anywhere, a file is either refused or, when only its last line end is missing, read as
+  /// A file that is cut anywhere is refused or, if only its last line end is missing, read as
   /// before.
   void survivesEveryCut(const std::string& text) {
     for (std::size_t length = 0; length < text.size(); ++length) {
@@ -104,7 +104,7 @@ class GmshReader : public ::testing::Test {
     }
   }
 
-  /// Whatever byte is another, it is refused by its name, or still a mesh.
+  /// A file with any byte changed is refused with its name, or is still a mesh.
   void survivesEveryByte(const std::string& original, const std::string& others) {
     for (std::size_t at = 0; at < original.size(); ++at)
       for (const char wrong : others) {
@@ -243,7 +243,7 @@ TEST_F(GmshReader, RefusesVolumeElementsThatAreNotTetrahedra) {
           {"body.msh:21", "20 nodes", "tetrahedra with 4 or 10 nodes", "-order 1 or 2"});
 }
 
-/// Two tetrahedra of ten nodes in Gmsh's order, the second in the group "vessel", a six-node
+/// Two ten-node tetrahedra in Gmsh's order, the second in the group "vessel", and a six-node
 /// triangle.
 constexpr const char* quadratic_22 = R"($MeshFormat
 2.2 0 8
@@ -290,7 +290,7 @@ $ElementData
 $EndElementData
 )";
 
-/// The same of version 4.1, where the numbers of all nodes come before their places.
+/// The same in version 4.1, which lists the numbers of all nodes before their positions.
 std::string quadraticOf41() {
   const std::string older = quadratic_22;
   std::istringstream nodes(older.substr(older.find("1 0 0 0")));

@@ -109,7 +109,7 @@ TEST(Mesh, ReversesElementsOfNegativeVolume) {
 
 TEST(Mesh, RefusesElementsThatFoldOverTheirNeighbours) {
   Mesh mesh = test::cubeMesh(1, 2);
-  mesh.nodes[13] = {1.6, 0.5, 0.5};  // the middle one, out through a side
+  mesh.nodes[13] = {1.6, 0.5, 0.5};  // moves the middle node out through a side
   expectBadInput([&] { finishMesh(mesh, "folded.msh"); },
                  {"folded.msh", "same side", "folds over itself"});
 }
@@ -203,7 +203,7 @@ TEST(Mesh, QuadraticMeshHasOneNodeInTheMiddleOfEveryEdge) {
   Mesh mesh = linear;
   addMidEdgeNodes(mesh);
   EXPECT_EQ(mesh.vertices(), 27);
-  // Euler's characteristic of a ball is 1: vertices - edges + faces - tetrahedra.
+  // The Euler characteristic of a ball is 1: vertices - edges + faces - tetrahedra.
   const auto faces = (4 * mesh.tetrahedra.size() + mesh.surface.size()) / 2;
   EXPECT_EQ(27 + faces - mesh.tetrahedra.size() - mesh.edges.size(), 1u);
   EXPECT_EQ(mesh.nodes.size(), 27 + mesh.edges.size());

@@ -25,7 +25,7 @@ std::int64_t cutsIn(const Mesh& mesh) {
 
 Mesh box(int cells = 2) { return test::cubeMesh(1, cells); }
 
-/// The box with the other diagonals on its sides across x.
+/// The box with the other diagonals on its two sides across x.
 Mesh mirroredBox(int cells = 2) {
   Mesh mesh = box(cells);
   for (Eigen::Vector3d& node : mesh.nodes) node[1] = 1 - node[1];

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// A cube of 20 cm whose side xmin is held, touched by a finger of 3 cm that moves 2 cm.
+/// A cube of 20 cm with fixed side xmin, touched by a finger of 3 cm that moves 2 cm.
 struct ProbePlacesOnACube : ::testing::Test {
   std::vector<ProbePlace> places(ContactMode contact, std::int32_t count) const {
     std::vector<std::int32_t> triangles(mesh.surface.size());
@@ -40,7 +40,7 @@ TEST_F(ProbePlacesOnACube, FillSurfaceLengthsAndDirectionsEvenly) {
   constexpr std::int32_t count = 600;
   const auto found = places(ContactMode::glued, count);
   ASSERT_EQ(found.size(), 600u);
-  std::array<int, 2> sides = {};  // ymin and ymax: each a good sixth of what is free
+  std::array<int, 2> sides = {};  // ymin and ymax: each has a good sixth of the free surface
   int inner = 0, up = 0;
   for (const auto& [place, displacement] : found) {
     if (place.y() < 1e-9) ++sides[0];
@@ -91,7 +91,7 @@ TEST(ProbePlacesOfAProblem, AreSerializedAndPartOfTheId) {
   Problem moved = problem;
   *moved.active.back().probe *= 0.5;
   EXPECT_NE(problemId(moved), problemId(problem));
-  EXPECT_THROW(checkProblem(moved), Error);  // not what the scene says
+  EXPECT_THROW(checkProblem(moved), Error);  // contradicts the scene
 }
 
 }  // namespace

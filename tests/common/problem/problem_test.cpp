@@ -26,8 +26,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-/// A 0.2 m cube of 4^3 cells (125 nodes, node spacing 0.05 m) held below, pulled in the middle of
-/// the top.
+/// A 0.2 m cube of 4^3 cells (125 nodes, node spacing 0.05 m), fixed below, touched in the middle
+/// of the top.
 class Problem : public ::testing::Test {
  protected:
   Problem() {
@@ -150,7 +150,7 @@ TEST_F(Problem, RefusesAnActiveNodeInsideTheBody) {
   refuses({"active \"deep\"", "inside the body", "nearest surface node"});
 }
 
-/// All around the fixed nodes below it.
+/// The patch surrounds the fixed nodes below it.
 TEST_F(Problem, RefusesAPatchThatLeavesNoFreedomToKeepAVolume) {
   scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.05);
   scene.active[0].radius = 0.08;
@@ -326,7 +326,7 @@ class QuadraticProblem : public Problem {
         mesh.element_groups["upper"].push_back(static_cast<std::int32_t>(e));
   }
 
-  /// Every node of the problem for which `inside` holds.
+  /// Every node of the problem that satisfies `inside`.
   template <class Inside>
   static std::vector<std::int32_t> nodesWhere(const palpate::Problem& problem, Inside inside) {
     std::vector<std::int32_t> nodes;
@@ -511,7 +511,7 @@ TEST_F(QuadraticProblem, TakesFibersFromTheMeshAndNormalisesThem) {
   refuses({"material.fiber", "\"grain\" is zero", "tetrahedron 1"});
 }
 
-/// The weights of a weighted patch on the middle of the top of the cube.
+/// The weights of a weighted patch in the middle of the cube's top.
 class WeightedPatch : public QuadraticProblem {
  protected:
   WeightedPatch() {
@@ -520,8 +520,8 @@ class WeightedPatch : public QuadraticProblem {
     scene.active[0].tool = ToolKind::weighted_average;
   }
 
-  /// The second moment about the axis that the weights give, and that of the bump itself: the
-  /// integrals of r^2 (1 - r^2/R^2)^2 and of (1 - r^2/R^2)^2 over a disk are in the ratio R^2 / 4.
+  /// The second moment about the axis, from the weights and exactly. The integrals of r^2 (1 -
+  /// r^2/R^2)^2 and of (1 - r^2/R^2)^2 over a disk have the ratio R^2 / 4.
   static constexpr double radius = 0.075, exact = radius * radius / 4;
   double momentOn(int cells) {
     mesh = test::cubeMesh(0.2, cells);

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// The blob of 20 cm, its side xmin fixed, a patch of 4 cm at the other end.
+/// The blob of 20 cm with fixed side xmin and a patch of 4 cm at the other end.
 class ProblemWarnings : public ::testing::Test {
  protected:
   std::vector<std::string> warnings() {
@@ -158,7 +158,7 @@ TEST_F(ProblemWarnings, ReportToolsOnSingleNodes) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("no other node")));
 }
 
-/// A plate of 5 mm, 10 cm wide, that a finger touches.
+/// A plate 5 mm thick and 10 cm wide, touched by a finger.
 TEST(FingerWarnings, ReportFingersThatAreTooSmallOrReachAroundALobe) {
   Scene scene = test::mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};

@@ -27,12 +27,12 @@ double distanceTo(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector
   return least;
 }
 
-/// A cube of 20 cm whose side xmin is held.
+/// A cube of 20 cm with fixed side xmin.
 struct SitesOnACube : ::testing::Test {
   static std::vector<Eigen::Vector3d> cover(const Mesh& mesh, double radius) {
     return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius, site_distance);
   }
-  /// Those of a finger of this radius, made once: it takes seconds.
+  /// The sites of a finger of this radius, created once because it takes seconds.
   static const std::vector<Eigen::Vector3d>& covered() {
     static const std::vector<Eigen::Vector3d> sites = cover(mesh, radius);
     return sites;
@@ -69,7 +69,7 @@ TEST_F(SitesOnACube, AreCloserAtTheEdgesThanOnTheSides) {
     side += inside(site.x()) && inside(site.y());
     edge += inside(site.x()) && site.y() > 0.19;
   }
-  // A strip of a tenth of the width of the side.
+  // The edge is a strip of a tenth of the side's width.
   EXPECT_GT(10 * edge, 2 * side);
 }
 
@@ -163,7 +163,7 @@ TEST_F(FingerScene, ReachesOnlyPushesUnlessItIsGlued) {
   scene.active[0].near = Eigen::Vector3d(0.2, 0.09, 0.2);
   const PushedPart edge = resolved().active[0].finger->reach;
   EXPECT_NEAR(edge.outward.x(), edge.outward.z(), 0.01);
-  // Of normals half x, half z, a = acos(sqrt(2) - 1).
+  // For normals half along x, half along z, a = acos(sqrt(2) - 1).
   EXPECT_NEAR(edge.pull, std::sin(75 * M_PI / 180 - std::asin(std::numbers::sqrt2 - 1)), 0.01)
       << "two sides are under it";
   const ContentId pushing = problemId(resolved());

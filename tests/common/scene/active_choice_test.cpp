@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// A node, and two sites of an area around another.
+/// A node between two sites of an area.
 Scene sceneOfNodesAndSites() {
   Scene scene;
   scene.active = {{.name = "skin-0", .tool = ToolKind::finger, .area = "skin"},

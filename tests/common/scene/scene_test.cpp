@@ -163,7 +163,7 @@ tool = "weighted-average"
 
 Scene parse(const std::string& text) { return parseScene(text, "scene.toml"); }
 
-/// The liver scene with `what` replaced is refused with all of `words`.
+/// The liver scene with `what` replaced is refused with a message that contains all of `words`.
 void refuses(const std::string& what, const std::string& instead,
              std::initializer_list<std::string> words) {
   std::string text = liver;
@@ -377,7 +377,7 @@ TEST(Scene, RefusesAnImpossibleAccuracy) {
   refused("probes = -1", {"accuracy.probes"});
 }
 
-/// The liver with the material `keys` in place of its own, and its pressure left to the law.
+/// The liver scene with the material `keys`; its pressure is derived from the law.
 std::string withMaterial(const std::string& keys) {
   std::string text = liver;
   text.replace(text.find("law ="), text.find("[discretization]") - text.find("law ="), keys + "\n");
@@ -547,7 +547,7 @@ TEST(Scene, FindsTheMeshBesideTheSceneFile) {
   expectBadInput([&] { readScene(directory / "none.toml"); }, {"none.toml"});
 }
 
-/// The example of docs/scene.md, and every other block of TOML in it.
+/// The example in docs/scene.md and all other TOML blocks there.
 TEST(Scene, TheExamplesOfTheManualAreRead) {
   const std::string text = test::bytesIn(PALPATE_SOURCE_DIR "/docs/scene.md");
   int examples = 0;

@@ -18,7 +18,7 @@ wire::Message requestFor(std::uint32_t credit) {
   return message;
 }
 
-/// As it comes in at the other end.
+/// Unpacks a bundle as the receiver does.
 std::vector<Incoming> opened(const Letter& letter) {
   Incoming incoming;
   incoming.peer = "peer";
@@ -71,7 +71,7 @@ TEST(Bundle, IsClosedBeforeItsLimitAndLongMessagesGoAlone) {
   EXPECT_EQ(letters[3].message.bundle().messages_size(), 2);
 }
 
-/// Nobody could tell whose is what.
+/// The parts of the payload could not be assigned to messages.
 TEST(Bundle, IsRefusedIfItsPayloadDoesNotMatchItsMessages) {
   for (const std::size_t payload_bytes :
        {std::size_t{4}, std::size_t{6}, std::size_t{4000000000}}) {
@@ -99,7 +99,7 @@ TEST(Bundle, LosesOnlyUnreadableMessages) {
   EXPECT_EQ(parts[2].message.request().credit(), 4u);
 }
 
-/// A peer would be heard a thousand times where others are heard once.
+/// Such a peer would be served a thousand times for each turn of the others.
 TEST(Bundle, WithTooManyMessagesIsNeitherMadeNorRead) {
   Bundler bundler;
   wire::Message message;

@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A ROUTER that is watched, and peers that connect to it from addresses of this machine.
+/// A ROUTER under watch, and peers that connect to it from addresses of this machine.
 struct ConnectionsTest : testing::Test {
   zmq::context_t context, peers_context;
   zmq::socket_t router = makeRouter(context);
@@ -27,9 +27,9 @@ struct ConnectionsTest : testing::Test {
     const std::string endpoint = bindRouter(router, "tcp://127.0.0.1:*");
     port = endpoint.substr(endpoint.rfind(':') + 1);
   }
-  /// Peers end while nobody closes their connections. ZeroMQ 4.3.4 aborts in a socket that was
-  /// closed, whose LINGER is over, and whose connection breaks in the middle of a message just then
-  /// (zeromq/libzmq, issue 3442); a peer would, which ends in the moment that it is shut out.
+  /// Peers end before the router closes connections. ZeroMQ 4.3.4 aborts if a connection breaks in
+  /// the middle of a message in a closed socket whose LINGER is over (zeromq/libzmq, issue 3442). A
+  /// peer that ends just when it is shut out would cause that.
   void TearDown() override {
     connections.reset();
     peers_context.close();
@@ -57,7 +57,7 @@ struct ConnectionsTest : testing::Test {
     message.mutable_status_request();
     ASSERT_EQ(sendMessage(socket, "", message), Sent::yes);
   }
-  /// As those do that serve; what came.
+  /// Receives a message as a server does.
   std::optional<Incoming> receive() {
     auto incoming = receiveMessage(router, true);
     if (incoming && !connections->received(incoming->connection, incoming->bytes))

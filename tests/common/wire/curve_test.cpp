@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-/// A server, and clients with keys of their own.
+/// A server, and clients with their own keys.
 struct CurveTest : testing::Test {
   test::TemporaryDirectory directory;
   const KeyFolder server_keys{directory / "server"}, client_keys{directory / "client"};
@@ -35,7 +35,7 @@ struct CurveTest : testing::Test {
   void TearDown() override { server.close(); }
   PublicKey client() const { return client_keys.own().open(); }
 
-  /// What became of a message of a client with these keys, or without.
+  /// The outcome of a message from a client with or without these keys.
   struct Outcome {
     std::optional<Incoming> incoming;
     std::string trouble;

@@ -34,7 +34,7 @@ TEST(Endpoint, IsRefusedWithAnExampleIfInvalid) {
     expectBadInput([&] { checkEndpoint(bad); }, {"tcp://HOST:PORT"});
 }
 
-/// Whether what `dealer` says at `endpoint` comes to `router`.
+/// Returns whether messages of `dealer` to `endpoint` reach `router`.
 bool isHeard(zmq::socket_t& router, zmq::socket_t& dealer, const std::string& endpoint) {
   dealer.set(zmq::sockopt::immediate, false);
   EXPECT_EQ(connectDealer(dealer, endpoint), "");
@@ -82,7 +82,7 @@ TEST(Messages, AreNotCopiedAndKeepTheirDataUntilSent) {
   EXPECT_EQ(held.use_count(), 1);
 }
 
-/// The endpoint of a router that listens at `endpoint`, by the name that it was given.
+/// The endpoint of a router that listens at `endpoint`, with the given host name.
 std::string namedAs(const std::string& host, const std::string& endpoint) {
   return "tcp://" + host + endpoint.substr(endpoint.rfind(':'));
 }
@@ -107,7 +107,7 @@ TEST(Endpoint, AcceptsAHostWithOnlyAnIPv6Address) {
   } catch (const Error& error) {
     GTEST_SKIP() << error.what() << ": IPv6 was NOT tested";
   }
-  // Without brackets it is found like a name.
+  // Without brackets the address is looked up like a name.
   EXPECT_TRUE(isHeard(router, dealer, namedAs("::1", endpoint)));
   zmq::socket_t other = makeDealer(context);
   EXPECT_TRUE(isHeard(router, other, endpoint));
@@ -121,7 +121,7 @@ TEST(Endpoint, AnUnknownHostIsReportedAtOnce) {
   test::expectError(ExitCode::failed, [&] { bindRouter(router, unknown); }, {"not found"});
 }
 
-/// libzmq itself would take the path over, and the first one would never hear of it.
+/// libzmq itself would take the path over without notice to the first listener.
 TEST(Endpoint, ASocketFileInUseIsRefused) {
   const test::TemporaryDirectory directory;
   const std::string endpoint = "ipc://" + (directory / "s").string();
@@ -140,7 +140,7 @@ TEST(Endpoint, ASocketFileInUseIsRefused) {
   EXPECT_EQ(bindRouter(second, endpoint), endpoint) << "once the first has ended";
 }
 
-/// As after a kill: the file is there, and nobody behind it.
+/// The state after a kill: the file exists, but nobody listens.
 TEST(Endpoint, AStaleSocketFileIsReplaced) {
   const test::TemporaryDirectory directory;
   const std::string path = directory / "s";

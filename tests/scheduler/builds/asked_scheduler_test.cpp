@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// It was once taken for nobody, as long as it read its journal.
+/// Regression: a scheduler that was reading its journal was treated as absent.
 TEST(AskedScheduler, OneThatDoesNotListenYetIsReportedAsRunning) {
   const test::TemporaryDirectory directory;
   Asked asked;

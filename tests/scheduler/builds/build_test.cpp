@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// One space of which the points end as named.
+/// One space whose points end with these tags and causes.
 std::vector<SpaceTable> spaceOf(const std::vector<std::pair<Tag, Cause>>& ends) {
   std::vector<SpaceTable> spaces(1);
   spaces[0].patch.name = "tip";

@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Does something when the first line is logged.
+/// Calls a function when the first line is logged.
 class AtFirstLine : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
   explicit AtFirstLine(std::function<void()> then) : then_(std::move(then)) {}
@@ -33,7 +33,7 @@ struct RecordedBuildTest : testing::Test {
   test::BuildWorld world;
   std::filesystem::path state = world.directory / "state", out = world.directory / "now.h5";
 
-  /// So many jobs, if there are as many.
+  /// Solves at most `jobs` jobs.
   void solveJobs(int jobs) {
     for (int turns = 0; jobs > 0 && turns < 100 && !world.coordinator().complete(); ++turns) {
       for (const wire::Job& job : world.takeJobs("a")) {
@@ -45,7 +45,7 @@ struct RecordedBuildTest : testing::Test {
     }
   }
 
-  /// A complete build whose journal has a record that was dropped, and computed again.
+  /// Completes a build whose journal has a record that was dropped and computed again.
   void completeWithDamage() {
     world.join("a", 1);
     solveJobs(7);
@@ -55,8 +55,8 @@ struct RecordedBuildTest : testing::Test {
     world.join("a", 1);
     world.finish({"a"});
   }
-  /// Another process changes the tables between the journal, whose damage is told when it has been
-  /// read, and whatever is read then.
+  /// Another process changes the tables after the journal was read, when its damage is reported,
+  /// and before the next read.
   std::unique_ptr<RecordedBuild> readWhileTablesChange(const std::string& sql) const {
     const auto before = spdlog::default_logger();
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(
@@ -160,7 +160,8 @@ TEST_F(RecordedBuildTest, ReportsProgressFromTheTablesOrElseFromTheJournal) {
   expectAsTheSchedulerSays(progressIn(state));
 }
 
-/// A whole dataset was once sealed over a dispute that began while the journal was read.
+/// Regression: a dataset was sealed as complete despite a dispute that began while the journal was
+/// read.
 TEST_F(RecordedBuildTest, ACheckBegunWhileTheJournalIsReadPreventsCompletion) {
   completeWithDamage();
   ASSERT_TRUE(RecordedBuild(state).complete());

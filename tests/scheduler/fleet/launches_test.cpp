@@ -67,7 +67,7 @@ TEST_F(LaunchesTest, SimultaneousFailuresLengthenTheDelayOnce) {
 TEST_F(LaunchesTest, ContinueWhenALaterOneSurvives) {
   fail(Launches::most_in_a_row, "a");
   running = {{"old", "b", 50s}};
-  // Not a sign that those that begin now would live too; the node is the only one that fails.
+  // That does not show that new launches would survive; this is the only node that fails.
   EXPECT_THAT(see().left_out, ElementsAre("a"));
 
   Launches all_fail{10s};
@@ -103,7 +103,7 @@ TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsExcluded) {
   EXPECT_THAT(change.left_out, ElementsAre("bad"));
   EXPECT_FALSE(change.held);
   EXPECT_THAT(launches.badNodes(), ElementsAre("bad"));
-  fail(20, "bad");  // those that were queued already
+  fail(20, "bad");  // launches that were queued already
   EXPECT_THAT(see().left_out, IsEmpty());
   EXPECT_EQ(launches.mostUnproven(now), any_number);
 }

@@ -24,9 +24,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A build with two transitions to solve, and the programs of Slurm as far as a fleet sees them:
-/// squeue tells what is in the file `jobs`, scancel empties it, sbatch notes how much was asked
-/// for. What a real one does is in tests/system.
+/// A build with two transitions to solve, and substitutes for Slurm's programs: squeue prints the
+/// file `jobs`, scancel empties it, sbatch records the requested number. tests/system uses the real
+/// programs.
 struct SlurmFleetTest : testing::Test {
   test::TemporaryDirectory directory;
   test::BuildWorld world;
@@ -60,13 +60,13 @@ struct SlurmFleetTest : testing::Test {
     test::writeScript(directory / name, line);
   }
 
-  /// From now on one job runs, and has for so long ("1:00" is a minute).
+  /// From now on one job runs, started `time` ago ("1:00" is a minute).
   void jobRunsFor(const std::string& time) const {
     std::ofstream(directory / "jobs")
         << fmt::format("{:20}{:40}{:100}{:12}{:20}{:24}{:200}{:200}\n", "RUNNING", "27_1", "n1",
                        "0", time, "NONE", "palpate at " + options.endpoint, "None");
   }
-  /// Workers asked for since the last call.
+  /// Workers requested since the last call.
   int takeAsked() const {
     int sum = 0;
     std::ifstream asked(directory / "asked");
@@ -76,8 +76,9 @@ struct SlurmFleetTest : testing::Test {
     return sum;
   }
 
-  /// Lets the fleet ask once after each of these, a second apart, and then hear that the build is
-  /// complete: the last one lets a worker "a" in. How many workers it asked for upon each answer.
+  /// Lets the fleet query the scheduler after each of these, a second apart, and then tells it that
+  /// the build is complete; the last one must let worker "a" join. Returns how many workers it
+  /// requested after each answer.
   std::vector<int> askedAfter(const std::vector<std::function<void()>>& moments) {
     std::vector<int> asked;
     auto fleet = std::async(std::launch::async, [&] { return SlurmFleet(options).run(); });
@@ -86,7 +87,7 @@ struct SlurmFleetTest : testing::Test {
       moment();
       world.sleep(1s);
       int upon_answer = 0;
-      // On a busy machine it may have given up waiting.
+      // On a busy machine the fleet may have stopped waiting.
       do {
         answer(question);
         question = nextQuestion();
@@ -114,7 +115,7 @@ struct SlurmFleetTest : testing::Test {
     for (const Outgoing& reply : std::exchange(world.inbox[question.peer], {}))
       EXPECT_NE(sendMessage(router, reply.peer, reply.message, reply.payload), Sent::full);
   }
-  /// Whether the last answer reached the fleet, which says so when that changes.
+  /// Returns whether the last answer reached the fleet, which logs changes.
   bool hasHeard() {
     spdlog::default_logger()->flush();
     const std::string news = log.str().substr(read_of_log);
@@ -131,10 +132,10 @@ TEST_F(SlurmFleetTest, RequestsNoMoreIfRunningJobsDoNotConnect) {
   std::ofstream(directory / "job-27_1.log") << "starting\ntcp://head:7411: no route to host\n";
   const auto asked = askedAfter({
       [&] {
-        world.sleep(58s);  // the scheduler has just begun: they may find it yet
+        world.sleep(58s);  // the scheduler has just started: workers may still connect
         jobRunsFor("2:00");
       },
-      [&] { jobRunsFor("0:59"); },  // and so may this one
+      [&] { jobRunsFor("0:59"); },  // this one may still connect, too
       [&] { jobRunsFor("1:00"); },
       [&] { jobRunsFor("1-00:00:00"); },
       [&] { world.join("a", 8); },
@@ -184,7 +185,7 @@ TEST_F(SlurmFleetTest, WarnsOfRemainingJobsIfInterruptedDuringARequest) {
       {"fleet", "slurm", options.asked.where, "--insecure", "--connect", options.endpoint},
       directory.path());
   answer(nextQuestion());
-  nextQuestion();  // which is not answered
+  nextQuestion();  // stays unanswered
   EXPECT_EQ(fleet.stop(SIGTERM), 130) << fleet.output();
   EXPECT_THAT(fleet.output(), HasSubstr("with --cancel it ends them"));
 }

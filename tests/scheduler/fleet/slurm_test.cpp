@@ -55,7 +55,7 @@ TEST(SlurmScript, NamesTheLogOfAJob) {
   EXPECT_EQ(Slurm(options).logOf("12"), "100%");
 }
 
-/// As squeue of Slurm 22.05 wrote it, but for the spaces that make cells as wide as they are.
+/// Output of squeue of Slurm 22.05; spaces pad cells to their width.
 std::string cells(const std::vector<std::string>& line) {
   const std::vector<std::size_t> widths = {20, 40, 100, 12, 20, 24, 200, 200};
   std::string text;

@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// All that end, waited for.
+/// Waits for all processes to end and returns them.
 std::vector<WorkerPool::Ended> allThatEnd(WorkerPool& pool) {
   std::vector<WorkerPool::Ended> all;
   while (pool.running() > 0) {
@@ -34,7 +34,7 @@ TEST(WorkerPool, ReportsHowEachProcessEnded) {
 }
 
 TEST(WorkerPool, KillsProcessesThatIgnoreTerminationAfterTheGracePeriod) {
-  // A process that could not be killed would keep the test from ending.
+  // If this process could not be killed, the test would not end.
   WorkerPool pool({"/bin/sh", "-c", "trap '' TERM; while :; do sleep 0.01; done"});
   pool.start();
   std::this_thread::sleep_for(milliseconds(100));
@@ -50,7 +50,7 @@ TEST(WorkerPool, LeavesNoProcessBehind) {
     pool.start();
   }
   close(ends[1]);
-  // Every holder of the other end is gone: the read ends.
+  // All holders of the other end are gone, so the read ends.
   char byte = 0;
   EXPECT_EQ(read(ends[0], &byte, 1), 0);
   close(ends[0]);

@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// What a worker may find, no two numbers of it alike; that of a finger where `finger`.
+/// A possible result of a worker in which all numbers differ; a finger's result if `finger`.
 PointRecord foundOf(double seed, bool finger = false, Tag tag = Tag::expandable) {
   double next = seed;
   const auto fill = [&](auto& values) {
@@ -53,7 +53,7 @@ FailedAttempt attemptAt(std::int32_t target, std::int32_t parent, Cause cause) {
   return {target, parent, {.cause = cause}};
 }
 
-/// The same, by looking at every point.
+/// The same counts, by visiting every point.
 PointCounts countedAmong(const CompactPoints& points, std::int32_t first, std::int32_t end) {
   PointCounts counts;
   for (std::int32_t n = first; n < end; ++n) {
@@ -73,7 +73,7 @@ void expectEqualCounts(const PointCounts& told, const PointCounts& counted) {
   EXPECT_EQ(told.unsolved_tried, counted.unsolved_tried);
 }
 
-/// Whatever was done to them: that counting costs nothing changes no count.
+/// Checks the counts, which are kept without visiting points, after any changes.
 void expectCountsToBeTrue(const CompactPoints& points, std::int32_t uniform) {
   expectEqualCounts(points.uniform(), countedAmong(points, 0, uniform));
   expectEqualCounts(points.added(), countedAmong(points, uniform, points.size()));
@@ -129,8 +129,8 @@ TEST(CompactPoints, KeepEachFingersConfigurationalForce) {
   expectKept(points.record(3), foundOf(30));
 }
 
-/// A neighbour may reach what others did not, and an equilibrium of less energy replaces the one
-/// that was found first.
+/// A neighbour may reach a point that others did not, and an equilibrium of lower energy replaces
+/// an earlier one.
 TEST(CompactPoints, ASolutionReplacesEverythingBefore) {
   CompactPoints points(1);
   points.fail(0, Cause::limit_point);
@@ -163,7 +163,7 @@ TEST(CompactPoints, KeepAttemptsInOrder) {
   EXPECT_EQ(points.added().attempts, 2);
 }
 
-/// So many that they do not lie in one piece.
+/// So many that they need several blocks of memory.
 TEST(CompactPoints, StayDistinctInAnyNumber) {
   constexpr std::int32_t uniform = 8192, all = 12290;
   CompactPoints points(uniform);

@@ -11,18 +11,18 @@
 namespace palpate {
 namespace {
 
-/// Whether the force at a displacement, m, is one that a device has.
+/// Returns whether the force at a displacement (m) is below the device's limit.
 using IsSoft = std::function<bool(const Eigen::Vector3d&)>;
 
 struct ForecastTest : testing::Test {
-  /// What a build of one space looked like at some moment.
+  /// Progress of a build of one space at some moment.
   struct Moment {
     double forecast = 0;
     int results = 0;
   };
   Problem problem = test::cubeProblem();
 
-  /// Brings one space to its end, first come first served.
+  /// Completes one space, first come, first served.
   std::vector<Moment> build(const IsSoft& is_soft) {
     std::vector<Moment> moments;
     std::vector<SpacePlan> plans;
@@ -51,7 +51,7 @@ struct ForecastTest : testing::Test {
     found.equilibrium.energy = energy.energy(p);
     return {found, {}};
   }
-  /// From this share of a build to where a twentieth is left.
+  /// Checks the moments from this share of a build until a twentieth is left.
   static void expectHonest(const std::vector<Moment>& moments, double from = 0.1,
                            double factor = 1.5) {
     const double all = std::ssize(moments);
@@ -72,7 +72,7 @@ TEST_F(ForecastTest, CountsAllPointsOfAFullyReachedLattice) {
   EXPECT_NEAR(moments.back().forecast, 1, 1e-9);
 }
 
-/// Unknown points that nothing leads to were taken for work, and at the end for all of it.
+/// Regression: unknown points that no path leads to counted as work, in the end as all of it.
 TEST_F(ForecastTest, LeavesOutPointsBehindTerminatingOnes) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.max_force = 1e6;

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// The force of the equilibrium that a transition ends in, nothing when it fails.
+/// The force of the equilibrium that a transition reaches; empty if it fails.
 using Physics = std::function<std::optional<double>(Transition)>;
 
 constexpr double max_force = 8;
@@ -22,8 +22,8 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A body of which nothing is known but that the same transition always ends the same way:
-/// `failing` percent do not converge and `strong` percent of the points are beyond max_force.
+/// A random body in which a transition always ends in the same way: `failing` percent do not
+/// converge, and `strong` percent of the points are beyond max_force.
 Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
   return [=](Transition t) {
     const std::uint64_t way = mix(seed * 1000003 + static_cast<std::uint64_t>(t.target) * 65537 +
@@ -34,7 +34,7 @@ Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
   };
 }
 
-/// A frontier and what it goes by.
+/// A frontier and its input.
 struct Front {
   explicit Front(const Lattice& of, int budget = max_attempts_per_point)
       : lattice(of), points(of.size()), frontier({lattice, points}, budget) {}
@@ -59,7 +59,7 @@ struct Front {
   Frontier frontier;
 };
 
-/// Everything that reaches a dataset.
+/// Everything that becomes part of a dataset.
 struct Answer {
   std::vector<Tag> tags;
   std::vector<std::int32_t> parents;
@@ -67,7 +67,7 @@ struct Answer {
   bool operator==(const Answer&) const = default;
 };
 
-/// `recorded`: all transitions, those of a point in the order in which they were tried.
+/// `recorded`: all transitions; those of a point in the order of trying.
 Answer answerOf(const Front& front, const std::vector<Transition>& recorded,
                 const Physics& physics) {
   const auto size = static_cast<std::size_t>(front.lattice.size());
@@ -82,8 +82,8 @@ Answer answerOf(const Front& front, const std::vector<Transition>& recorded,
   return answer;
 }
 
-/// The rules once more, written the slow and plain way: points in order of their norm, one round
-/// after the other.
+/// The same rules, implemented slowly and simply: points in order of their norm, one round after
+/// the other.
 Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size_t budget) {
   const auto size = static_cast<std::size_t>(lattice.size());
   Answer a{std::vector<Tag>(size, Tag::unknown), std::vector<std::int32_t>(size, -1),
@@ -123,9 +123,9 @@ Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size
   return a;
 }
 
-/// Solves with up to `in_flight` transitions at a time, which end in random order; now and then the
-/// scheduler restarts, forgets what is in flight and replays what was recorded, in random order
-/// too.
+/// Solves with up to `in_flight` transitions at a time, which end in random order. Occasionally the
+/// scheduler restarts, forgets the transitions in flight and replays the records, also in random
+/// order.
 Answer solve(const Lattice& lattice, const Physics& physics, std::size_t in_flight, unsigned seed,
              bool restarts, int budget = max_attempts_per_point) {
   std::mt19937 random(seed);
@@ -222,7 +222,7 @@ TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
 
 TEST(Frontier, GoesAroundAWallAndReachesTheSideBehindItLater) {
   const Lattice lattice(5, 1);
-  // Nothing crosses from x = 1 to x = 2 except at y >= 3.
+  // No transition crosses from x = 1 to x = 2 except at y >= 3.
   const Physics wall = [&](Transition t) {
     const LatticePoint &to = lattice.point(t.target), &from = lattice.point(t.parent);
     const bool crosses = std::max(to[0], from[0]) == 2 && std::min(to[0], from[0]) == 1;

@@ -8,12 +8,12 @@ namespace {
 
 using testing::ElementsAre;
 
-/// The transition between points of the first axis, so far from the origin.
+/// The transition between two points of the first axis with these distances from the origin.
 ResultKey way(std::uint32_t space, std::int32_t target, std::int32_t parent) {
   return {space, {target, 0, 0}, {parent, 0, 0}};
 }
 
-/// How far from the origin the targets of a job are.
+/// The distances from the origin of a job's targets.
 std::vector<std::int32_t> targetsOf(const Handout& job) {
   std::vector<std::int32_t> targets;
   for (const ResultKey& key : job.targets) targets.push_back(key.target[0]);
@@ -32,7 +32,7 @@ struct LeasesTest : testing::Test {
   Handout handOut(const std::string& worker, std::size_t workers = 1) {
     return leases.handOut(worker, workers).value();
   }
-  /// The worker's process ended; returns what that speaks against.
+  /// Ends the worker's process. Returns the transitions under suspicion.
   std::vector<ResultKey> die(const std::string& worker, std::optional<ResultKey> solving) {
     const Leases::Suspects suspects = leases.suspectsOf(worker, solving);
     leases.giveBack(worker);
@@ -40,7 +40,7 @@ struct LeasesTest : testing::Test {
     for (const auto& [key, losses] : leases.blame(suspects)) keys.push_back(key);
     return keys;
   }
-  /// How often the last target was handed out that the worker is given next.
+  /// How often the last target of the worker's next job was handed out.
   std::uint32_t attemptsOfNext(const std::string& worker) {
     handOut(worker);
     return leases.lastOf(worker).value().attempts;
@@ -107,7 +107,7 @@ TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
     EXPECT_EQ(handOut(worker).targets.size(), 2u);
     die(worker, way(0, 2, 0));
   }
-  // Target 1 was next in order at both deaths and target 2 was named.
+  // Target 1 was next in order at both deaths; target 2 was named.
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(1));
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(2));
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(3));
@@ -170,7 +170,7 @@ TEST_F(LeasesTest, AFatalTargetWithoutHeartbeatIsFoundOnceItIsAlone) {
   EXPECT_EQ(deaths, losses_before_alone + deaths_before_aside);
 }
 
-/// A worker that never got its first job dies on its second.
+/// A worker that never received its first job dies on its second.
 TEST_F(LeasesTest, OneLostWorkerCountsAsOneDeath) {
   leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
   leases.add(way(0, 2, 1), {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});

@@ -51,7 +51,7 @@ SpaceTable solvedStart(const Scene& scene, const test::AnalyticEnergy& energy) {
   return test::solvedSpace(uniformLattice(scene), energy);
 }
 
-/// Does what is to be done.
+/// Executes a refinement.
 SpaceTable refined(const SpaceTable& space, const Refinement& next,
                    const test::AnalyticEnergy& energy) {
   Lattice lattice = space.lattice;
@@ -67,7 +67,7 @@ SpaceTable refined(const SpaceTable& space, const Refinement& next,
   return result;
 }
 
-/// Does what is to be done until nothing is; `see` is shown each round.
+/// Executes refinements until none is left; `see` is called with each round.
 SpaceTable refinedToTheEnd(SpaceTable space, const Scene& scene, const test::AnalyticEnergy& energy,
                            const std::function<void(int, const Refinement&)>& see = {}) {
   int rounds = 0;
@@ -79,7 +79,7 @@ SpaceTable refinedToTheEnd(SpaceTable space, const Scene& scene, const test::Ana
   return space;
 }
 
-/// Of 1000 positions in the ball, how many keep the scene's accuracy, by the energy itself.
+/// The share of 1000 positions in the ball at which the exact energy confirms the scene's accuracy.
 double shareKept(const SpaceTable& space, const Scene& scene, const test::AnalyticEnergy& energy) {
   const CellTree tree(space);
   const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space);
@@ -119,7 +119,7 @@ TEST(Refinement, LeavesAnAccurateSpaceAlone) {
 TEST(Refinement, DoesNotHalveCellsCrossedByAJumpBetweenBranches) {
   const Scene scene = adaptiveScene(0.03);
   SpaceTable space = solvedStart(scene, test::PolynomialEnergy(3, 0.06));
-  // Beyond the plane x = 0 another branch: forces of tens of newtons, which no stiffness explains.
+  // Another branch beyond the plane x = 0: forces of tens of newtons that no stiffness explains.
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (space.lattice.point(n)[0] > 0) space.points[n].equilibrium.force += Vector3d(40, -30, 20);
   ASSERT_FALSE(inconsistentEdges(space).empty());
@@ -128,8 +128,8 @@ TEST(Refinement, DoesNotHalveCellsCrossedByAJumpBetweenBranches) {
   for (const LatticeCell& cell : next.splits) EXPECT_NE(cell.lowest[0], 0) << "crossed by the jump";
 }
 
-/// Soft, stiff for a few millimetres on the way along x, and soft again: forces at the ends of a
-/// coarse edge over it look like those of two branches.
+/// Soft, then stiff for a few millimetres along x, then soft again: the forces at the ends of a
+/// coarse edge across this look like those of two branches.
 class StepEnergy : public test::AnalyticEnergy {
  public:
   double energy(const Vector3d& p) const override {
@@ -278,7 +278,7 @@ TEST(Refinement, ForAFingerHalvesCellsAtRestUntilCornersAreKnown) {
   SpaceTable space = solvedStart(scene, energy);
   space.patch.finger = Finger{Vector3d::Zero(), 0.02};
   ASSERT_TRUE(nextRefinement(space, scene).empty()) << "accurate as it is";
-  // Stiff along z: forces that matter end within a sixth of the first cells.
+  // Stiff along z: the force limit is reached within a sixth of the first cells.
   const auto failBeyond = [](SpaceTable& table) {
     for (std::int32_t n = 0; n < table.lattice.size(); ++n)
       if (table.lattice.displacement(n).z() > 0.005) table.points[n].tag = Tag::failed;

@@ -19,7 +19,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// What a worker answers to a transition, a function of nothing else.
+/// A worker's answer to a transition, a pure function.
 using Solver = std::function<Outcome(const SpacePlan&, const Transition&)>;
 
 Outcome equilibriumOf(const test::AnalyticEnergy& energy, const Eigen::Vector3d& p) {
@@ -38,7 +38,7 @@ Outcome failed(double step_reached = 0.5, Cause cause = Cause::step_budget) {
   return {Failure{.cause = cause, .step_reached = step_reached}, {}};
 }
 
-/// Records everything a plan asks for; of what is ready always the transition that `choose` takes.
+/// Records everything that a plan requests, in random order if `random` is given.
 void finish(SpacePlan& plan, const Solver& solver, std::mt19937* random = nullptr) {
   std::vector<Transition> ready = plan.takeReady();
   while (!ready.empty()) {
@@ -130,7 +130,7 @@ TEST_F(SpacePlanTest, ProbesFillTheBallEvenlyAndNeverLieOnAPlaneOfCells) {
   EXPECT_NEAR(inner, 250, 20) << "an eighth of the volume";
 }
 
-/// Point `target` lands on a branch of higher energy when it is reached from its first parent.
+/// Point `target` ends on a branch of higher energy if reached from its first parent.
 Solver withJumpAt(const LatticePoint& target) {
   auto first = std::make_shared<std::int32_t>(-1);
   return [target, first](const SpacePlan& plan, const Transition& transition) {
@@ -188,7 +188,7 @@ TEST_F(SpacePlanTest, AJumpFoundFromEveryParentStays) {
   EXPECT_FALSE(inconsistentEdges(table).empty());
 }
 
-/// A narrow bump in the energy: coarse cells cannot follow it.
+/// A narrow bump in the energy that coarse cells cannot resolve.
 class BumpyEnergy : public test::AnalyticEnergy {
  public:
   double energy(const Eigen::Vector3d& p) const override {
@@ -215,7 +215,7 @@ class BumpyEnergy : public test::AnalyticEnergy {
 };
 
 Outcome bumpy(const SpacePlan& plan, const Transition& transition) {
-  // From some parents it fails, so that attempts matter too.
+  // It fails from some parents, so that attempts matter too.
   if ((transition.target * 31 + transition.parent * 17) % 11 == 0 && transition.target != 0)
     return failed();
   return equilibriumOf(BumpyEnergy(), plan.positions().displacement(transition.target));
@@ -272,7 +272,7 @@ TEST_F(SpacePlanTest, AFingersPointIsGivenUpAfterFewerParentsThanANodes) {
   EXPECT_EQ(of_a_node, 8u);
 }
 
-/// Where an area is measured.
+/// The plan of a probe place.
 struct ProbePlacePlan : SpacePlanTest {
   ProbePlacePlan() {
     problem.scene.accuracy = {.force_error = 0.03, .probes = 7};

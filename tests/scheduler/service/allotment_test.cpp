@@ -17,7 +17,7 @@ struct AllotmentTest : testing::Test {
       allotment.noteDelivery(worker, now);
     }
   }
-  /// Both deliver; of one comes one in the time in which `times` come of the other.
+  /// Both deliver; `usual` delivers `times` results for each one of `slow`.
   void deliverBeside(Worker& usual, Worker& slow, int times) {
     for (int n = 0; n < 60; ++n) {
       deliver(usual, times, 10ms);
@@ -35,7 +35,7 @@ TEST_F(AllotmentTest, ANewWorkerHoldsTwoAndOthersAsManyAsTheyDelivered) {
   EXPECT_EQ(allotment.limitOf(worker, now), 2 * max_targets_per_job);
 }
 
-/// Or with as much as others it would be the last to end, while they have nothing to do.
+/// With as many as others, the slow worker would finish last while others wait.
 TEST_F(AllotmentTest, AWorkerSevenTimesSlowerHoldsAFractionOfOthers) {
   Worker usual, slow;
   deliverBeside(usual, slow, 7);

@@ -19,7 +19,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-/// A build whose events are kept.
+/// A build that logs its events.
 struct ChronicleTest : testing::Test {
   test::TemporaryDirectory directory;
   EventLog log{directory.path()};

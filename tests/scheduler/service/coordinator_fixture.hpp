@@ -8,7 +8,7 @@
 
 namespace palpate::test {
 
-/// A coordinator with its state directory, and workers that say what a test has them say.
+/// A coordinator with its state directory, and workers that send what a test tells them to.
 struct CoordinatorFixture : testing::Test {
   BuildWorld world;
 
@@ -18,14 +18,14 @@ struct CoordinatorFixture : testing::Test {
     return refused.empty() ? "" : refused[0].refused().reason();
   }
   void solveOrigins() { world.solveOrigins(); }
-  /// Asked as an operator; what is to be solved again.
+  /// Sends an operator's retry. Returns the number of transitions to solve again.
   std::uint32_t retryFailed(const char* cause = "") {
     wire::Message order;
     order.mutable_retry_request()->set_cause(cause);
     world.send("operator", order);
     return world.take("operator", wire::Message::kRetryReply).at(0).retry_reply().transitions();
   }
-  /// A machine without memory solves nothing but the rest state.
+  /// A machine that runs out of memory in every solve but the rest state.
   void failWithoutMemory() {
     world.solver = [](const Problem& problem, std::uint32_t space, const LatticePoint& target,
                       const LatticePoint& parent) {

@@ -1,4 +1,4 @@
-// What people ask and decide.
+// Requests of people: stop, pause, priorities, retry.
 
 #include "tests/scheduler/service/coordinator_fixture.hpp"
 
@@ -20,7 +20,7 @@ std::string prioritize(test::BuildWorld& world, const std::string& space, std::i
   return replies.empty() ? "no answer" : replies[0].priority_reply().objection();
 }
 
-/// As an operator asks it.
+/// Sends an operator's request.
 void setPaused(test::BuildWorld& world, bool paused) {
   Message order;
   order.mutable_pause_request()->set_paused(paused);
@@ -82,7 +82,7 @@ TEST_F(CoordinatorTest, HandsOutHigherPrioritySpacesFirstEvenAfterARestart) {
   EXPECT_EQ(world.takeJobs("a").at(0).space(), 1u);
 }
 
-/// A machine without memory fails where others do not.
+/// A machine without memory fails where others succeed.
 TEST_F(CoordinatorTest, RetriesFailuresOfACauseAndEndsWithTheSameDataset) {
   test::BuildWorld healthy;
   healthy.join("a", 1);
@@ -109,7 +109,7 @@ TEST_F(CoordinatorTest, RetriesFailuresOfACauseAndEndsWithTheSameDataset) {
   EXPECT_EQ(world.sealedContent(), healthy.sealedContent());
 }
 
-/// Its dataset is being sealed with them.
+/// The failures are already part of the dataset that is being sealed.
 TEST_F(CoordinatorTest, RetriesNoFailureOnceItIsComplete) {
   failWithoutMemory();
   world.join("a", 1);

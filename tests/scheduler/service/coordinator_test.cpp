@@ -67,7 +67,7 @@ TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
   EXPECT_TRUE(world.inbox["a"][1].message.fields_reply().unknown());
 }
 
-/// Each has a copy of its own in memory until its peer reads it.
+/// Each start is copied in memory until its peer reads it.
 TEST_F(CoordinatorTest, SendsNoStartsWhileTooManyAreUnread) {
   CoordinatorSettings settings = test::BuildWorld::withoutChecks();
   settings.unread_starts = 2 * originFields().size();
@@ -281,8 +281,8 @@ TEST_F(CoordinatorTest, DropsInvalidResults) {
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "the right one is still welcome";
 }
 
-/// The bound of known causes once stood before limit_point: such results were dropped, never
-/// acknowledged, and sent again for ever.
+/// Regression: the largest accepted cause was below limit_point, so such results were dropped,
+/// never acknowledged, and sent again forever.
 TEST_F(CoordinatorTest, RecordsAndAcknowledgesAResultThatEndedAtALimitPoint) {
   world.join("a", 2);
   const Outcome turned_back = {Failure{.cause = Cause::limit_point, .step_reached = 0.4}, {}};
@@ -330,7 +330,7 @@ TEST_F(CoordinatorTest, RefusesAJournalWithUnrequestedResults) {
                     {"did not request", "another version"});
 }
 
-/// Whatever of a journal is damaged, what is left of it is used, and the dataset is the same.
+/// Whatever part of a journal is damaged, the rest is used, and the dataset is the same.
 TEST_F(CoordinatorTest, ADamagedJournalLosesOnlyDamageAndEndsInTheSameBytes) {
   world.join("a", 1);
   world.finish({"a"});
@@ -342,7 +342,8 @@ TEST_F(CoordinatorTest, ADamagedJournalLosesOnlyDamageAndEndsInTheSameBytes) {
   for (int round = 0; round < 40; ++round) {
     {
       std::fstream file(segment, std::ios::binary | std::ios::in | std::ios::out);
-      // Early ones too: all that follows from the origin is not asked for before it is back.
+      // Early records too: targets that follow from the origin are only handed out after its
+      // result.
       const auto byte = round == 0 ? 100 : random() % size;
       file.seekp(static_cast<std::streamoff>(byte));
       file.write("damage", 6);

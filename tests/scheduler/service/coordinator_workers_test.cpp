@@ -1,4 +1,4 @@
-// Who is there: workers that come, go, fall silent, and end on what they solve.
+// Workers that join, leave, fall silent, and die during solves.
 
 #include <spdlog/sinks/ostream_sink.h>
 
@@ -53,8 +53,8 @@ TEST_F(CoordinatorTest, EndlessHellosFillNeitherTheLogNorTheTables) {
             WorkerRegistry::most_workers + Tables::most_idle_departed);
 }
 
-/// The first Hello once decided: one from nonsense/42 that left at once kept every honest worker
-/// out.
+/// Regression: the first Hello decided. One from nonsense/42 that left at once kept every honest
+/// worker out.
 TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   Message other = test::helloOf("other");
   other.mutable_hello()->set_kernel_family("nonsense/42");
@@ -63,7 +63,7 @@ TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   EXPECT_EQ(world.takeJobs("other").size(), 1u);
   solveOrigins();
   EXPECT_EQ(world.coordinator().workers(), 1u);
-  // It is asked who it is, and told why it may not stay.
+  // The scheduler asks it for a Hello and explains the refusal.
   EXPECT_EQ(world.take("other", Message::kHeartbeatReply).size(), 1u);
   world.send("other", other);
   EXPECT_EQ(world.take("other", Message::kRefused).size(), 1u);
@@ -133,7 +133,7 @@ TEST_F(CoordinatorTest, ReassignsASilentWorkersTargetAndTakesTheLateAnswer) {
   world.pass(2s);
   const auto again = world.takeJobs("b");
   ASSERT_EQ(again.size(), 2u);
-  // It was not dead: it is asked for its name, and its answer is the first.
+  // The worker was not dead: it is asked for its name, and its late answer comes first.
   world.deliver("a", lost[0]);
   world.join("a", 0);
   world.deliver("a", lost[0]);
@@ -144,7 +144,7 @@ TEST_F(CoordinatorTest, ReassignsASilentWorkersTargetAndTakesTheLateAnswer) {
   EXPECT_EQ(world.counter("duplicate_results"), 1);
 }
 
-/// A frozen container, a stalled disk: what the workers said meanwhile lies unread.
+/// For example a frozen container or a stalled disk: messages of workers wait unread.
 TEST_F(CoordinatorTest, ASuspendedSchedulerBlamesNoWorker) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
@@ -173,7 +173,7 @@ TEST_F(CoordinatorTest, JudgesSilenceOnlyAfterReadingEverything) {
   EXPECT_EQ(world.coordinator().workers(), 0u);
 }
 
-/// A killed process shows only when something is sent to it.
+/// A killed process is only noticed when a message is sent to it.
 TEST_F(CoordinatorTest, PingsABusyWorkerThatIsSilentForThreeHeartbeats) {
   world.join("a", 2);
   world.join("idle", 0);
@@ -277,7 +277,7 @@ TEST_F(CoordinatorTest, SilenceAndBrokenConnectionsBlameNoTarget) {
   EXPECT_FALSE(world.coordinator().stuck());
 }
 
-/// Five processes end on the origin of space 0, after which it is set aside.
+/// Five processes die on the origin of space 0, which is then set aside.
 struct SetAsideTest : CoordinatorTest {
   static bool kills(const wire::Job& job) {
     return job.space() == 0 && fromWire(job.targets(0).point()) == LatticePoint{0, 0, 0};
@@ -292,7 +292,7 @@ struct SetAsideTest : CoordinatorTest {
       world.coordinator().workerProcessEnded(1000, world.now);
     }
   }
-  /// All but that.
+  /// Completes everything else.
   void finishTheRest() {
     world.join("a", 1);
     for (int turns = 0; !world.coordinator().stuck(); ++turns) {
@@ -349,7 +349,7 @@ TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
     const std::string id = fmt::format("remote{}", death);
     world.join(id, 1);
     for (const wire::Job& job : world.takeJobs(id)) world.beat(id, &job);
-    // Half of them are noticed before, by their broken connections.
+    // Half of them are noticed earlier by their broken connections.
     if (death % 2 == 0) world.coordinator().peerUnreachable(id, world.now);
     Message hello = test::helloOf(id + "-next");
     hello.mutable_hello()->add_ended(id);
@@ -359,8 +359,8 @@ TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }
 
-/// What it had when its connection broke is none of its end, and its end counts once, however often
-/// its successor tells of it.
+/// Targets that it held when its connection broke do not count, and its end counts once, however
+/// often its successor reports it.
 TEST_F(SetAsideTest, AReconnectedWorkersDeathCountsOnceOnItsLastTarget) {
   for (int death = 0; death < deaths_before_aside - 1; ++death) {
     const std::string id = fmt::format("remote{}", death);

@@ -2,7 +2,7 @@
 
 #include "tests/scheduler/build_world.hpp"
 
-// Workers that take work and do none.
+// Workers that take work without doing it.
 
 namespace palpate {
 namespace {
@@ -19,13 +19,13 @@ struct HoarderTest : testing::Test {
     for (const wire::Job& job : jobs) count += static_cast<std::size_t>(job.targets_size());
     return count;
   }
-  /// Says that it solves the first of them, and does not.
+  /// Claims to be solving the first target, without doing so.
   void pretend(const std::string& peer) {
     auto& held = held_[peer];
     for (wire::Job& job : world.takeJobs(peer)) held.push_back(std::move(job));
     world.beat(peer, held.empty() ? nullptr : &held.front());
   }
-  /// Delivers all that it was given in so many steps of 50 ms.
+  /// Delivers all its targets in `steps` steps of 50 ms.
   int work(const std::string& peer, int steps) {
     int delivered = 0;
     for (int n = 0; n < steps && !world.coordinator().complete(); ++n) {
@@ -61,7 +61,7 @@ TEST_F(HoarderTest, AWorkerMayHoldAsMuchAsItDelivered) {
   EXPECT_GT(most, 4u);
 }
 
-/// Thirty, with endless credit, that say for ever that they are at work; one that works.
+/// Thirty workers with endless credit claim to be busy forever; one works.
 TEST_F(HoarderTest, ABuildEndsDespiteThirtyHoarders) {
   world.join("a", 2);
   work("a", 4);
@@ -76,7 +76,7 @@ TEST_F(HoarderTest, ABuildEndsDespiteThirtyHoarders) {
   EXPECT_GT(world.counter("overdue_targets"), 0);
 }
 
-/// Who takes what there is again and again makes nobody wait for longer and longer.
+/// A worker that rejoins repeatedly does not delay others longer each time.
 TEST_F(HoarderTest, AReturningHoarderDelaysTheLastTargetsBySecondsOnly) {
   world.join("a", 2);
   work("a", 10);
@@ -88,7 +88,7 @@ TEST_F(HoarderTest, AReturningHoarderDelaysTheLastTargetsBySecondsOnly) {
   EXPECT_TRUE(world.coordinator().complete());
 }
 
-/// The check that it was given, of the last result there was.
+/// It holds the check of the last result.
 TEST_F(HoarderTest, AHoarderOfChecksDelaysTheEndByAMinuteAtMost) {
   test::BuildWorld checked(test::BuildWorld::checking(1));
   checked.join("a", 2);
@@ -128,7 +128,7 @@ TEST_F(HoarderTest, AnIdleOrSilentHoarderDelaysNothing) {
   }
 }
 
-/// Its late result is as good as any, and it gets work again.
+/// Its late result is accepted, and it gets work again.
 TEST_F(HoarderTest, ASlowWorkerGetsWorkAgainOnceItDelivers) {
   world.join("a", 2);
   work("a", 6);

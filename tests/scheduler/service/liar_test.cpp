@@ -8,7 +8,7 @@
 #include "tests/support/lies.hpp"
 #include "tests/support/long_tests.hpp"
 
-// Workers that are broken, or lie: what becomes of the dataset, and of them.
+// Effects of broken or lying workers on the dataset, and on themselves.
 
 namespace palpate {
 namespace {
@@ -23,7 +23,7 @@ struct LiarWorld : test::BuildWorld {
     solver = test::solveSmoothly;
   }
 
-  /// What the scheduler says against it; empty when it lets it in.
+  /// The scheduler's objection to the worker; empty if it may join.
   std::string joinFrom(const std::string& host, const std::string& peer) {
     Message hello = test::helloOf(peer);
     hello.mutable_hello()->set_host(host);
@@ -33,14 +33,14 @@ struct LiarWorld : test::BuildWorld {
     request(peer, 1);
     return "";
   }
-  /// Until nothing is left that it may do: what others are to check waits then.
+  /// Works until nothing is left for this worker; checks for others then wait.
   void workAlone(const std::string& peer) {
     for (int turns = 0; turns < 400; ++turns) {
       work(peer);
       pass(25ms);
     }
   }
-  /// All deliver what they hold, until somebody is found out.
+  /// All deliver their targets until a liar is found.
   void turn() {
     for (const std::string peer : {"a", "b", "c"}) work(peer);
     pass(25ms);
@@ -49,7 +49,7 @@ struct LiarWorld : test::BuildWorld {
     for (const std::string peer : {"a", "b", "c"}) joinFrom("machine-" + peer, peer);
   }
 
-  /// Until it is complete, or stuck; who is found out is kept out, and the build goes on.
+  /// Works until the build is complete or stuck; liars are excluded and the build continues.
   void finishWhateverComes() {
     for (int found = 0; found < 10; ++found) {
       joinAll();
@@ -75,8 +75,8 @@ ContentId honestContent() {
 }
 
 struct LiarTest : testing::Test {
-  /// "b" tells this lie in its nth result, from 0. Not where it checks another: that lie is
-  /// recorded nowhere, and after a restart of the scheduler nobody knows of it.
+  /// "b" tells this lie in its nth result, from 0, but not when it checks another's result: that
+  /// lie is recorded nowhere, and a restarted scheduler does not know of it.
   void lieOnce(LiarWorld& world, int nth, const test::Lie& lie) {
     world.falsify = [&world, lie, nth, told = 0](const std::string& peer, wire::Result& result,
                                                  std::string& payload) mutable {
@@ -139,7 +139,7 @@ TEST_F(LiarTest, ARestartKeepsChecksAndExclusions) {
   EXPECT_GT(open, 2);
   world.restart();
   EXPECT_EQ(world.coordinator().status(world.now).checks_open(), open);
-  // In a check as likely as not, since everything is checked.
+  // Everything is checked, so this lie is as likely in a check as in a first result.
   world.falsify = [told = 0](const std::string& peer, wire::Result& result,
                              std::string& payload) mutable {
     if (peer == "b" && told++ == 5) lies()[0](result, payload);
@@ -151,7 +151,7 @@ TEST_F(LiarTest, ARestartKeepsChecksAndExclusions) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-/// Of two, nobody can say who is right.
+/// With two workers, nobody can tell which one is right.
 TEST_F(LiarTest, ADisputeEndsTheBuildUntilAThirdWorkerSettlesIt) {
   LiarWorld world;
   world.joinFrom("machine-a", "a");
@@ -184,7 +184,7 @@ TEST_F(LiarTest, ASingleMachineIsNotCheckedAndWaitsForNobody) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-/// Workers that take no more work, or hoard it, hold no build up at its end.
+/// Workers that take no more work, or hoard it, do not delay the end of a build.
 TEST_F(LiarTest, ChecksForASecondMachineAreNotForgotten) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-a", "a");
@@ -196,12 +196,12 @@ TEST_F(LiarTest, ChecksForASecondMachineAreNotForgotten) {
   EXPECT_EQ(fromWire(check.targets(0).point()), fromWire(first.targets(0).point()));
 }
 
-/// A memory that fails now and then: the others of its machine are right.
+/// One process has a memory fault now and then; the others of its machine are right.
 TEST_F(LiarTest, ADisputeOnOneMachineIsSettledByItsThirdProcess) {
   LiarWorld world(test::BuildWorld::withoutChecks());
   for (const std::string peer : {"a", "b", "c"}) world.joinFrom("machine", peer);
   const wire::Job job = world.takeJobs("a").at(0);
-  world.send("a", test::helloOf("a"));  // it has forgotten the job, and finishes it all the same
+  world.send("a", test::helloOf("a"));  // it has forgotten the job, but completes it
   world.pass(25ms);
   const wire::Job again = world.takeJobs("c").at(0);
   world.falsify = [](const std::string& peer, wire::Result& result, std::string&) {
@@ -232,7 +232,7 @@ TEST_F(LiarTest, ChecksThatNoWorkerRequestsAreGivenUp) {
   EXPECT_GT(world.counter("unchecked_results"), 0);
 }
 
-/// They retry in several steps where branches contradict each other: whoever checks that has to.
+/// Inconsistent branches are solved again in several steps; a check has to use as many.
 TEST_F(LiarTest, ASolveInSeveralStepsIsCheckedInAsMany) {
   LiarWorld world(checking(1));
   world.solver = test::solve;
@@ -249,8 +249,8 @@ TEST_F(LiarTest, ASolveInSeveralStepsIsCheckedInAsMany) {
   EXPECT_GT(in_steps, 10) << "or nothing was tried";
 }
 
-/// What a check was of may be recorded again: a restart between the verdict and what follows, a
-/// liar whose results led there.
+/// The checked result may be recorded again: after a restart between the verdict and the exclusion,
+/// or if a liar's results led to it.
 TEST_F(LiarTest, ALiarNotExcludedBecauseOfAKillIsFoundAgain) {
   const ContentId honest = honestContent();
   LiarWorld world;
@@ -285,7 +285,7 @@ TEST_F(LiarTest, ChecksAreNotGivenUpDuringAnOperatorsPause) {
   EXPECT_EQ(world.counter("unchecked_results"), 0);
 }
 
-/// The last checks are of its results, and it is back before the others.
+/// The last checks are of its own results, and it returns before the others.
 TEST_F(LiarTest, ChecksWaitForWorkersThatMayReturn) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-b", "b");
@@ -324,7 +324,7 @@ TEST_F(LiarTest, AKeyDoesNotCheckItselfUnderAnotherName) {
   EXPECT_TRUE(std::ranges::any_of(world.takeJobs("h"), isFirst));
 }
 
-/// As long as others with the first key ask for work, it cannot keep them from checking each other.
+/// While others with the first key request work, it cannot prevent them from checking each other.
 TEST_F(LiarTest, AnIdleSecondKeyPreventsNoCheck) {
   LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
@@ -367,7 +367,7 @@ TEST_F(LiarTest, AKeyThatContradictsItselfIsFinallyExcluded) {
   EXPECT_TRUE(kept_out);
 }
 
-/// One worker of three falsifies one in a hundred of its results, in one of four ways. Most builds
+/// One of three workers falsifies one in a hundred of its results, in one of four ways. Most builds
 /// are too small for more than one lie.
 TEST_F(LiarTest, NinetyNinePercentOfBuildsWithALiarAreRepairedOrRefused) {
   const int builds = test::longTestsAreWanted() ? 1000 : 30;

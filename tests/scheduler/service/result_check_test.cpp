@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// limit_point was appended once and the largest cause that is let through was not: a result with
-/// it would have been dropped, and asked for again, for ever.
+/// Regression: limit_point was added, but the largest accepted cause was not raised. Such results
+/// would have been dropped and requested again forever.
 TEST(ResultCheck, AcceptsFailuresOfEveryCauseThatStopsTransitions) {
   const Problem problem = test::cubeProblem();
   const ResultCheck check(problem, problemId(problem));
@@ -24,7 +24,7 @@ TEST(ResultCheck, AcceptsFailuresOfEveryCauseThatStopsTransitions) {
   }
 }
 
-/// Results of a body that stiffens, and what was made of them.
+/// Results of a stiffening body, and falsified ones.
 struct JudgedResult : testing::Test {
   const Problem problem = test::cubeProblem();
   const ResultCheck check{problem, problemId(problem)};
@@ -93,7 +93,7 @@ TEST(ResultCheck, RefusesImpossibleFailures) {
   EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_negative_pivots(-1); }), "");
 }
 
-/// Records of older programs name the job and the hand-out that asked for them.
+/// Records of older programs name the job and the lease.
 TEST(ResultCheck, UnknownFieldsDoNotChangeAResult) {
   wire::Result result, with_another_field;
   result.set_fields_id("id");

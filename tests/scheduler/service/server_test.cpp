@@ -39,7 +39,7 @@ struct ServerTest : testing::Test {
                                                           ? zmq::send_flags::sndmore
                                                           : zmq::send_flags::none));
   }
-  /// Turns the server until a message of this kind is there; others are dropped.
+  /// Turns the server until a message of this kind arrives; others are dropped.
   Incoming expect(zmq::socket_t& socket, Message::BodyCase kind) {
     for (int turns = 0; turns < 500; ++turns) {
       server.turn(build.coordinator(), 10ms);
@@ -94,7 +94,7 @@ TEST_F(ServerTest, CarriesAWorkerFromHelloToTheEnd) {
   EXPECT_TRUE(expect(worker, Message::kDrain).message.drain().finished());
 }
 
-/// Nothing is sent to a worker at work for minutes: only a probe shows that it is gone.
+/// A worker that is busy for minutes receives no messages: only a probe shows that it is gone.
 TEST_F(ServerTest, NoticesABusyWorkersBrokenConnectionWithinSeconds) {
   zmq::socket_t worker = connect();
   join(worker, "w");
@@ -136,12 +136,12 @@ TEST_F(ServerTest, StillServesAfterGarbage) {
 
 // ---- Keys ----
 
-/// The same server, and clients with keys of their own.
+/// The same server and clients with their own keys.
 struct KeyedServerTest : ServerTest {
   const KeyFolder keys{directory / "keys"};
 
   void SetUp() override {
-    // What the one without keys listens at is of no use here.
+    // The endpoint of the server without keys is not used here.
     keyed.emplace(keyed_context, problem, "tcp://127.0.0.1:*", keys);
   }
   void TearDown() override { keyed.reset(); }
@@ -159,7 +159,7 @@ struct KeyedServerTest : ServerTest {
     socket.connect(keyed->endpoint());
     return socket;
   }
-  /// What it is answered, by kind.
+  /// Sends a question and returns the answer.
   Message answerTo(zmq::socket_t& socket, const Message& question) {
     send(socket, question);
     for (int turns = 0; turns < 1000; ++turns) {
@@ -187,7 +187,7 @@ Message stopRequest() {
 }
 
 TEST_F(KeyedServerTest, EachRoleMaySendOnlyItsMessages) {
-  // The list is read again within a second; so that nobody waits for it, first all keys.
+  // The list is read again within a second; all keys are created first to wait only once.
   const KeyFolder node = person("node", "worker"), viewer = person("viewer", "observer"),
                   boss = person("boss", "operator");
   keyed.reset();

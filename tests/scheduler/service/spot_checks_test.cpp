@@ -56,7 +56,7 @@ TEST_F(SpotChecksTest, AllArePickedIfAllAreRequested) {
   EXPECT_EQ(picked(of_none, 500, {.failed = true}), 0);
 }
 
-/// A body where all that is new looks odd, and much fails, is not solved twice.
+/// For a body in which all new results look odd, and many fail, not everything is solved twice.
 TEST_F(SpotChecksTest, OneInAHundredIsPickedForAnyResults) {
   int odd = 0, failed = 0, usual = 0;
   constexpr int results = 20000;
@@ -75,7 +75,7 @@ TEST_F(SpotChecksTest, TheFirstSuspectsOfFewResultsArePicked) {
   EXPECT_LT(picked(checks, 92, {.failed = true}), 10);
 }
 
-/// A body whose honest results are odd, too, has odder ones when somebody lies.
+/// Even if honest results of a body are odd, lies are odder.
 TEST_F(SpotChecksTest, TheOddestResultsArePickedWhateverIsUsual) {
   for (const double usual : {1e-6, 1.0, 50.0}) {
     SpotChecks of_body({}, std::string(32, 's'));
@@ -151,7 +151,7 @@ TEST_F(SpotChecksTest, AnotherMachineAndKeyAreAskedIfAvailable) {
   EXPECT_TRUE(checks.hasOtherMachine(key, two));
 }
 
-/// Or one machine whose memory fails now and then would end every build without a dataset.
+/// Otherwise a machine with occasional memory faults would end every build without a dataset.
 TEST_F(SpotChecksTest, AnotherProcessSettlesADisputeIfNoOtherMachineMayJoin) {
   const Crowd two = {{"k"}, {{"k", "one"}, {"k", "two"}}};
   const Crowd three = {{"k"}, {{"k", "one"}, {"k", "two"}, {"k", "three"}}};
@@ -161,7 +161,7 @@ TEST_F(SpotChecksTest, AnotherProcessSettlesADisputeIfNoOtherMachineMayJoin) {
   EXPECT_EQ(checks.wanted(key, two, two), Apart::same_machine);
 }
 
-/// Who has a key can be as many workers, on as many machines, as he likes.
+/// The owner of a key can run any number of workers on any number of machines.
 TEST_F(SpotChecksTest, OneKeyDoesNotOutvoteAnotherUnlessItIsTrusted) {
   const auto vote = [&](SpotChecks& asked) {
     asked.open(key, {who("a", "one", "k"), "x"}, {});
@@ -222,7 +222,8 @@ TEST(KeptOutBy, ExcludesAKeyAfterTwoLyingMachines) {
       << "it has none";
 }
 
-/// A liar with an honest helper under one key would come back under another host name for ever.
+/// Otherwise a liar with an honest helper under one key could return under other host names
+/// forever.
 TEST(KeptOutBy, ExcludesAnUntrustedKeyTheFifthTime) {
   const PublicKey key = KeyPair::make().open();
   const std::string bytes(key.bytes().begin(), key.bytes().end());

@@ -26,7 +26,7 @@ using testing::Not;
 using testing::SizeIs;
 using TableState = Inspection::TableState;
 
-/// The state directory of a build that was finished and left.
+/// The state directory of a completed build without a scheduler.
 struct InspectionTest : testing::Test {
   InspectionTest() {
     test::BuildWorld world;
@@ -34,7 +34,7 @@ struct InspectionTest : testing::Test {
     world.finish({"a"});
     undisturbed = world.sealedContent();
     fs::copy(world.directory / "state", state);
-    // As its scheduler leaves them when it ends.
+    // The state of the tables after their scheduler has ended.
     alter("PRAGMA wal_checkpoint(TRUNCATE)");
   }
 
@@ -55,7 +55,7 @@ struct InspectionTest : testing::Test {
   void alter(const std::string& sql) {
     Database(database, Database::Access::read_write_create).execute(sql);
   }
-  /// The page that the rows of workers begin with, and no other.
+  /// Damages only the page on which the rows of workers begin.
   void damageRows() {
     std::streamoff page = 0;
     {
@@ -80,7 +80,7 @@ struct InspectionTest : testing::Test {
       all[entry.path().filename().string()] = bytesIn(entry.path());
     return all;
   }
-  /// As the next start of the build finds it.
+  /// The state that the next start of the build finds.
   Replay replayed() { return recorded().replay; }
   void expectWholeAfterRepair() {
     mend();
@@ -90,7 +90,7 @@ struct InspectionTest : testing::Test {
   }
 };
 
-/// A result that every build of this problem has: the first step along x.
+/// A result that every build of this problem contains: the first step along x.
 const ResultKey first_step{0, {1, 0, 0}, {0, 0, 0}};
 
 TEST_F(InspectionTest, TablesThatCannotBeMovedAsideAreAnError) {
@@ -217,7 +217,7 @@ TEST_F(InspectionTest, ALostTailIsFoundFromTheTables) {
   EXPECT_EQ(recorded().results, found.records);
 }
 
-/// As after a power cut: the journal is synced, they are not.
+/// The state after a power cut: the journal is synced, the tables are not.
 TEST_F(InspectionTest, TablesThatLagBehindAreNotDamage) {
   alter("UPDATE meta SET value = 3 WHERE key = 'recorded'");
   const Inspection found = look();
@@ -255,7 +255,7 @@ TEST_F(InspectionTest, ReportsAnyFlippedBitOfTheTables) {
       EXPECT_EQ(found.records, recorded().results);
       EXPECT_EQ(found.damage.size() + found.foreign.size(), 0u);
     } catch (const Error& error) {
-      // The version, the build, or that it is ours.
+      // The damaged byte was part of the version, the build, or the program's mark.
       EXPECT_EQ(error.exitCode(), ExitCode::usage) << byte << ": " << error.what();
     }
   }
@@ -335,7 +335,7 @@ TEST_F(InspectionTest, FindsADirectoryWithoutRecordsUndamaged) {
 
 TEST_F(InspectionTest, IsPrintedForProgramsAsOneObject) {
   const JournalPosition rest = whereIs({0, {0, 0, 0}, {0, 0, 0}});
-  flip(segment, rest.offset + rest.length - 1);  // of its payload: what it is of can be read
+  flip(segment, rest.offset + rest.length - 1);  // in its payload: the key stays readable
   const std::string json = inspectionJson(look(), state, {"a step"});
   EXPECT_THAT(json, HasSubstr("\"build\":\"" + problemId(problem).hex() + "\",\"whole\":false"));
   EXPECT_THAT(json, HasSubstr(R"({"active":"tip","point":{"i":0,"j":0,"k":0},"divisions":)"));
@@ -343,7 +343,7 @@ TEST_F(InspectionTest, IsPrintedForProgramsAsOneObject) {
   EXPECT_THAT(json, Not(HasSubstr("\n")));
 }
 
-/// Ended after any of its steps, a repair that begins again ends the same.
+/// A repair that was ended after any of its steps gives the same result when repeated.
 TEST_F(InspectionTest, AKilledRepairResumes) {
   flip(segment, whereIs(first_step).offset + 60);
   damageRows();

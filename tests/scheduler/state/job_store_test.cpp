@@ -108,8 +108,8 @@ TEST_F(JobStoreTest, ADroppedResultIsGoneAndCanBeRecordedAgain) {
   EXPECT_EQ(found().where.size(), 3u);
 }
 
-/// A power cut keeps any sectors of what was not synced. In the last segment that is noticed, since
-/// all of it is read; it must not come back as a result when another segment is the last.
+/// A power cut may keep any sectors of unsynced data. In the last segment that is detected, because
+/// all of it is read; the record must not return as a result when another segment is the last.
 TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
   recordThree();
   const ResultKey key{0, {1, 0, 0}, {}};
@@ -133,7 +133,7 @@ TEST_F(JobStoreTest, ReplacesTablesMarkedAsReadOnly) {
   recordThree();
   std::fstream file(StateDirectory::databaseIn(state),
                     std::ios::binary | std::ios::in | std::ios::out);
-  constexpr std::streamoff write_version = 18;  // of SQLite's header; above 2 it is read-only
+  constexpr std::streamoff write_version = 18;  // in SQLite's header; above 2 it is read-only
   file.seekp(write_version);
   file.put(3);
   file.close();
@@ -190,7 +190,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
     for (std::size_t byte = first; byte < first + count; ++byte)
       for (int bit = 0; bit < 8; ++bit) flips.emplace_back(byte, bit);
   };
-  everyBit(60, 12);  // the versions and the mark of the program in SQLite's header
+  everyBit(60, 12);  // the versions and the program's mark in SQLite's header
   const std::size_t build = bytes.find(problemId(problem).hex());
   ASSERT_NE(build, std::string::npos);
   everyBit(build, 8);
@@ -208,7 +208,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   }
 }
 
-/// What it says would be of results that are there no more.
+/// The progress would include results that no longer exist.
 TEST_F(JobStoreTest, ForgetsItsProgressWhenAResultIsDropped) {
   recordThree();
   const StateDirectory held(state);
@@ -284,7 +284,7 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); },
                        {"an older Palpate", "version 2", "continue with the older version"});
   test::expectBadInput([&] { const StoredTables tables{state}; }, {"an older Palpate"});
-  // Before there was a release.
+  // A version before the first release.
   alter("UPDATE meta SET value = 'palpate 0.1.0' WHERE key = 'made_by'");
   alter("PRAGMA user_version = 5");
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"an older Palpate", "version 5"});
@@ -297,7 +297,7 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"database of another program"});
 }
 
-/// As a power cut leaves one of which nothing but the first page was on disk.
+/// After a power cut that left only the first page on disk.
 TEST_F(JobStoreTest, CreatesItsTablesInAnEmptyDatabaseWhateverItsHeader) {
   recordThree();
   const std::filesystem::path file = StateDirectory::databaseIn(state);
@@ -359,7 +359,7 @@ TEST_F(JobStoreTest, KeepsRowsOfDeliveringWorkersAndTheLatestOthers) {
       rows, [](const auto& row) { return row.worker() == fmt::format("00-{:06}", 5 * most - 1); }));
 }
 
-/// SQLite itself cannot read a database in WAL mode where it may not write.
+/// SQLite itself cannot read a database in WAL mode in a read-only directory.
 TEST_F(JobStoreTest, CanBeReadInAReadOnlyDirectory) {
   recordThree();
   const auto read = test::readsUnwritable(state, directory, [&] {
@@ -437,8 +437,8 @@ TEST(StateDirectory, KnowsNetworkFileSystems) {
   EXPECT_EQ(networkFileSystem(0xEF53), nullptr);
 }
 
-/// Dies right after an append that nothing synced, and right after a commit that nobody was told
-/// of: what was committed is there, and what was appended is whole or absent.
+/// Dies right after an unsynced append, and right after a commit that nobody was told of. Committed
+/// records are there; appended ones are complete or absent.
 TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();

@@ -15,7 +15,7 @@
 
 std::vector<std::string>* palpate::test::synced_files = nullptr;
 
-/// In the place of the C library's.
+/// Replaces the function of the C library.
 extern "C" int fdatasync(int file) {
   if (palpate::test::synced_files != nullptr)
     palpate::test::synced_files->push_back(
@@ -39,7 +39,7 @@ struct JournalTest : testing::Test {
   Journal open(std::uint64_t segment_bytes = Journal::default_segment_bytes) {
     return {directory.path(), scan().end, segment_bytes};
   }
-  /// A journal of these records, each with a payload, that was closed.
+  /// Writes and closes a journal of these records, each with a payload.
   void write(std::initializer_list<const char*> records,
              std::uint64_t segment_bytes = Journal::default_segment_bytes,
              const std::string& payload = "payload") {
@@ -92,8 +92,8 @@ TEST_F(JournalTest, IsReadCompletelyFromItsFilesAlone) {
   EXPECT_EQ(headers().size(), 6u);
 }
 
-/// A run that was killed may have marked a record as dropped and not synced it: a power cut later,
-/// what a liar gave would be recorded again. Found by the simulation.
+/// Found by the simulation: a killed run may have marked a record as dropped without a sync. After
+/// a power cut, a liar's result would be recorded again.
 TEST_F(JournalTest, SyncsEverySegmentWhenItIsOpened) {
   write({"a", "b", "c", "d", "e"}, 100, std::string(60, 'p'));
   std::vector<std::string> synced;
@@ -127,7 +127,7 @@ TEST_F(JournalTest, CutAtAnyLengthItKeepsWholeRecordsAndContinues) {
   }
 }
 
-/// The segment that was read last stays open.
+/// The last segment that was read stays open.
 TEST_F(JournalTest, ReadsRecordsAppendedSinceItsSegmentWasRead) {
   Journal journal = open(100);
   const JournalPosition a = journal.append("a", "payload");
@@ -143,7 +143,7 @@ TEST_F(JournalTest, ReadsRecordsAppendedSinceItsSegmentWasRead) {
   EXPECT_EQ(journal.read(a).header, "a");
 }
 
-/// The record in the middle costs itself, and the ones around it are found.
+/// Damage in the middle record loses only that record.
 TEST_F(JournalTest, DetectsEveryFlippedBitAndLosesOnlyThatRecord) {
   Journal journal = open();
   journal.append("before", "payload");
@@ -167,7 +167,7 @@ TEST_F(JournalTest, FindsRecordsBehindDamageThatIsLongerThanAnyBuffer) {
   journal.append("after", "payload");
   journal.sync();
   std::string bytes = bytesIn(first);
-  bytes[5] = '\x7f';  // the length of its header
+  bytes[5] = '\x7f';  // the length of the record's header
   putInto(first, bytes);
   EXPECT_THAT(headers(), ElementsAre("after"));
 }
@@ -186,7 +186,7 @@ TEST_F(JournalTest, ADamagedPayloadOfAnEarlierSegmentShowsWhenItIsRead) {
   EXPECT_THAT(gaps(), ElementsAre(HasSubstr("dropped")));
 }
 
-/// Whatever of it is damaged: its head may be what cannot be read.
+/// Any part of the record may be damaged, even its head.
 TEST_F(JournalTest, DroppedRecordsAreNotReportedAsDamageAgain) {
   Journal journal = open();
   journal.append("before", "payload");
@@ -211,7 +211,7 @@ TEST_F(JournalTest, DroppedRecordsAreNotReportedAsDamageAgain) {
   }
 }
 
-/// Such bytes once counted as a record when the head of the record around them was damaged.
+/// Regression: such bytes counted as a record if the head of the surrounding record was damaged.
 TEST_F(JournalTest, ACopyOfARecordInAPayloadIsNeverTakenForARecord) {
   Journal journal = open();
   journal.append("record", "payload");

@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// Results of a build are those of neighbours on a lattice: if their hashes met, each look would go
-/// through thousands.
+/// Results of a build are transitions between lattice neighbours: if their hashes collided, each
+/// lookup would visit thousands.
 TEST(ResultIndex, IsFastForTheTransitionsOfALattice) {
   const auto begun = std::chrono::steady_clock::now();
   ResultIndex index;
@@ -18,7 +18,7 @@ TEST(ResultIndex, IsFastForTheTransitionsOfALattice) {
     for (std::int32_t j = -radius; j < radius; ++j)
       for (std::int32_t k = -radius; k < radius; ++k)
         for (const std::uint32_t space : {0u, 1u}) {
-          // As a scene that refines counts: in 1024ths of the spacing.
+          // Adaptive scenes count in 1024ths of the spacing.
           const ResultKey key{
               space, {1024 * i, 1024 * j, 1024 * k}, {1024 * (i - 1), 1024 * j, 1024 * k}};
           ASSERT_TRUE(index.emplace(key, JournalPosition{1, ++count, 1000}).second);

@@ -5,8 +5,8 @@
 
 namespace palpate::test {
 
-/// The names of files that this program syncs by fdatasync(), while a test wants to know
-/// (journal_test.cpp stands in the place of the C library's).
+/// If not null, collects the names of files that this program syncs by fdatasync().
+/// journal_test.cpp replaces the function of the C library.
 extern std::vector<std::string>* synced_files;
 
 }  // namespace palpate::test

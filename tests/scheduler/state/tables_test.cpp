@@ -38,7 +38,7 @@ TEST_F(TablesTest, StoreTheProgressUntilAResultIsDropped) {
   EXPECT_FALSE(StoredTables(held.path()).progress());
 }
 
-/// Whoever contradicted was told that it is kept. A power cut took it away.
+/// Regression: a worker was told that its contradiction is recorded, but a power cut removed it.
 TEST_F(TablesTest, WriteADisputeToDiskAtOnce) {
   const ResultKey key = {0, {1, -2, 3}, {1, -2, 2}};
   Tables tables = open();

@@ -5,7 +5,7 @@
 #include "tests/support/table_worker.hpp"
 #include "tests/system/process.hpp"
 
-// What `serve` does with what its coordinator throws.
+// How `serve` handles exceptions of its coordinator.
 
 namespace palpate {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using wire::Message;
 
-/// A real `palpate-scheduler serve`, and one worker that says what a test has it say.
+/// A real `palpate-scheduler serve`, and one worker that sends what a test tells it to.
 struct ServeTest : testing::Test {
   ServeTest() {
     test::writeEndlessScene(directory.path(), 2, 1);
@@ -29,7 +29,7 @@ struct ServeTest : testing::Test {
   void send(const Message& message, const std::string& payload = "") {
     ASSERT_EQ(sendMessage(worker, "", message, payload), Sent::yes);
   }
-  /// The next message of this kind; others are dropped.
+  /// Waits for the next message of this kind; others are dropped.
   Incoming expect(Message::BodyCase kind) {
     Incoming found;
     const bool came = test::eventually([&] {
@@ -43,7 +43,7 @@ struct ServeTest : testing::Test {
     EXPECT_TRUE(came && serve->running()) << "no message of kind " << kind << serve->output();
     return found;
   }
-  /// Says hello and solves the first transition, the rest state.
+  /// Sends a Hello and solves the first transition, the rest state.
   std::pair<wire::Result, std::string> solveFirst() {
     send(test::helloOf("worker"));
     expect(Message::kWelcome);
@@ -72,7 +72,7 @@ struct ServeTest : testing::Test {
   Inbox inbox;
 };
 
-/// It used to forget `palpate stop` with the coordinator that had to be made anew.
+/// Regression: replacing the coordinator lost the request of `palpate stop`.
 TEST_F(ServeTest, StopsOnRequestEvenIfALiarIsFoundMeanwhile) {
   auto [result, payload] = solveFirst();
   deliver(result, payload);

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// A space of 7 points: the origin and its axis neighbours. Number 1 was reached, number 2 failed,
+/// A space of 7 points, the origin and its axis neighbours: number 1 is solved, number 2 failed,
 /// the rest is unknown.
 struct ExplanationTest : testing::Test {
   const Lattice lattice{0.01, 0.01};
@@ -83,7 +83,8 @@ TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
       {"(1, 1, 0)", "not in the lattice", "<= 1"});
 }
 
-/// The spaces of these active nodes, of which those with an area are sites of a finger there.
+/// The spaces of active nodes with these names and areas; those with an area are finger sites of
+/// it.
 KnownSpaces spacesOf(const std::vector<std::pair<const char*, const char*>>& names_and_areas) {
   KnownSpaces known;
   for (const auto& [name, area] : names_and_areas) {
@@ -122,7 +123,7 @@ TEST_F(ExplanationTest, APlaceOnASurfaceMeansItsNearestSite) {
                        {"--at", "\"tip\" is no finger"});
 }
 
-/// An event tells of it by its name, as it tells of all others.
+/// Events name it like any other space.
 TEST_F(ExplanationTest, AProbePlaceOfAnAreaHasAName) {
   KnownSpaces known = spacesOf({{"skin-1", "skin"}, {"skin-probe-1", ""}});
   known.scene.active[1].probe = Eigen::Vector3d(0, 0, 0.01);

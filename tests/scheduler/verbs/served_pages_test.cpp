@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// What the pages of a scheduler that works for `problem` answer.
+/// The answer to `path` of a scheduler for `problem`.
 std::string answerOf(const Problem& problem, const std::string& path) {
   test::BuildWorld world(test::BuildWorld::withoutChecks(), problem);
   std::ostringstream log;
@@ -34,7 +34,7 @@ std::string answerOf(const Problem& problem, const std::string& path) {
   return answer.get();
 }
 
-/// At ten million points that once took 11 GB of the scheduler's process.
+/// Regression: with ten million points that took 11 GB in the scheduler's process.
 TEST(ServedPages, APointOfALargeBuildIsNotReadInTheSchedulersProcess) {
   const std::string path = "/explain.json?active=tip&i=1&j=0&k=-2";
   EXPECT_THAT(

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// What systemd would hear at $NOTIFY_SOCKET.
+/// Receives what systemd would at $NOTIFY_SOCKET.
 struct ServiceManagerTest : testing::Test {
   test::TemporaryDirectory directory;
   test::NotifySocket socket{directory.path()};

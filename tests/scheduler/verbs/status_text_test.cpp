@@ -10,7 +10,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-/// A large build under way: 12345 of 67890 points.
+/// A large unfinished build: 12345 of 67890 points.
 wire::Status bigBuild() {
   wire::Status status;
   status.set_state("running");
@@ -32,7 +32,7 @@ TEST(StatusText, WritesDurationsForPeople) {
   EXPECT_EQ(durationText(12000), "3 h 20 min");
 }
 
-/// It was longer than a row of the terminal, and every redrawing began a new one.
+/// Regression: it was longer than a row of the terminal, so every update began a new row.
 TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
   for (std::size_t columns = 1; columns <= 200; ++columns)
     EXPECT_LT(progressBar(bigBuild(), columns).size(), std::max<std::size_t>(columns, 2))
@@ -73,7 +73,7 @@ TEST(Describe, GroupsManyWorkersByMachine) {
                                                HasSubstr("tip -2"), Not(HasSubstr("worker 0"))));
 }
 
-/// "0 s left" stood there while branches were told apart.
+/// Regression: it showed "0 s left" while branches were being resolved.
 TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   wire::Status status = bigBuild();
   status.mutable_spaces(0)->set_unknown(0);

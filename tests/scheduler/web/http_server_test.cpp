@@ -64,7 +64,7 @@ TEST_F(HttpServerTest, AnswersOnlyGet) {
         << method;
 }
 
-/// A page of the web may have a name that leads to this machine; it may not read what is here.
+/// A web page may have a host name that resolves to this machine; it must not read this server.
 TEST_F(HttpServerTest, RefusesForeignHostNames) {
   for (const char* host : {"evil.example", "evil.example:80", "", "127.evil.example:1",
                            "localhost.evil.example", "[::1].evil.example"})
@@ -97,7 +97,7 @@ TEST_F(HttpServerTest, SilentClientsKeepNobodyElseOut) {
   for (std::thread& thread : silent) thread.join();
 }
 
-/// Those of workers come first, thousands of them.
+/// Thousands of descriptors of workers come first.
 TEST_F(HttpServerTest, AnswersWithThousandsOfOpenDescriptors) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);

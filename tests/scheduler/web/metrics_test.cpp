@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// One that has something of everything.
+/// A status with a value in every part.
 wire::Status fullStatus() {
   wire::Status status;
   status.set_scene("liver");

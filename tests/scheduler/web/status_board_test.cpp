@@ -22,7 +22,7 @@ struct StatusBoardTest : testing::Test {
   void offer() {
     board.offer([this] { return make(); });
   }
-  /// What somebody is told while the scheduler makes turns.
+  /// The answer to a request while the scheduler makes turns.
   std::optional<StatusBoard::Snapshot> askWhileTurning() {
     auto answer = std::async(std::launch::async, [this] { return board.ask(60s); });
     while (answer.wait_for(1ms) != std::future_status::ready) offer();
