@@ -10,7 +10,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// What a simulator calls, by its first byte.
+/// Calls of a simulator, chosen by their first byte.
 enum ApiCall : unsigned char {
   describes,
   queries,
@@ -18,16 +18,16 @@ enum ApiCall : unsigned char {
   creates_contact,
   updates_contact,
   switches_method,
-  draws_touch,  ///< a touch that the caller has put together
+  draws_touch,  ///< a touch composed by the caller
   asks_for_area,
   creates_guard,
   limits_force,
   opens_file,
-  switches_dataset,  ///< to the other one of two: active nodes, or an area
+  switches_dataset,  ///< to the other of two datasets: active nodes, or an area
   api_calls
 };
 
-/// What the documentation promises of every call.
+/// Checks what the documentation promises for every call.
 palpate_status answered(palpate_status status) {
   require(status == PALPATE_OK || status == PALPATE_INVALID_ARGUMENT || status == PALPATE_BAD_FILE,
           palpate_last_error());
@@ -41,7 +41,7 @@ bool allFinite(const double (&values)[n]) {
   return true;
 }
 
-/// A structure of the caller, of any content; the size is right more often than not.
+/// An input structure with any content; its size is usually right.
 template <class Struct>
 Struct given(Choices& choices) {
   auto value = choices.take<Struct>();
@@ -49,7 +49,7 @@ Struct given(Choices& choices) {
   return value;
 }
 
-/// A structure to be filled, likewise.
+/// An output structure; its size is usually right.
 template <class Struct>
 Struct toBeFilled(Choices& choices) {
   Struct value{};
@@ -57,7 +57,7 @@ Struct toBeFilled(Choices& choices) {
   return value;
 }
 
-/// Tools and displacements: mostly of the size of the body.
+/// Tools and displacements, mostly within the size of the body.
 std::array<double, 3> place(Choices& choices) {
   if (choices.oneOf(4) == 0) return choices.take<std::array<double, 3>>();
   std::array<double, 3> x{};
@@ -138,7 +138,7 @@ class Simulator {
     answered(palpate_dataset_find_area(dataset(), name.c_str(), &number));
     auto profile = toBeFilled<palpate_profile>(choices);
     answered(palpate_device_profile(name.c_str(), &profile));
-    // No larger than it is said to be.
+    // The buffer is never larger than its stated size.
     std::vector<double> numbers(8 * choices.oneOf(200));
     answered(palpate_dataset_vertices(dataset(), numbers.data(), numbers.size()));
     std::vector<std::int32_t> triangles(8 * choices.oneOf(200));
@@ -261,7 +261,7 @@ void callApi(std::string_view bytes) {
 
 std::vector<std::string> apiSeeds() {
   Script press, look;
-  // The bytes in between are those that sizes, modes and flags are chosen by.
+  // The bytes in between select sizes, modes and flags.
   press.op(creates_contact).op(1).op(1);
   for (std::int16_t depth = 0; depth < 8; ++depth) {
     press.op(updates_contact).op(1).put(static_cast<std::int16_t>(10100 - 200 * depth));

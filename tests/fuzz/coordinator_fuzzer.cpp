@@ -9,21 +9,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What a peer does next, by its first byte; others are taken modulo `peer_deeds`.
+/// Actions of a peer, chosen by their first byte modulo `peer_deeds`.
 enum PeerDeed : unsigned char {
-  says_anything,     ///< a Message and a payload, as they stand
-  says_hello,        ///< as a worker that is welcome
-  asks_for_jobs,     ///< with a credit
-  delivers,          ///< all of its oldest job, as it is
-  delivers_changed,  ///< its first target, fields of the Result overwritten by others, with its
-                     ///< fields
+  says_anything,     ///< a Message and a payload, unchanged
+  says_hello,        ///< as an acceptable worker
+  asks_for_jobs,     ///< with a credit from the input
+  delivers,          ///< all targets of its oldest job, unchanged
+  delivers_changed,  ///< its first target, with some fields of the Result overwritten
   passes_time,       ///< ms, up to a minute
   goes_away,         ///< its connection breaks
-  asks_for_status,   ///< as anybody may
+  asks_for_status,   ///< as anybody is allowed to
   peer_deeds
 };
 
-/// A build of a small problem, and two peers that say what the input says.
+/// A build of a small problem and two peers that send what the input says.
 class FuzzedScheduler {
  public:
   FuzzedScheduler()
@@ -67,7 +66,7 @@ class FuzzedScheduler {
   }
 
   bool beginsAnew() const { return coordinator_.next() == Next::anew; }
-  /// What is recorded must be what the next run goes on from.
+  /// The records must be a valid start for the next run.
   void end() {
     coordinator_.stop(now_);
     coordinator_.status(now_);
@@ -84,7 +83,7 @@ class FuzzedScheduler {
     return bytes;
   }
 
-  /// What an honest worker answers, found once.
+  /// The answer of an honest worker, computed once.
   static std::pair<wire::Result, std::string> solved(std::uint32_t space, const wire::Point& target,
                                                      const wire::Point& parent) {
     static std::map<ResultKey, std::pair<wire::Result, std::string>> known;
@@ -150,7 +149,7 @@ class FuzzedScheduler {
 void followPeers(std::string_view bytes) {
   Choices choices(bytes);
   FuzzedScheduler scheduler;
-  // Each costs a moment of the disk. Two peers that say the same may find out a third.
+  // Each action may access the disk. Two peers with equal results may expose a third.
   for (int deeds = 0; deeds < 100 && !choices.done() && !scheduler.beginsAnew(); ++deeds)
     scheduler.follow(choices);
   if (!scheduler.beginsAnew()) scheduler.end();
@@ -187,7 +186,7 @@ std::vector<std::string> peerSeeds() {
   return {build.text(), lost.text()};
 }
 
-/// The tables of a build are written, and not read: in memory they are all that they are on disk.
+/// The tables of a build are written but not read, so keeping them in memory tests the same code.
 void keepTablesInMemory() {
   makeSqliteLight();
   require(sqlite3_vfs_register(sqlite3_vfs_find("memdb"), 1) == SQLITE_OK, "SQLite has memory");

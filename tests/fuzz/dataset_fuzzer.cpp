@@ -6,7 +6,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Any file. What comes of one whose hashes are right is for the fuzzer dataset_values.
+/// Any file. Files with correct hashes are tested by the fuzzer dataset_values.
 void readDatasetFile(std::string_view bytes) {
   static const test::TemporaryDirectory directory;
   const std::filesystem::path file = directory / "fuzzed.h5";

@@ -12,7 +12,7 @@ namespace {
 const StoredArrays& sampleArrays(bool refined) {
   static const auto take = [](bool refine) {
     const test::TemporaryDirectory directory;
-    // Its model is made in a tenth of the time, and no less is asked of it.
+    // The small model is prepared in a tenth of the time and tests the same code.
     test::SampleDataset sample(PressureSpace::p1_stabilized, DisplacementSpace::p1,
                                test::SampleDataset::Size::small);
     if (refine) sample.refine();
@@ -27,7 +27,7 @@ const StoredArrays& sampleArrays(bool refined) {
   return refined ? adaptive : uniform;
 }
 
-/// A tool that comes from outside, sinks in and slides: what it feels must be finite.
+/// A tool that approaches, sinks in and slides: all forces must be finite.
 void touchAll(const HapticModel& model) {
   Contact contact(model, ContactOptions());
   for (std::size_t method = 0; method < model.methods().size(); ++method) {
@@ -46,7 +46,7 @@ void touchAll(const HapticModel& model) {
   }
 }
 
-/// The first byte says of which dataset, then come the changes.
+/// The first byte selects a dataset; its changes follow.
 void useDatasetValues(std::string_view bytes) {
   Choices choices(bytes);
   StoredArrays arrays = sampleArrays(choices.oneOf(2) == 1);

@@ -4,7 +4,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// The first byte says for whom, then come the frames of one message.
+/// The first byte selects the receiver; the frames of one message follow.
 void readDeviceMessage(std::string_view bytes) {
   Choices choices(bytes);
   const bool router = choices.oneOf(2) == 1;

@@ -16,7 +16,7 @@ void readDisplacements(std::string_view bytes) {
                 "what is not finite is taken");
       });
     } catch (const Error&) {
-      // Three numbers a line are not six.
+      // A line of three numbers is refused where six are expected.
     }
 }
 

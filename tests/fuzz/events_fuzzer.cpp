@@ -8,13 +8,13 @@ namespace {
 
 const std::chrono::system_clock::time_point now(std::chrono::seconds(1795551479));
 
-/// A state directory in which only events are.
+/// A state directory that contains only events.
 const std::filesystem::path& directory() {
   static const test::TemporaryDirectory made;
   return made.path();
 }
 
-/// The first line is the word of the events that are wanted, the rest is a file of them.
+/// The first line is the requested event word, the rest an event file.
 void readEvents(std::string_view bytes) {
   const std::size_t end = std::min(bytes.find('\n'), bytes.size());
   const std::string word(bytes.substr(0, end));

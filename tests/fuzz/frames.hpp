@@ -6,7 +6,7 @@
 
 namespace palpate::fuzz {
 
-/// Two sockets in this process, for messages that nobody of ours would send.
+/// Two connected sockets in this process, for messages that the programs never send.
 class SocketPair {
  public:
   SocketPair()
@@ -15,7 +15,7 @@ class SocketPair {
     sender_.connect("inproc://fuzzed");
   }
 
-  /// One message, of as many frames as the input has: up to 64, which wait without a limit.
+  /// Sends all frames of the input as one message, at most 64. The queue has no limit.
   void send(Choices& choices) {
     bool more = true;
     for (int frames = 1; more; ++frames) {
@@ -29,7 +29,7 @@ class SocketPair {
   zmq::socket_t& receiver() { return receiver_; }
 
  private:
-  zmq::context_t context_{0};  // nothing leaves this process: no thread is needed
+  zmq::context_t context_{0};  // messages stay in this process, so no thread is needed
   zmq::socket_t sender_, receiver_;
 };
 

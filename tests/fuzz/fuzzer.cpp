@@ -17,7 +17,7 @@ void feed(const Fuzzer& fuzzer, std::string_view bytes) {
   try {
     fuzzer.read(bytes);
   } catch (const Error&) {
-    // As it should be: most inputs are no good.
+    // Expected: most inputs are invalid.
   }
 }
 

@@ -9,43 +9,45 @@
 
 #include "tests/support/file_bytes.hpp"
 
-/// What the fuzzers share. Each is one source, NAME_fuzzer.cpp, and is linked twice: with
-/// libFuzzer, and with all others into the program that reads the corpora once (README.md).
+/// Common parts of the fuzzers. Each fuzzer is one source, NAME_fuzzer.cpp, and is linked twice:
+/// with libFuzzer, and with all others into the program that reads the corpora once (README.md).
 namespace palpate::fuzz {
 
-/// A parser, and what it is given.
+/// A parser with its seeds.
 struct Fuzzer {
   std::string name;
-  /// Reads any bytes. Error is the answer to most of them; anything else that leaves it, a crash,
-  /// and what the sanitizers or libFuzzer stop, is a finding.
+  /// Reads any bytes. Most inputs should cause an Error; any other exception, a crash, or a report
+  /// of the sanitizers or libFuzzer is a finding.
   void (*read)(std::string_view bytes);
-  /// Inputs to begin with, as the program's own writers make them: they do not go out of date.
+  /// First inputs, made by the program's own writers, so they never become outdated.
   std::vector<std::string> (*seeds)();
-  /// What all inputs share and takes long: before the first of them, since each has a time limit.
+  /// Slow preparation shared by all inputs. It runs before the first input, because each input has
+  /// a time limit.
   void (*prepare)() = nullptr;
 };
 
-/// Those of this program.
+/// The fuzzers of this program.
 std::vector<Fuzzer>& fuzzers();
 
-/// Adds one to them before main() begins.
+/// Registers a fuzzer before main() begins.
 struct Registration {
   explicit Registration(Fuzzer fuzzer) { fuzzers().push_back(std::move(fuzzer)); }
 };
 
-/// One input. The log is silent meanwhile.
+/// Reads one input with a silent log.
 void feed(const Fuzzer& fuzzer, std::string_view bytes);
 
 /// Writes the fuzzer's own seeds into a folder: seed-0, seed-1 and so on.
 void writeSeeds(const Fuzzer& fuzzer, const std::filesystem::path& folder);
 
-/// Ends the process, which is a finding, unless the condition holds: for what must be true of
-/// everything that a parser accepts.
+/// Ends the process, which is a finding, unless the condition holds. For properties of every
+/// accepted input.
 void require(bool condition, const char* what);
 
 using test::bytesIn, test::putInto;
 
-/// An input that says what to do, for what is more than a file. Where it ends, all is zero.
+/// An input read as a sequence of choices, for tests of more than a file. After its end all values
+/// are zero.
 class Choices {
  public:
   explicit Choices(std::string_view bytes) : rest_(bytes) {}
@@ -60,9 +62,9 @@ class Choices {
     std::memcpy(&number, bytes.data(), bytes.size());
     return number;
   }
-  /// One of 0 to count-1.
+  /// A number from 0 to count-1.
   std::size_t oneOf(std::size_t count) { return take() % count; }
-  /// Two bytes say how many.
+  /// Two bytes give the length.
   std::string_view takeBytes() { return takeUpTo(take<std::uint16_t>()); }
   std::string_view rest() { return takeUpTo(rest_.size()); }
 
@@ -76,7 +78,7 @@ class Choices {
   std::string_view rest_;
 };
 
-/// What Choices takes back: for seeds.
+/// Writes what Choices reads, for seeds.
 class Script {
  public:
   template <class Number>

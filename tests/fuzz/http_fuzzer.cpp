@@ -8,7 +8,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// What a query asks for, as the pages of a scheduler do.
+/// The parameters that the pages of a scheduler read.
 HttpAnswer answerOf(const HttpQuery& query) {
   std::string body;
   for (const auto& [name, value] : query) body += name + '=' + value + '\n';
@@ -30,12 +30,12 @@ sockaddr_in onThisMachine(std::uint32_t host, int port) {
 
 FileDescriptor connected() {
   FileDescriptor file(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  // A connection that ended keeps its pair of addresses for a minute, and there are many of them.
+  // A closed connection keeps its pair of addresses for a minute, and there are many connections.
   static std::uint32_t host = INADDR_LOOPBACK;
   host = INADDR_LOOPBACK + (host + 1) % (1 << 23);
   const sockaddr_in from = onThisMachine(host, 0);
   const sockaddr_in to = onThisMachine(INADDR_LOOPBACK, portOfServer());
-  // Longer than the server waits for anything.
+  // Longer than any timeout of the server.
   const timeval patience{8, 0};
   if (!file || bind(file.get(), reinterpret_cast<const sockaddr*>(&from), sizeof from) != 0 ||
       setsockopt(file.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0 ||
@@ -44,7 +44,7 @@ FileDescriptor connected() {
   return file;
 }
 
-/// An option of a command line, and a connection on which it is said.
+/// An option of a command line, and a connection that sends it.
 void askOverHttp(std::string_view bytes) {
   try {
     const std::string text(bytes.substr(0, bytes.find('\n')));
@@ -52,16 +52,16 @@ void askOverHttp(std::string_view bytes) {
     require(HttpAddress::parse(address.text(), "").text() == address.text(),
             "an address is not read as it was written");
   } catch (const Error&) {
-    // Most are none.
+    // Most inputs are invalid options.
   }
   const FileDescriptor file = connected();
-  // It may refuse before all of it is read.
+  // The server may refuse before it has read everything.
   static_cast<void>(send(file.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL));
   shutdown(file.get(), SHUT_WR);
   std::string answer;
   char buffer[4096];
   ssize_t count = 0;
-  // libFuzzer's clock interrupts what has a time limit, whatever is asked of its signal.
+  // libFuzzer's timer interrupts calls with a time limit, even with SA_RESTART.
   while ((count = recv(file.get(), buffer, sizeof buffer, 0)) > 0 || (count < 0 && errno == EINTR))
     if (count > 0) answer.append(buffer, static_cast<std::size_t>(count));
   require(count == 0 || errno == ECONNRESET, "a connection is never closed");

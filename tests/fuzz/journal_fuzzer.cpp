@@ -5,14 +5,14 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Records and what a scan says of them, as the next scan must find them.
+/// The records and the result of a scan; the next scan must find the same.
 std::vector<std::string> headersOf(const JournalScan& scan) {
   std::vector<std::string> headers;
   for (const JournalScan::Found& found : scan.records) headers.push_back(found.header);
   return headers;
 }
 
-/// As the job store does with what it finds, and as `check --repair` does.
+/// Repairs the journal as the job store and `check --repair` do.
 void mend(const std::filesystem::path& directory, const JournalScan& scan) {
   Journal journal(directory, scan.end, 1 << 20);
   for (const JournalPosition& torn : scan.torn) journal.drop(torn);
@@ -21,7 +21,7 @@ void mend(const std::filesystem::path& directory, const JournalScan& scan) {
     if (gap.kind == JournalGap::Kind::damaged) journal.drop(gap.where);
 }
 
-/// Up to three segments, each a length and its bytes.
+/// Up to three segments, each with a length and its bytes.
 void readSegments(std::string_view bytes) {
   static const test::TemporaryDirectory directory;
   for (const auto& entry : std::filesystem::directory_iterator(directory.path()))
@@ -36,12 +36,12 @@ void readSegments(std::string_view bytes) {
   for (const JournalScan::Found& found : scan.records) try {
       require(reader.read(found.where).header == found.header, "another record lies there");
     } catch (const DamagedRecord&) {
-      // Its payload, which scans of full segments do not read.
+      // Scans of full segments do not read this payload.
     }
   for (const JournalGap& gap : scan.gaps) try {
       reader.readHeader(gap.where);
     } catch (const DamagedRecord&) {
-      // No record, or none that is whole.
+      // There is no record, or no complete one.
     }
   mend(directory.path(), scan);
   const JournalScan mended = reader.scan();

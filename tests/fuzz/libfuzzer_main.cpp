@@ -1,4 +1,4 @@
-// The one fuzzer of this program under libFuzzer, which brings main().
+// Runs the only fuzzer of this program under libFuzzer, which provides main().
 
 #include <signal.h>
 
@@ -11,7 +11,7 @@ using palpate::fuzz::fuzzers;
 
 namespace {
 
-/// The clock by which libFuzzer finds inputs that take too long is to interrupt no system call.
+/// libFuzzer's timer for slow inputs must not interrupt system calls.
 bool restartAfterAlarms() {
   struct sigaction action {};
   if (sigaction(SIGALRM, nullptr, &action) != 0) return false;
@@ -21,7 +21,7 @@ bool restartAfterAlarms() {
 
 }  // namespace
 
-/// `FUZZER --seeds FOLDER` writes the fuzzer's own seeds and does nothing else.
+/// `FUZZER --seeds FOLDER` only writes the fuzzer's own seeds.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   const palpate::fuzz::Fuzzer& fuzzer = fuzzers().front();
   const bool seeds = *argc == 3 && std::string_view((*argv)[1]) == "--seeds";

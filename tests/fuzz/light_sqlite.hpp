@@ -6,7 +6,7 @@
 
 #include "tests/fuzz/fuzzer.hpp"
 
-// glibc's own, which the sanitizers do not replace.
+// The functions of glibc, which sanitizers do not replace.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
@@ -15,11 +15,11 @@ void __libc_free(void* memory);
 
 namespace palpate::fuzz {
 
-/// Before SQLite is used: without its locks and statistics, and with memory of its own that the
-/// address sanitizer does not watch, since SQLite is not what is fuzzed and asks for thousands of
-/// small pieces for every input.
+/// Call this before the first use of SQLite. It disables SQLite's locks and statistics, and hides
+/// its memory from the address sanitizer: SQLite is not under test, and allocates thousands of
+/// small blocks for every input.
 inline void makeSqliteLight() {
-  constexpr std::ptrdiff_t head = 16;  // bytes before each piece, which hold its size
+  constexpr std::ptrdiff_t head = 16;  // bytes before each block, which store its size
   static const auto sizeOf = [](void* piece) -> int& {
     return *reinterpret_cast<int*>(static_cast<char*>(piece) - head);
   };

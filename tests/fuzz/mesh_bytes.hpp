@@ -5,7 +5,7 @@
 
 namespace palpate::fuzz {
 
-/// What the programs do first with a mesh that was read.
+/// The first steps of the programs with a new mesh.
 inline void useMesh(Mesh mesh) {
   const MeshQuality quality = measure(mesh);
   require(quality.volume > 0 && quality.pieces > 0, "a mesh that was read has no body");

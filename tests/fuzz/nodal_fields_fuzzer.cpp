@@ -4,7 +4,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Of a mesh of as many nodes as the first byte says, and as many pressures as the second.
+/// The first byte is the number of nodes, the second the number of pressures.
 void readNodalFields(std::string_view bytes) {
   Choices choices(bytes);
   const std::size_t n_nodes = choices.take(), n_pressures = choices.take();

@@ -7,10 +7,10 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Each piece is some milliseconds of work; more are not asked for at one place.
+/// Each step of preparation takes some milliseconds; each place prepares at most this many.
 constexpr int most_pieces = 40;
 
-/// As a page does, at the middle of a triangle of each touch.
+/// Touches like a page, in the middle of a triangle each time.
 void touchAll(TouchedOrgan& touched) {
   const CarriedOrgan& organ = touched.organ();
   std::vector<float> shape(3 * organ.vertices.size());

@@ -32,7 +32,7 @@ const StoredArrays& recordedArrays() {
   return arrays;
 }
 
-/// The first byte says what follows: a file, or changes of one.
+/// The first byte selects what follows: a file, or changes of a valid one.
 void readRecordingFile(std::string_view bytes) {
   static const test::TemporaryDirectory directory;
   const std::filesystem::path file = directory / "fuzzed.h5";

@@ -1,5 +1,6 @@
-// palpate_fuzz_replay NAME CORPUS...: gives a fuzzer its own seeds and the files below each CORPUS
-// (a file, or a folder, which may be missing), once, without libFuzzer. --list: the names.
+// palpate_fuzz_replay NAME CORPUS...: runs a fuzzer without libFuzzer, once for each of its own
+// seeds and for each file below each CORPUS (a file, or a folder, which may be missing). --list:
+// the names.
 
 #include <algorithm>
 #include <cstdio>

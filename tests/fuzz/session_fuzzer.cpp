@@ -7,14 +7,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What the worker lives through next, by its first byte.
+/// Events in the life of a worker, chosen by their first byte.
 enum SessionEvent : unsigned char {
-  hears_anything,  ///< a Message and a payload, as they stand
-  hears_welcome,   ///< to the build of the problem, by one of two schedulers
-  hears_problem,   ///< the one of the build
-  hears_job,       ///< fields of a sensible Job overwritten by others
-  hears_fields,    ///< those that the job asks for
-  solves,          ///< what it was given
+  hears_anything,  ///< a Message and a payload, unchanged
+  hears_welcome,   ///< from one of two schedulers of the problem's build
+  hears_problem,   ///< the problem of the build
+  hears_job,       ///< a valid Job with some fields overwritten
+  hears_fields,    ///< the fields that the job needs
+  solves,          ///< its current target
   time_passes,     ///< ms, up to a minute
   session_events
 };
@@ -82,7 +82,7 @@ class FuzzedWorker {
     session_.receive({"", message, payload}, now_);
   }
 
-  /// As the solver's thread does, but that it looks the answers up.
+  /// Acts as the solver thread, but looks up the answers.
   void solve() {
     const std::optional<ReadyJob> ready = mailbox_.next(false);
     if (!ready) return;

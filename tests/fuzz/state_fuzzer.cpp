@@ -11,31 +11,31 @@
 namespace palpate::fuzz {
 namespace {
 
-/// What is done with it in the end.
+/// What is finally done with the directory.
 enum StateUse : unsigned char {
   checks,
-  reads,  ///< what else its tables say
+  reads,  ///< the other contents of the tables
   repairs,
-  goes_on,     ///< with the build
-  does_it_all  ///< one after the other
+  goes_on,     ///< continues the build
+  does_it_all  ///< all of these, one after the other
 };
-/// By the first byte of an input. Mostly one thing alone, and seldom the longest: all of them read
-/// what is there first.
+/// Chosen by the first byte of an input. Mostly a single use, and rarely the slowest, because every
+/// use reads the directory first.
 constexpr StateUse uses[] = {does_it_all, repairs, goes_on, goes_on, checks, checks,
                              checks,      checks,  reads,   reads,   reads,  reads};
 constexpr unsigned char numberOf(StateUse use) {
   return static_cast<unsigned char>(std::ranges::find(uses, use) - std::begin(uses));
 }
 
-/// What happens to a whole state directory, by the first byte of a change.
+/// Changes of a state directory, chosen by their first byte.
 enum StateChange : unsigned char {
   overwrites_tables,   ///< bytes of state.db from an offset on
-  overwrites_journal,  ///< likewise of the segment
-  cuts_tables,         ///< to a length
+  overwrites_journal,  ///< bytes of the segment from an offset on
+  cuts_tables,         ///< truncates to a length
   cuts_journal,
-  appends_record,   ///< a header and a payload, as a record whose checksums are right
-  appends_changed,  ///< the first result, fields overwritten by others, likewise
-  changes_row,      ///< a number of counters, losses or progress
+  appends_record,   ///< a header and a payload as a record with valid checksums
+  appends_changed,  ///< the first result with some fields overwritten, with valid checksums
+  changes_row,      ///< a number in counters, losses or progress
   changes_meta,     ///< a value of meta
   changes_file,     ///< content of lock or endpoint
   state_changes
@@ -51,7 +51,7 @@ constexpr const char* numbers_in_tables[] = {
     "INSERT OR REPLACE INTO meta VALUES ('recorded', ?)"};
 constexpr const char* texts_in_meta[] = {"build", "scene_name", "problem", "status"};
 
-/// A directory with a few results, which is made once, and copies of it.
+/// A directory with a few results, created once, and copies of it.
 class FuzzedState {
  public:
   FuzzedState() {
@@ -87,8 +87,8 @@ class FuzzedState {
     }
   }
 
-  /// All that programs do with a directory: look at it, look again while it is held, repair it, and
-  /// go on with the build.
+  /// All uses of a directory: inspect it, inspect it again while it is locked, repair it, and
+  /// continue the build.
   static void use(StateUse how) {
     switch (how) {
       case checks: return check();
@@ -100,7 +100,7 @@ class FuzzedState {
     for (const auto step : {check, read}) try {
         step();
       } catch (const Error&) {
-        // The tables may be damaged, or say that they are of another version.
+        // The tables may be damaged or of another version.
       }
     repairIt();
     goOn();
@@ -153,7 +153,7 @@ class FuzzedState {
   static std::filesystem::path tables() { return copy() / "state.db"; }
   static std::filesystem::path segment() { return copy() / "segment-000001.dat"; }
 
-  /// Of both origins, and of what is around the first.
+  /// Results of both origins and of the neighbours of the first.
   static const std::vector<std::pair<wire::Result, std::string>>& firstResults() {
     static const std::vector<std::pair<wire::Result, std::string>> found = [] {
       std::vector<std::pair<wire::Result, std::string>> results = {
@@ -222,7 +222,7 @@ std::vector<std::string> stateSeeds() {
       Script().op(changes_file).op(1).putBytes("tcp://127.0.0.1:1\n").text()};
   for (const wire::Result& result : {other_build, far, failed})
     changes.push_back(Script().op(appends_changed).putBytes(result.SerializeAsString()).text());
-  // Each of them with everything; what else can be done they show together.
+  // Each change with all uses in turn, then each other use of the unchanged directory.
   std::vector<std::string> seeds;
   for (const std::string& change : changes)
     seeds.push_back(Script().op(numberOf(does_it_all)).text() + change);

@@ -8,7 +8,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// In one order: the maps of a message have none of their own.
+/// In a fixed order, because the maps of a message have none.
 std::string deterministicBytes(const wire::Status& status) {
   std::string bytes;
   {
@@ -20,7 +20,7 @@ std::string deterministicBytes(const wire::Status& status) {
   return bytes;
 }
 
-/// What `status` shows of the answer of whoever listens there.
+/// The output of `status` for any answer from a server.
 void readStatus(std::string_view bytes) {
   const wire::Status status = statusFromJson(std::string(bytes));
   describe(status);

@@ -8,14 +8,14 @@
 namespace palpate::fuzz {
 namespace {
 
-/// By the first byte.
+/// Chosen by the first byte.
 enum ArrayChange : unsigned char {
   overwrites_values,  ///< from an offset on
-  fills_values,       ///< with eight bytes, again and again
-  resizes_rows,       ///< what is new is zero
+  fills_values,       ///< with repeated eight bytes
+  resizes_rows,       ///< fills new rows with zeros
   removes_array,
   changes_element,
-  overwrites_attribute,  ///< from an offset on, or its number
+  overwrites_attribute,  ///< from an offset on, or as a number
   array_changes
 };
 

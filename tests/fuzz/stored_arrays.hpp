@@ -9,8 +9,8 @@
 
 namespace palpate::fuzz {
 
-/// An HDF5 file taken apart, changed, and written again with hashes that are right: what somebody
-/// could write who means to deceive. (Without that every change ends at a hash.)
+/// An HDF5 file that is taken apart, changed, and written again with correct hashes, as an attacker
+/// could write it. Without correct hashes every change would end at a hash check.
 struct StoredArrays {
   struct Array {
     hdf5::Element element;
@@ -20,20 +20,20 @@ struct StoredArrays {
   using Attribute = std::variant<std::string, std::vector<std::int32_t>, double>;
 
   std::map<std::string, Array> arrays;
-  std::map<std::string, Attribute> attributes;  ///< of the root
+  std::map<std::string, Attribute> attributes;  ///< of the root group
 
-  /// All arrays, and the attributes of these names.
+  /// Reads all arrays, and the attributes with these names.
   StoredArrays(const std::filesystem::path& file, const std::vector<const char*>& texts,
                const std::vector<const char*>& integers, const std::vector<const char*>& numbers);
 
-  /// The next change that the input asks for.
+  /// Makes the next change in the input.
   void change(Choices& choices);
-  /// With every blake2b as it must be; an attribute content_hash, which covers those of a dataset,
-  /// too.
+  /// Writes the file with correct blake2b hashes, including content_hash, which covers the hashes
+  /// of a dataset.
   void write(const std::filesystem::path& file) const;
 
-  /// A Script's part that overwrites an array's bytes from an offset on, and one that gives an
-  /// array another number of rows.
+  /// Parts of a Script: one that overwrites an array's bytes from an offset on, and one that
+  /// changes the number of an array's rows.
   void overwriteIn(Script& script, const std::string& path, std::uint32_t offset,
                    std::string_view bytes) const;
   void resizeIn(Script& script, const std::string& path, std::uint16_t rows) const;

@@ -6,7 +6,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Corners on a grid of 16^3, so that many coincide, and triangles of any of them.
+/// Corners on a grid of 16^3, so that many coincide, and arbitrary triangles between them.
 TriangleSoup soupOf(std::string_view bytes) {
   TriangleSoup soup;
   const std::size_t corners = bytes.empty() ? 0 : static_cast<unsigned char>(bytes[0]);
@@ -36,7 +36,7 @@ void closeSurface(std::string_view bytes) {
     }
 }
 
-/// Two tetrahedra, one in the other.
+/// A tetrahedron inside another one.
 std::vector<std::string> surfaceSeeds() {
   std::string seed = "\x08";
   for (const char* corner : {"\x01\x01", "\x0d\x01", "\xd1\x01", "\x11\x0d"}) seed += corner;

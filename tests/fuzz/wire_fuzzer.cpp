@@ -7,7 +7,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// A result that is taken is one that can be sent on.
+/// An accepted result must survive being sent on.
 void readResult(const wire::Result& result) {
   const std::optional<Outcome> outcome = fromWire(result);
   if (!outcome) return;
@@ -16,7 +16,7 @@ void readResult(const wire::Result& result) {
   require(fromWire(again).has_value(), "an outcome is not read as it was written");
 }
 
-/// The first byte says for whom, then come the frames of one message.
+/// The first byte selects the receiver; the frames of one message follow.
 void readWireMessage(std::string_view bytes) {
   Choices choices(bytes);
   const bool router = choices.oneOf(2) == 1;

@@ -37,7 +37,7 @@ void writeAll(const std::string& path, const std::string& bytes) {
   calls::close(file);
 }
 
-/// SQLite's memory that its processes share.
+/// SQLite's shared memory.
 bool isTransient(const std::string& path) { return path.ends_with("-shm"); }
 
 }  // namespace
@@ -52,7 +52,7 @@ Disk::Disk(const std::filesystem::path& root, std::uint64_t seed)
 
 Disk::~Disk() { mounted_disk = nullptr; }
 
-/// All that is there, as on disk.
+/// Treats all existing files as being on disk.
 void Disk::track() {
   names_.clear();
   history_.clear();
@@ -104,7 +104,7 @@ bool Disk::strikes(DiskFault fault, int error) {
 }
 
 void Disk::hurts(DiskFault fault, int error) {
-  // Whoever writes has to go on where a short write ended.
+  // Writers must continue after a short write.
   hurt_ = hurt_ || fault != DiskFault::short_write;
   ++felt_[fault];
   errno = error;
@@ -277,7 +277,7 @@ void Disk::cutPower() {
   std::map<std::string, std::string> files;
   std::vector<std::string> folders;
   rebuild(root_, files, folders);
-  mounted_disk = nullptr;  // what follows is no change that anybody made
+  mounted_disk = nullptr;  // later changes are nobody's
   for (const auto& entry : std::filesystem::directory_iterator(root_))
     std::filesystem::remove_all(entry.path());
   for (const std::string& path : folders) std::filesystem::create_directory(path);

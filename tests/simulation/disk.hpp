@@ -15,57 +15,56 @@
 
 namespace palpate::simulation {
 
-/// What a disk can be told to do at the next operation that it fits.
+/// Faults of a disk at the next operation that they fit.
 enum class DiskFault : std::uint8_t { write_error, short_write, sync_error, rename_error, full };
 
-/// A disk that forgets what was not synced. The files are real ones below a folder (in memory,
-/// where possible); every system call that changes them, whoever makes it in this process (we,
-/// SQLite, HDF5, the standard library), comes through here, because this program defines those
-/// functions itself (disk_calls.cpp).
-///
-/// What a power cut leaves: of a file what was synced, and of what was written since, any 512-byte
-/// sectors; of a folder its names at the last sync, and any number of the changes since, in order.
-/// A sync that fails loses what it should have written, and a later one that succeeds does not
-/// bring it back. One per process at a time.
+/// A disk that forgets unsynced data. The files are real files below a folder (in memory, if
+/// possible). Every system call of this process that changes them (by the project, SQLite, HDF5 or
+/// the standard library) comes through here, because this program defines those functions itself
+/// (disk_calls.cpp).
+/// A power cut keeps the synced part of a file and any 512-byte sectors written since; of a folder
+/// it keeps the names at its last sync and any number of the changes since, in order. A failed sync
+/// loses the data that it should have written, and a later successful sync does not restore them.
+/// Only one disk per process at a time.
 class Disk {
  public:
-  /// Everything below `root`.
+  /// A disk with everything below `root`.
   Disk(const std::filesystem::path& root, std::uint64_t seed);
   ~Disk();
   Disk(const Disk&) = delete;
   Disk& operator=(const Disk&) = delete;
-  /// Null when there is none.
+  /// Null if there is none.
   static Disk* mounted();
 
   // Faults.
-  /// The process that uses it is killed at the n-th change from now: half a write, and no change
-  /// any more.
+  /// Kills the process that uses the disk at the n-th change from now: half of that write is done,
+  /// and no later change.
   void killAfter(int changes) { changes_left_ = changes; }
   void doNotKill() { changes_left_ = -1; }
-  /// Killed: every change fails from now on, until revive(). The process must be unwound.
+  /// Killed: every change fails until revive(). The process must be unwound.
   bool dead() const { return dead_; }
   void die() { dead_ = true; }
   void revive() { dead_ = false; }
   void arm(DiskFault fault) { armed_.insert(fault); }
   void disarm() { armed_.clear(); }
   void setFull(bool full) { full_ = full; }
-  /// How often each fault was felt.
+  /// How often each fault took effect.
   const std::map<DiskFault, std::uint64_t>& felt() const { return felt_; }
-  /// A fault that ends a process was felt since the last call.
+  /// Whether a fault that ends a process took effect since the last call.
   bool takeHurt() { return std::exchange(hurt_, false); }
-  /// Nobody may have a file open. Everything that is there afterwards is on disk.
+  /// No file may be open. Everything that is left is on disk afterwards.
   void cutPower();
-  /// What others do before the process that calls this reads the names in a folder or opens a
-  /// segment of the journal for the n-th time from now. Once.
+  /// Runs `then` once, before the n-th time from now that the calling process lists a folder or
+  /// opens a segment of the journal: for actions of other processes.
   void beforeRead(int nth, std::function<void()> then) {
     reads_left_ = nth;
     before_read_ = std::move(then);
   }
   void reads();
-  /// Flips a bit of what is on disk and of what readers see.
+  /// Flips a bit both on disk and for readers.
   void flip(const std::filesystem::path& file, std::uint64_t byte, int bit);
 
-  // The system calls. errno as theirs.
+  // The system calls. They set errno as usual.
   int open(const char* path, int flags, mode_t mode);
   int close(int file);
   ssize_t write(int file, const void* bytes, std::size_t count, off_t offset);
@@ -78,20 +77,20 @@ class Disk {
  private:
   struct Node {
     bool folder = false;
-    bool streamed = false;  ///< the C library's streams write it, which nobody sees
-    std::string durable;    ///< what was synced
-    std::vector<std::pair<std::size_t, std::size_t>> dirty;  ///< written since: begin, end
-    std::string orphaned;                                    ///< content when its name went
-    std::string path;                                        ///< now; empty: none
+    bool streamed = false;  ///< written by streams of the C library, which bypass this class
+    std::string durable;    ///< the synced contents
+    std::vector<std::pair<std::size_t, std::size_t>> dirty;  ///< ranges written since: begin, end
+    std::string orphaned;                                    ///< contents when its name was removed
+    std::string path;                                        ///< current path; empty if none
   };
   using NodePointer = std::shared_ptr<Node>;
-  using Names = std::map<std::string, NodePointer>;  ///< of one folder
+  using Names = std::map<std::string, NodePointer>;  ///< in one folder
 
   bool tracks(const std::string& path) const;
   static std::string folderOf(const std::string& path);
   NodePointer nodeOf(const std::string& path) const;
   void renamed(const std::string& folder);
-  /// Room for one change: false with errno when the process is dead, or dies.
+  /// Reserves one change: false, with errno set, if the process is dead or dies now.
   bool change();
   bool strikes(DiskFault fault, int error);
   void hurts(DiskFault fault, int error);
@@ -102,11 +101,11 @@ class Disk {
 
   std::string root_;
   Random random_;
-  std::map<std::string, Names> names_;                 ///< by folder, now
-  std::map<std::string, std::vector<Names>> history_;  ///< since the last sync of the folder
+  std::map<std::string, Names> names_;                 ///< current names, by folder
+  std::map<std::string, std::vector<Names>> history_;  ///< names since the last sync of the folder
   std::map<int, NodePointer> open_;
   std::set<DiskFault> armed_;
-  int changes_left_ = -1;  ///< -1: for ever
+  int changes_left_ = -1;  ///< -1: no limit
   int reads_left_ = 0;
   std::function<void()> before_read_;
   bool dead_ = false, full_ = false, hurt_ = false;

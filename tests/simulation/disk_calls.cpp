@@ -35,14 +35,14 @@ int makeDirectory(const char* path, mode_t mode) {
 
 }  // namespace palpate::simulation::calls
 
-/// The functions of the C library that this program has instead: shared libraries (SQLite, HDF5,
-/// the C++ library) find these first.
+/// Functions of the C library that this program replaces: shared libraries (SQLite, HDF5, the C++
+/// library) find these first.
 namespace {
 
 using palpate::simulation::Disk;
 namespace calls = palpate::simulation::calls;
 
-/// On the disk, where one is mounted, else past it.
+/// Calls the disk if one is mounted, otherwise the real function.
 template <class Result, class... Arguments>
 Result either(Result (Disk::*on_disk)(Arguments...), Result (*past)(Arguments...),
               std::type_identity_t<Arguments>... arguments) {
@@ -66,7 +66,7 @@ int open(const char* path, int flags, ...) {
   return either(&Disk::open, calls::open, path, flags, mode);
 }
 int open64(const char* path, int flags, ...) __attribute__((alias("open")));
-/// How the C++ library opens the folders that it lists.
+/// The C++ library opens the folders that it lists with this function.
 int openat(int folder, const char* path, int flags, ...) {
   va_list arguments;
   va_start(arguments, flags);
@@ -98,7 +98,7 @@ int remove(const char* path) noexcept {
   if (errno != EISDIR) return -1;
   return static_cast<int>(syscall(SYS_unlinkat, AT_FDCWD, path, AT_REMOVEDIR));
 }
-/// Whoever waits in this process waits for another one, and there is none.
+/// Threads of this process only wait for other processes, and there are none.
 int nanosleep(const timespec* /*wanted*/, timespec* /*left*/) { return 0; }
 int mkdir(const char* path, mode_t mode) noexcept {
   return either(&Disk::makeDirectory, calls::makeDirectory, path, mode);

@@ -4,12 +4,12 @@
 
 #include <cstddef>
 
-/// The system calls that change files, past the simulated disk.
+/// The real system calls that change files, past the simulated disk.
 namespace palpate::simulation::calls {
 
 int open(const char* path, int flags, mode_t mode);
 int close(int file);
-/// write() when `offset` is negative.
+/// Calls write() if `offset` is negative.
 ssize_t write(int file, const void* bytes, std::size_t count, off_t offset);
 int truncate(int file, off_t size);
 int sync(int file);

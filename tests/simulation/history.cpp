@@ -13,7 +13,7 @@ namespace palpate::simulation {
 namespace {
 
 constexpr auto kinds = static_cast<std::size_t>(Accident::count);
-/// That any history may have.
+/// Kinds of accidents that any history may have.
 constexpr auto common_kinds = static_cast<std::size_t>(Accident::lying_worker);
 constexpr double share_with_liars = 0.25;
 /// In the order of the enumerators.
@@ -26,7 +26,7 @@ constexpr const char* names =
     "interrupt_worker hung_solver out_of_memory slow_solve deadly_transition lying_worker "
     "kill_at_verdict";
 
-/// Most accidents last a moment, some longer than any patience.
+/// Most accidents are short, some exceed all timeouts.
 double lengthOf(Random& random) {
   const double longest = random.chance(0.3) ? 100 : random.chance(0.5) ? 15 : 3;
   return random.between(0.01, longest);
@@ -42,7 +42,7 @@ Event randomEvent(Accident accident, Random& random, double span) {
   return event;
 }
 
-/// One machine lies, from some time on. Whoever finds it out may be killed.
+/// From some time on one machine lies. The scheduler that detects it may be killed.
 void addLiar(std::vector<Event>& events, std::uint64_t seed) {
   Random random(seed ^ 0x6c696172);
   events.push_back(randomEvent(Accident::lying_worker, random, 60));
@@ -82,7 +82,7 @@ std::vector<Event> historyOf(std::uint64_t seed) {
   if (mayHaveLiar(seed)) addLiar(events, seed);
   if (possible.empty()) return inOrder(std::move(events));
   const std::size_t count = 1 + random.below(random.chance(0.2) ? 40 : 12);
-  // A build without accidents takes some minutes.
+  // A build without accidents takes a few minutes.
   const double span = random.chance(0.5) ? 50 : 200;
   for (std::size_t n = 0; n < count; ++n) {
     const Accident accident = possible[random.below(possible.size())];

@@ -8,9 +8,9 @@
 
 namespace palpate::simulation {
 
-/// What can go wrong. Names as people read them: nameOf().
+/// Kinds of accidents; nameOf() gives their names.
 enum class Accident : std::uint8_t {
-  // Network, for a while, of one worker or of all.
+  // Network faults that last a while, for one worker or all.
   slow_network,
   lost_messages,
   doubled_messages,
@@ -48,7 +48,7 @@ enum class Accident : std::uint8_t {
   hung_solver,
   out_of_memory,
   slow_solve,
-  // What they work on.
+  // The work itself.
   deadly_transition,
   // Where mayHaveLiar().
   lying_worker,
@@ -60,22 +60,22 @@ std::string_view nameOf(Accident accident);
 /// One accident at a time of the simulation.
 struct Event {
   Accident accident = Accident::count;
-  double at = 0;          ///< s since the beginning
-  double length = 0;      ///< s, of those that last
-  std::uint64_t who = 0;  ///< which worker, file, byte: each kind takes what it needs of it
+  double at = 0;          ///< s since the start
+  double length = 0;      ///< s, for accidents that last
+  std::uint64_t who = 0;  ///< selects a worker, file or byte, depending on the kind
   double how_much = 0;    ///< 0 to 1: a share of messages, a number of changes
 };
 std::string describe(const Event& event);
 
-/// All accidents happen before this, and all that last have ended.
+/// All accidents happen before this time, and lasting ones have ended.
 inline constexpr double accidents_end_s = 300;
 
-/// Whether one of the workers lies under this seed. So that fewer accidents are still the same
-/// history, the rest of what is simulated depends on this, and not on whether it does.
+/// Whether one of the workers lies under this seed. The rest of the simulation depends on this and
+/// not on an actual lie, so that removing accidents keeps the same history.
 bool mayHaveLiar(std::uint64_t seed);
 
-/// What happens under this seed, in order of time. Some kinds are left out of each, so that the
-/// others show alone.
+/// The accidents under this seed in order of time. Each history leaves out some kinds, so that the
+/// effect of others becomes visible.
 std::vector<Event> historyOf(std::uint64_t seed);
 
 }  // namespace palpate::simulation

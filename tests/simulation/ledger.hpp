@@ -13,37 +13,38 @@
 
 namespace palpate::simulation {
 
-/// What the service must never do was done. The message says what.
+/// Thrown if the service breaks a promise. The message names the promise.
 class Broken : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The headers of what is recorded in a state directory. Broken when one cannot be read.
+/// The headers of the records in a state directory. Throws Broken if one cannot be read.
 std::vector<wire::Result> recordedIn(const std::filesystem::path& directory);
 
-/// What the outside world knows of a build, whatever became of the scheduler: of its results, and
-/// of workers that lie.
+/// What an outside observer knows of a build, independent of the scheduler: its results, and lying
+/// workers.
 struct Ledger {
   std::set<ResultKey> acknowledged;
-  /// Their records were damaged by an accident: they may be computed again.
+  /// Results whose records were damaged by an accident; they may be computed again.
   std::set<ResultKey> spoiled;
-  /// Given by somebody who was found out, and to be computed again: until they are.
+  /// Results of detected liars that have to be computed again and have not been yet.
   std::set<ResultKey> of_liars;
 
   Lies lies;
   std::map<std::string, std::string> host_of;  ///< of peers
-  /// The tables were damaged or lost by an accident, and may claim anything of the past.
+  /// The tables were damaged or lost in an accident and may claim anything about the past.
   bool tables_hurt = false;
-  /// The tables know that these are kept out, as long as they are not hurt.
+  /// Exclusions that the tables contain, unless the tables were damaged.
   std::vector<KeptOut> kept_out;
-  /// What they gave was dropped: nobody who was kept out then may have a result recorded.
+  /// Excluded workers whose results were dropped: none of their results may be recorded any more.
   std::vector<KeptOut> cleaned_of;
-  /// Among what was sealed last.
+  /// Lies in the latest sealed dataset.
   FalseResults sealed_lies;
   /// Whether a peer's latest result of a transition was a lie.
   std::map<std::pair<std::string, ResultKey>, bool> delivered;
-  /// An honest result of these was acknowledged: whatever is recorded, nobody can miss a lie.
+  /// Transitions with an acknowledged honest result: a recorded lie about one of them must be
+  /// detected.
   std::set<ResultKey> honestly_answered;
   std::size_t lies_heard = 0, verdicts = 0;
 
@@ -51,17 +52,17 @@ struct Ledger {
     return spoiled.contains(key) || of_liars.contains(key);
   }
   bool isKeptOut(const std::string& peer) const;
-  /// The tables have them on disk.
+  /// These exclusions are on disk in the tables.
   void noteKeptOut(const std::vector<KeptOut>& liars);
   void noteDelivery(const std::string& peer, const wire::Result& result);
   void noteAcknowledged(const std::string& peer, const ResultKey& key);
-  /// Broken when somebody honest is among them.
+  /// Throws Broken if an honest worker is among them.
   void noteVerdict(const std::vector<KeptOut>& liars, const std::filesystem::path& state);
-  /// Of what is recorded, what is wrong and rests in the plans of a dataset that is about to be
-  /// sealed. Broken when there was another result that contradicts it.
+  /// Notes the undetected lies among the records that enter the plans of a dataset about to be
+  /// sealed. Throws Broken if another result contradicts one of them.
   void noteSealed(const std::filesystem::path& state, const std::vector<SpacePlan>& plans);
   void hurtTables();
-  /// Broken when these are not what is to be recorded.
+  /// Throws Broken if these are not the expected records.
   void checkRecorded(const std::vector<wire::Result>& recorded) const;
 };
 

@@ -13,7 +13,7 @@ constexpr double share_of_lies = 0.02;
 }  // namespace
 
 bool Liar::falsify(wire::Result& result, std::string& payload) {
-  // Of the rest state everything is known.
+  // The rest state is known exactly, so a lie about it is refused at once.
   if (fromWire(result.target()) == LatticePoint{} || !random_.chance(share_of_lies)) return false;
   test::lies()[random_.below(test::lies().size())](result, payload);
   return true;

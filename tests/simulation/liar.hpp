@@ -10,23 +10,23 @@
 
 namespace palpate::simulation {
 
-/// A machine whose workers lie: of their results about one in fifty, which is one or two of what
-/// one of three workers finds in a build of 246.
+/// A machine whose workers falsify about one in fifty of their results. A build has 246 results, so
+/// one of three workers tells one or two lies.
 class Liar {
  public:
   explicit Liar(std::uint64_t seed) : random_(seed) {}
-  /// Falsifies what an honest worker found, or leaves it as it is. Whether it did.
+  /// Falsifies an honest worker's result or leaves it unchanged. Returns whether it lied.
   bool falsify(wire::Result& result, std::string& payload);
 
  private:
   Random random_;
 };
 
-/// Every lie that was told, and by whom.
+/// All lies told so far, and the lying hosts.
 class Lies {
  public:
   void note(const std::string& host, const wire::Result& lie);
-  /// It is one of them, whoever was given it.
+  /// Returns whether the result is one of the lies, whoever delivered it.
   bool contain(const wire::Result& result) const;
   bool isLiar(const std::string& host) const { return hosts_.contains(host); }
 

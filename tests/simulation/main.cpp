@@ -25,22 +25,22 @@ struct Options {
   std::string planted;
 };
 
-/// In memory, where a sync costs nothing.
+/// In memory if possible, where a sync costs nothing.
 std::filesystem::path whereToWork() {
   const char* memory = "/dev/shm";
   return access(memory, W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path();
 }
 
-/// What many seeds came to.
+/// Summary of many seeds.
 struct Summary {
   std::uint64_t seeds = 0;
   double simulated = 0;
   std::vector<std::uint64_t> failed;
-  std::map<std::string, std::uint64_t> active;  ///< seeds in which an accident was felt
-  std::uint64_t lied = 0;                       ///< seeds under which the scheduler was told lies
-  std::uint64_t found_out = 0;                  ///< and somebody was kept out
-  std::vector<std::uint64_t> spoiled;           ///< and nobody found it out
-  /// Of those seeds and of these, where the tables with all checks were damaged or lost.
+  std::map<std::string, std::uint64_t> active;  ///< seeds in which an accident took effect
+  std::uint64_t lied = 0;                       ///< seeds in which the scheduler received lies
+  std::uint64_t found_out = 0;                  ///< seeds in which a liar was excluded
+  std::vector<std::uint64_t> spoiled;           ///< seeds with an undetected lie in the dataset
+  /// Of `lied` and `spoiled`: seeds in which the tables with all checks were damaged or lost.
   std::uint64_t lied_without_tables = 0, spoiled_without_tables = 0;
 
   void add(std::uint64_t seed, const Outcome& outcome) {
@@ -66,8 +66,9 @@ struct Summary {
     lied_without_tables += other.lied_without_tables;
     spoiled_without_tables += other.spoiled_without_tables;
   }
-  /// More than one in a hundred of those in which there were lies, and of those whose tables stayed
-  /// whole, where that can be told: of all it is half of one, so it takes more of them.
+  /// Whether more than one in a hundred seeds with lies are spoiled, or more than one in a hundred
+  /// of those with undamaged tables. The first needs more seeds, because its expected share is half
+  /// of that.
   bool tooManySpoiled() const {
     const auto tooMany = [](std::uint64_t bad, std::uint64_t of, std::uint64_t enough) {
       return of >= enough && 100 * bad > of;
@@ -90,7 +91,7 @@ std::vector<Event> historyFor(std::uint64_t seed, const std::vector<std::size_t>
   return some;
 }
 
-/// One process's share: every `of`-th seed.
+/// The share of one process: every `of`-th seed.
 Summary runShare(const Options& options, unsigned share, unsigned of) {
   const test::TemporaryDirectory folder(whereToWork());
   const Scenarios scenarios(folder.path());
@@ -103,7 +104,7 @@ Summary runShare(const Options& options, unsigned share, unsigned of) {
   return summary;
 }
 
-/// The seeds, shared among processes: a simulation has its process to itself.
+/// Distributes the seeds among processes, because a simulation needs its own process.
 Summary runAll(const Options& options) {
   std::vector<std::pair<pid_t, int>> children;
   for (unsigned share = 0; share < options.jobs; ++share) {
@@ -145,7 +146,7 @@ Summary runAll(const Options& options) {
   return all;
 }
 
-/// Leaves out what is not needed to break it, one accident after another.
+/// Removes accidents that are not needed for the failure, one after the other.
 std::vector<std::size_t> minimised(const Scenarios& scenarios, std::uint64_t seed,
                                    std::vector<std::size_t> needed,
                                    const std::filesystem::path& folder) {
@@ -164,7 +165,7 @@ std::vector<std::size_t> minimised(const Scenarios& scenarios, std::uint64_t see
   return needed;
 }
 
-/// Prints how a seed fails with as few accidents as possible.
+/// Prints how a seed fails, with as few accidents as possible.
 void explain(const Options& options, std::uint64_t seed) {
   const test::TemporaryDirectory folder(whereToWork());
   const Scenarios scenarios(folder.path());
@@ -221,7 +222,7 @@ int run(const Options& options) {
   return summary.isBad() ? 1 : 0;
 }
 
-/// What the seeds come to until they have found a defect, or are all.
+/// Runs seeds until they find a defect or are used up.
 Summary untilFound(const Options& options, const Scenarios& scenarios,
                    const std::filesystem::path& folder) {
   Summary summary;
@@ -271,7 +272,7 @@ int showStory(const Options& options) {
   return outcome.broken ? 1 : 0;
 }
 
-/// The program that has them lies beside this one.
+/// The program with planted defects lies beside this one.
 [[noreturn]] void runPlanted(char** words) {
   std::string beside = std::filesystem::read_symlink("/proc/self/exe").string() + "_planted";
   execv(beside.c_str(), words);

@@ -28,7 +28,8 @@ void Network::leave(const std::string& worker, Seconds now) {
   line.gone = true;
   line.connected = false;
   line.to_worker.clear();
-  // What was sent before still arrives; the end of the connection arrives behind it, or never.
+  // Messages that were sent before still arrive; the end of the connection arrives after them, or
+  // never.
   const bool seen = !cut(false, worker, now) && !line.dead_end;
   if (seen && line.to_scheduler.empty()) line.known = false;
 }
@@ -104,7 +105,7 @@ Sent Network::toWorker(const std::string& worker, const wire::Message& message, 
   if (found == lines_.end() || !found->second.known) return Sent::unroutable;
   Line& line = found->second;
   if (line.gone) {
-    // The other system answers that there is nobody, where it can be reached: this message is lost,
+    // If it is reachable, the other system answers that nobody listens: this message is lost, and
     // the next one has no route.
     if (!cut(true, worker, now) && !cut(false, worker, now)) line.known = false;
     return Sent::yes;

@@ -11,23 +11,23 @@
 
 namespace palpate::simulation {
 
-/// Seconds since the beginning of a simulation, as nobody in it can know them.
+/// True seconds since the start of a simulation, unknown to its processes.
 using Seconds = double;
 inline constexpr Seconds never = std::numeric_limits<Seconds>::infinity();
 
-/// Connections between one scheduler and its workers, as ZeroMQ makes them: a worker's side
-/// connects again by itself; messages of a connection that broke are lost; the scheduler's side
-/// knows a peer from its first message until its connection is seen to be broken. Within a
-/// connection messages keep their order, unless an accident says otherwise.
+/// Connections between one scheduler and its workers, as ZeroMQ makes them. A worker's side
+/// reconnects by itself; messages of a broken connection are lost; the scheduler's side knows a
+/// peer from its first message until it notices that the connection is broken. Messages within a
+/// connection keep their order, unless an accident changes it.
 class Network {
  public:
   explicit Network(std::uint64_t seed) : random_(seed) {}
 
-  // The ends. A worker is named by its peer id.
+  // The two ends. A worker is named by its peer id.
   void join(const std::string& worker, Seconds now);
-  /// The process ended: its system says so to the other end, if that can be reached.
+  /// The process has ended: its system notifies the other end if it is reachable.
   void leave(const std::string& worker, Seconds now);
-  /// It makes its socket anew.
+  /// The worker makes a new socket.
   void reconnect(const std::string& worker, Seconds now);
   void schedulerStarts() { scheduler_up_ = true; }
   void schedulerEnds();
@@ -36,29 +36,29 @@ class Network {
   void toScheduler(const std::string& worker, const wire::Message& message,
                    std::string_view payload, Seconds now);
 
-  // What arrived by now.
+  // Messages that have arrived by now.
   std::optional<Incoming> forScheduler(Seconds now);
   std::optional<Incoming> forWorker(const std::string& worker, Seconds now);
-  /// When the next message arrives at this end; infinity when none is on its way.
+  /// When the next message arrives at this end; infinity if none is on its way.
   Seconds nextForScheduler() const;
   Seconds nextForWorker(const std::string& worker) const;
 
-  /// `worker` empty: all of them.
+  /// `worker` empty: all workers.
   void happen(const Event& event, const std::string& worker);
-  /// How often each kind of accident was felt.
+  /// How often each kind of accident took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
   /// The longest queue so far.
   std::size_t mostWaiting() const { return most_waiting_; }
 
  private:
-  using Queue = std::multimap<Seconds, Incoming>;  ///< by when they arrive
+  using Queue = std::multimap<Seconds, Incoming>;  ///< by time of arrival
   struct Line {
     Queue to_worker, to_scheduler;
-    Seconds last_to_worker = 0, last_to_scheduler = 0;  ///< arrivals, for the order
+    Seconds last_to_worker = 0, last_to_scheduler = 0;  ///< latest arrivals, to keep the order
     bool known = false;                                 ///< the scheduler's side has a route
-    Seconds connects_at = 0;                            ///< the worker's side tries again then
-    bool connected = false;                             ///< as the worker's side believes
-    bool dead_end = false;  ///< half open: what the scheduler sends goes nowhere
+    Seconds connects_at = 0;                            ///< when the worker's side tries again
+    bool connected = false;                             ///< from the view of the worker's side
+    bool dead_end = false;  ///< half open: messages of the scheduler are lost
     bool gone = false;
   };
   struct Trouble {

@@ -25,7 +25,7 @@ std::span<const Defect> plantedDefects() {
 void plant(const std::string& name) { present = name; }
 
 #ifdef PALPATE_PLANTED
-/// Asked where a defect was planted.
+/// Called where a defect was planted.
 bool planted(const char* defect);
 bool planted(const char* defect) { return present == defect; }
 #endif

@@ -6,13 +6,13 @@
 
 namespace palpate::simulation {
 
-/// A defect that can be planted in the service (plant.py), to show that the simulation finds it.
+/// A defect that plant.py can plant in the service, to show that the simulation finds it.
 struct Defect {
   std::string_view name, what;
 };
-/// None in the program that has the service as it is.
+/// Empty in the program with the unchanged service.
 std::span<const Defect> plantedDefects();
-/// Which of them is there from now on; empty: none.
+/// Activates one of the defects from now on; empty: none.
 void plant(const std::string& name);
 
 }  // namespace palpate::simulation

@@ -5,7 +5,7 @@
 
 namespace palpate::simulation {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike those of the
+/// SplitMix64 (Steele, Lea, Flood 2014). It gives the same numbers on every machine, unlike the
 /// distributions of the standard library.
 class Random {
  public:
@@ -18,7 +18,7 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
     return z ^ (z >> 31);
   }
-  /// 0 to count - 1.
+  /// A number from 0 to count - 1.
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(next() % count); }
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(next() >> 11) * 0x1p-53;

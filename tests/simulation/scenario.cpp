@@ -15,8 +15,8 @@
 namespace palpate::simulation {
 namespace {
 
-/// The bytes of a record that says of a first neighbour that it cannot be reached, as a journal
-/// begins with it: floats that may be pressures.
+/// The bytes of a complete record, as at the start of a journal: it says that a neighbour of the
+/// origin is unreachable. As floats they are possible pressures.
 std::string recordOf(const Problem& problem) {
   wire::Result result;
   result.set_build(std::string(problemId(problem).bytes()));
@@ -41,8 +41,8 @@ std::string recordOf(const Problem& problem) {
   }
 }
 
-/// Its payloads hold what would be a record if it lay elsewhere: what is damaged around it must not
-/// make it one.
+/// A solver whose payloads contain the bytes of a record. Damage around these must not turn them
+/// into a record.
 std::pair<wire::Result, std::string> solveAroundRecord(const Problem& problem, std::uint32_t space,
                                                        const LatticePoint& target,
                                                        const LatticePoint& parent) {

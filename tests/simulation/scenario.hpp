@@ -11,35 +11,36 @@
 
 namespace palpate::simulation {
 
-/// What an honest worker finds: the header of its result, and the payload.
+/// An honest worker's result: its header and its payload.
 using Solver = std::pair<wire::Result, std::string> (*)(const Problem&, std::uint32_t space,
                                                         const LatticePoint& target,
                                                         const LatticePoint& parent);
-/// Results that differ from what an honest worker finds.
+/// Results that differ from those of an honest worker.
 using FalseResults = std::map<ResultKey, wire::Result>;
 
-/// What a service is asked to build, and what becomes of it undisturbed.
+/// A problem for the service, and its dataset when nothing disturbs the build.
 struct Scenario {
   Problem problem;
   Solver solve = nullptr;
   std::string sealed;  ///< the bytes of the dataset
 
-  /// Neighbours contradict each other, solves fail, branches are looked for, and payloads hold the
+  /// Inconsistent neighbours, failing solves, searches for branches, and payloads that contain the
   /// bytes of a record.
   static Scenario rough(const std::filesystem::path& folder);
-  /// Every result follows from those beside it, as in tissue: what does not, looks odd.
+  /// As in tissue, each result is consistent with its neighbours: inconsistent ones look odd.
   static Scenario smooth(const std::filesystem::path& folder);
 
-  /// The bytes of the dataset if these were found instead. Writes into `folder`, which no simulated
-  /// disk may be at.
+  /// The bytes of the dataset with these results instead. Writes into `folder`, which must not be
+  /// on a simulated disk.
   std::string sealedWith(const FalseResults& instead, const std::filesystem::path& folder) const;
 };
 
-/// The same for all seeds.
+/// Shared by all seeds.
 struct Scenarios {
   explicit Scenarios(const std::filesystem::path& folder)
       : rough(Scenario::rough(folder)), smooth(Scenario::smooth(folder)) {}
-  /// The one of a seed: where one may lie it is smooth, because nothing looks odd in the other.
+  /// The scenario of a seed: smooth if a worker may lie, because nothing looks odd in the rough
+  /// one.
   const Scenario& of(std::uint64_t seed) const;
 
   Scenario rough, smooth;

@@ -33,7 +33,7 @@ void SchedulerProcess::end(State state) {
   state_ = state;
 }
 
-/// What a process does of itself: an Error ends it, being killed too.
+/// An Error ends the process, and so does being killed.
 void SchedulerProcess::guarded(const std::function<void()>& step) {
   try {
     step();
@@ -49,16 +49,16 @@ void SchedulerProcess::guarded(const std::function<void()>& step) {
     if (!disk_.dead()) throw Broken(error.what());
     end(State::down);
   }
-  // Killed in the middle of something that does not mind (a log, a file that goes).
+  // The process was killed in an operation that ignores errors (a log, the removal of a file).
   if (disk_.dead() && build_) end(State::down);
 }
 
 void SchedulerProcess::open(Seconds now) {
-  // A few records long, so that many come and go.
+  // A segment holds only a few records, so that many segments come and go.
   constexpr std::uint64_t segment_bytes = 8000;
   build_ =
       std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now), settings_, segment_bytes);
-  // It may have been killed after they were written, before it was told.
+  // The process may have been killed after the exclusions were written, before it was told.
   if (ledger_.verdicts > 0) ledger_.noteKeptOut(StoredTables(stateDirectory()).keptOut());
   ledger_.cleaned_of = ledger_.kept_out;
   sealed_ = false;
@@ -89,7 +89,7 @@ void SchedulerProcess::wake(Seconds now) {
     try {
       turn(now);
     } catch (const DamagedRecord& damage) {
-      // As `serve` and `build` do it: what cannot be read any more is computed again.
+      // Like `serve` and `build`: unreadable results are computed again.
       if (++damages_ > most_damages)
         throw Broken("a damaged record stays, however often it is dropped");
       build_->drop(damage);
@@ -98,7 +98,7 @@ void SchedulerProcess::wake(Seconds now) {
   });
 }
 
-/// As `serve` and `build` do it: what they gave is computed again.
+/// Like `serve` and `build`: results of liars are computed again.
 void SchedulerProcess::keepOut(const std::vector<KeptOut>& liars, Seconds now) {
   ledger_.noteVerdict(liars, stateDirectory());
   if (const auto changes = std::exchange(kill_at_verdict_, std::nullopt)) {

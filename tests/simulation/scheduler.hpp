@@ -12,8 +12,8 @@
 
 namespace palpate::simulation {
 
-/// A scheduler process: the real Build with everything in it, and the steps that `serve` makes
-/// around it (scheduler/verbs/served_build.cpp).
+/// A scheduler process: the real Build with all its parts, and the steps of `serve` around it
+/// (scheduler/verbs/served_build.cpp).
 class SchedulerProcess : private Transport {
  public:
   SchedulerProcess(Network& network, Disk& disk, Ledger& ledger, const Problem& problem,
@@ -31,19 +31,19 @@ class SchedulerProcess : private Transport {
   Seconds nextWake(Seconds now) const;
   void wake(Seconds now);
 
-  /// SIGKILL: now, while it waits.
+  /// SIGKILL, at once, while it waits.
   void kill();
-  /// So many changes of the disk after the next verdict on somebody who lies.
+  /// Kills it this many changes of the disk after the next verdict on a liar.
   void killAtVerdict(int changes) { kill_at_verdict_ = changes; }
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void askToStop(Seconds now);
-  /// Since when there is this coordinator.
+  /// When this coordinator was created.
   Seconds openedAt() const { return opened_at_; }
   Coordinator& coordinator() { return build_->coordinator(); }
-  /// Why it ended by itself last; empty when it was not by an error.
+  /// The error that last ended the process; empty if it ended without one.
   const std::string& lastError() const { return last_error_; }
-  /// Accidents that were armed and came to pass.
+  /// Armed accidents that took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
 
  private:

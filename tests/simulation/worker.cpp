@@ -8,7 +8,7 @@
 namespace palpate::simulation {
 namespace {
 
-/// The product's thread looks every 50 ms; what it looks for takes seconds.
+/// The real thread polls every 50 ms, but waits for events that take seconds.
 constexpr Seconds looks_every = 0.4;
 
 }  // namespace
@@ -123,7 +123,7 @@ void WorkerProcess::solve(Seconds now) {
     else
       work_.reset();
   }
-  // As the solver's thread: next() is what says that nothing is solved any more.
+  // Acts as the solver thread: next() shows that nothing is being solved.
   if (work_ || mailbox_->solverError()) return;
   if (auto job = mailbox_->next(false)) {
     work_ = Work{std::move(*job), 0, 0};
@@ -150,13 +150,13 @@ void WorkerProcess::wake(Seconds now) {
         session_->connected(clock_.at(now));
         break;
       case WorkerSession::Next::end: return endsWith(End::left, now);
-      case WorkerSession::Next::anew:  // of kernels it has one family
+      case WorkerSession::Next::anew:  // it has only one kernel family
       case WorkerSession::Next::killed: return endsWith(End::killed, now);
     }
   } catch (const Error&) {
     return endsWith(End::failed, now);
   }
-  solve(now);  // what has just arrived
+  solve(now);  // the target that has just arrived
 }
 
 }  // namespace palpate::simulation

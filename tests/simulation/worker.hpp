@@ -7,7 +7,8 @@
 
 namespace palpate::simulation {
 
-/// The monotonic clock of a process: runs a little too fast or slow, may leap, never goes back.
+/// The monotonic clock of a process: it runs a little fast or slow, may jump ahead, and never goes
+/// back.
 class ProcessClock {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -28,25 +29,25 @@ class ProcessClock {
   double offset_ = 0, rate_ = 1;
 };
 
-/// What a solver finds in the table, and how it is hindered. Shared by all workers.
+/// The results in the table, and the accidents of solvers. Shared by all workers.
 struct SolverWorld {
   const Scenario* scenario = nullptr;
-  /// Transitions that kill who solves them, until this time.
+  /// Transitions that kill the solving worker, until this time.
   std::map<std::tuple<std::uint32_t, LatticePoint>, Seconds> deadly;
   std::map<std::string, Liar> liars;  ///< by host
   Lies* told = nullptr;
 };
 
-/// A worker process: a real session and mailbox, a solver that looks up what it is asked for, and
-/// whatever happens to processes. Its solver is a thread of its own there, here a state.
+/// A worker process with a real session and mailbox, a solver that looks up its answers, and
+/// accidents of processes. The solver is a thread in the product and a state here.
 class WorkerProcess {
  public:
-  /// `ended`: whom it replaces. Outlived by what it refers to.
+  /// `ended`: the workers that it replaces. The arguments must outlive it.
   WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
                 const std::string& host, std::vector<std::string> ended, Seconds now,
                 Random random);
 
-  /// How it ended; nothing as long as it lives.
+  /// How it ended; empty while it runs.
   enum class End : std::uint8_t { left, failed, killed };
   const std::optional<End>& end() const { return end_; }
   const std::string& id() const { return id_; }
@@ -57,14 +58,14 @@ class WorkerProcess {
   void wake(Seconds now);
 
   void kill(Seconds now);
-  /// Its processes stand still. `clock_too`: its machine is suspended.
+  /// Stops its process. `clock_too`: its machine is suspended.
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void interrupt(Seconds now);
   void hangNext() { hang_next_ = true; }
   void runOutOfMemory() { no_memory_ = true; }
   void solveSlowly(Seconds longer) { longer_ = longer; }
-  /// Accidents that were armed and came to pass.
+  /// Armed accidents that took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
 
  private:

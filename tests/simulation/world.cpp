@@ -14,7 +14,7 @@ namespace {
 
 Random random_bytes(0);
 
-/// What libsodium gives to those who ask for random bytes, from now on: the same under each seed.
+/// Makes the random bytes of libsodium depend on the seed only.
 void seedRandomBytes(std::uint64_t seed) {
   static randombytes_implementation ours = {
       .implementation_name = [] { return "seeded"; },
@@ -32,20 +32,20 @@ void seedRandomBytes(std::uint64_t seed) {
   randombytes_set_implementation(&ours);
 }
 
-/// Once nothing goes wrong any more: the work itself, and for each solve that hangs an hour,
-/// because the first one may take so long.
+/// Time to completion after the last accident: for the work itself, and for each hung solve,
+/// because the first one may take an hour to be detected.
 constexpr Seconds patience = 3600, patience_with_the_hung = 3700;
-/// A worker gives up after a quarter of an hour without a word, not counting what it slept.
+/// A worker gives up after a quarter of an hour without a message, not counting suspended time.
 constexpr Seconds goes_home_within = 20 * 60;
 constexpr Seconds scheduler_restarts_after = 2, worker_replaced_after = 1;
 constexpr Seconds refused_tries_after = 30;
 constexpr std::size_t most_workers_known = 100, most_unacknowledged = 400, most_letters = 20000;
 /// Some tens of thousands are usual.
 constexpr std::int64_t most_steps = 1'000'000;
-/// Of the disk, before somebody who is killed there is dead.
+/// The most changes of the disk before an armed kill takes effect.
 constexpr double most_changes = 40;
 
-/// More in every second history; none in the others, where nobody lies.
+/// More checks in every second history; none in the others if nobody lies.
 SpotCheckSettings checksOf(std::uint64_t seed) {
   constexpr double more = 0.05;
   SpotCheckSettings checks;
@@ -70,7 +70,7 @@ class World {
     solver_world_.told = &ledger_.lies;
     const auto hung = std::ranges::count(history, Accident::hung_solver, &Event::accident);
     patience_ = accidents_end_s + patience + static_cast<double>(hung) * patience_with_the_hung;
-    // Three can tell which of them lies, where each has a machine of its own.
+    // Three workers on different machines can determine which of them lies.
     const bool may_lie = mayHaveLiar(seed);
     const std::size_t workers = may_lie ? 3 + random_.below(2) : 1 + random_.below(4);
     for (std::size_t n = 0; n < workers; ++n)
@@ -107,12 +107,12 @@ class World {
   }
 
  private:
-  /// Where a worker runs, and another when it has gone.
+  /// The place of a worker, and of its successors.
   struct Place {
     std::string host;
     std::unique_ptr<WorkerProcess> worker = {};
     Seconds starts_at = 0;
-    std::vector<std::string> ended = {};  ///< of which the next one tells
+    std::vector<std::string> ended = {};  ///< reported by the next worker
   };
 
   static void note(const Place& place, std::map<Accident, std::uint64_t>& felt) {
@@ -199,7 +199,7 @@ class World {
   void checkScheduler() {
     const Coordinator& coordinator = scheduler_.coordinator();
     check(coordinator.workers() < most_workers_known, "workers that are gone are never forgotten");
-    // Tables that were damaged may claim anything of the past.
+    // Damaged tables may claim anything about the past.
     if (!ledger_.tables_hurt)
       check(static_cast<int>(coordinator.asideCount()) * deaths_before_aside <= deaths_,
             "a transition was set aside that fewer workers died on");
@@ -235,9 +235,8 @@ class World {
     checkDirectory();
   }
 
-  /// When all has been quiet for a while, nobody is left with something to deliver. (A scheduler
-  /// that has everything soon after its start does not wait for those that have not found it again:
-  /// they give up in time.)
+  /// After a quiet period no worker may have an undelivered result. A scheduler that completes soon
+  /// after its start does not wait for workers that have not found it again; they give up in time.
   void checkLeft() const {
     constexpr Seconds quiet = 100;
     if (now_ < scheduler_.openedAt() + quiet) return;
@@ -248,7 +247,7 @@ class World {
             "a worker is left with results that nobody took");
   }
 
-  /// What lies in the folder, as long as nobody works there.
+  /// Checks the files in the folder while no process uses them.
   void checkDirectory() {
     const std::filesystem::path directory = scheduler_.stateDirectory();
     if (std::filesystem::exists(scheduler_.dataset()))
@@ -262,7 +261,7 @@ class World {
   }
 
   void checkTables(const std::filesystem::path& directory) {
-    // Half made, or half on disk: the next start makes them whole.
+    // Partly created or partly on disk: the next start repairs them.
     if (ledger_.tables_hurt || !tables_made_) return;
     try {
       StoredTables tables(directory);
@@ -281,7 +280,8 @@ class World {
     return keyOf(result);
   }
 
-  /// Or the same but for lies that were recorded when it was sealed, and that nobody found out.
+  /// Whether the dataset is the undisturbed one, except for recorded lies that were undetected when
+  /// it was sealed.
   bool sameAsEver() {
     const std::string sealed = readText(scheduler_.dataset(), "the dataset");
     const bool as_before = !spoiled_.empty() && sealed == spoiled_;
@@ -299,17 +299,18 @@ class World {
       Tables(StateDirectory(scheduler_.stateDirectory())).forgetLosses();
       deaths_ = 0;
     } catch (const Error& error) {
-      // Damaged tables are put aside by the next start, and with them what they knew of deaths.
+      // The next start moves damaged tables aside, and with them the record of deaths.
       check(ledger_.tables_hurt || disk_.takeHurt(), error.what());
     }
   }
 
   // ---- Another process that reads ----
 
-  /// `palpate seal` at any time. While it reads, the others go on until every point is known.
+  /// Runs `palpate seal` at any time. While it reads, the others continue until every point is
+  /// known.
   void sealBeside() {
     sealer_comes_at_.reset();
-    std::exception_ptr broken;  // the C++ library does not let it through
+    std::exception_ptr broken;  // the C++ library does not pass it on
     disk_.beforeRead(sealer_waits_at_, [&] {
       try {
         while (!over() && !everyPointIsKnown() && !filesAreTakenNext()) step();
@@ -346,7 +347,7 @@ class World {
            std::ranges::all_of(scheduler_.coordinator().plans(), &SpacePlan::complete);
   }
 
-  /// Before that whoever reads has to be gone.
+  /// All readers must be gone before that.
   bool filesAreTakenNext() const {
     if (next_event_ == history_.size()) return false;
     const Accident next = history_[next_event_].accident;
@@ -447,7 +448,7 @@ class World {
       case Accident::suspend_worker: worker.stop(now_, until, true); break;
       case Accident::worker_clock_jump: worker.leap(event.length); break;
       case Accident::interrupt_worker: worker.interrupt(now_); break;
-      case Accident::hung_solver: return worker.hangNext();  // felt when it does
+      case Accident::hung_solver: return worker.hangNext();  // counted when it takes effect
       case Accident::out_of_memory: return worker.runOutOfMemory();
       case Accident::slow_solve: return worker.solveSlowly(event.length);
       default: return;
@@ -457,7 +458,7 @@ class World {
 
   void happenToScheduler(const Event& event) {
     const Seconds until = event.at + event.length;
-    // Some in the middle of the next writes, some while it waits.
+    // Sometimes in the middle of the next writes, sometimes while it waits.
     const int changes = static_cast<int>(event.how_much * most_changes);
     switch (event.accident) {
       case Accident::power_cut: power_is_cut_ = true; [[fallthrough]];
@@ -542,14 +543,14 @@ class World {
   Seconds now_ = 0, scheduler_starts_at_ = 0, patience_ = 0;
   std::size_t next_event_ = 0;
   std::optional<Seconds> full_until_, sealed_at_, sealer_comes_at_;
-  int sealer_waits_at_ = 0;  ///< of its reads (Disk::beforeRead)
+  int sealer_waits_at_ = 0;  ///< number of its reads (Disk::beforeRead)
   bool power_is_cut_ = false, tables_made_ = false;
   int deaths_ = 0, workers_started_ = 0;
   std::int64_t steps_ = 0;
-  std::size_t lies_told_ = 0, verdicts_told_ = 0;  ///< in the story
+  std::size_t lies_told_ = 0, verdicts_told_ = 0;  ///< numbers already in the story
   std::map<Accident, std::uint64_t> felt_;
   std::vector<std::string> story_;
-  std::string spoiled_;  ///< the dataset that is there, where it rests on lies
+  std::string spoiled_;  ///< the current dataset, if it contains undetected lies
 };
 
 }  // namespace

@@ -10,18 +10,18 @@
 namespace palpate::simulation {
 
 struct Outcome {
-  std::optional<std::string> broken;  ///< what must not happen, and did
+  std::optional<std::string> broken;  ///< the promise that was broken
   Seconds simulated = 0;
   std::map<Accident, std::uint64_t> felt;
-  std::size_t lies = 0;            ///< results that the scheduler was given and that were wrong
-  std::size_t verdicts = 0;        ///< on who lied
-  bool spoiled = false;            ///< what was sealed rests on lies that nobody found out
-  bool tables_hurt = false;        ///< and with them what they knew of checks and liars
-  std::vector<std::string> story;  ///< what happened, for people
+  std::size_t lies = 0;            ///< false results that the scheduler received
+  std::size_t verdicts = 0;        ///< verdicts on liars
+  bool spoiled = false;            ///< the sealed dataset contains undetected lies
+  bool tables_hurt = false;        ///< the tables with their checks and liars were damaged
+  std::vector<std::string> story;  ///< the events, for people
 };
 
-/// Simulates a service under one seed, with the accidents that are given, until its dataset is
-/// sealed and all have gone home. `folder` is used and emptied.
+/// Simulates a service under one seed with these accidents, until its dataset is sealed and all
+/// processes have ended. Uses and empties `folder`.
 Outcome simulate(const Scenarios& scenarios, std::uint64_t seed, const std::vector<Event>& history,
                  const std::filesystem::path& folder);
 

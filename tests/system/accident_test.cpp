@@ -14,8 +14,8 @@
 #include "tests/support/long_tests.hpp"
 #include "tests/system/small_build.hpp"
 
-/// What happens to machines at night, with the real programs: threads that hang, files that are
-/// damaged or removed, processes that are frozen. The dataset is always the same.
+/// Accidents of machines with the real programs: threads that hang, files that are damaged or
+/// removed, processes that are frozen. The dataset is always the same.
 namespace palpate {
 namespace {
 
@@ -24,7 +24,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Where a stopped thread is in its program; 0 when that cannot be told on this processor.
+/// The instruction pointer of a stopped thread; 0 if unknown on this processor.
 std::uintptr_t instructionOf(pid_t thread) {
   user_regs_struct registers{};
   iovec all{&registers, sizeof registers};
@@ -38,7 +38,7 @@ std::uintptr_t instructionOf(pid_t thread) {
 #endif
 }
 
-/// The file, or [vdso] and the like, whose code lies at `address` in the program of `thread`.
+/// The file (or [vdso] and the like) with the code at `address` in the process of `thread`.
 std::string codeAt(pid_t thread, std::uintptr_t address) {
   std::ifstream maps("/proc/" + std::to_string(thread) + "/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -51,8 +51,9 @@ std::string codeAt(pid_t thread, std::uintptr_t address) {
   return {};
 }
 
-/// One thread of another process, stopped until this object goes. The others go on: it is stopped
-/// in code of the solver, because inside of malloc it would keep the lock that all of them need.
+/// One thread of another process, stopped until this object is destroyed; the other threads run on.
+/// It is stopped inside the solver's code, because inside malloc it would hold a lock that all
+/// threads need.
 class FrozenThread {
  public:
   explicit FrozenThread(pid_t thread) : thread_(thread) {
@@ -66,20 +67,20 @@ class FrozenThread {
   }
   ~FrozenThread() {
     if (frozen_ && ptrace(PTRACE_DETACH, thread_, nullptr, nullptr) != 0)
-      waitpid(thread_, nullptr, __WALL);  // it ended: its process waits for us to know
+      waitpid(thread_, nullptr, __WALL);  // it has ended: its process waits until this is noticed
   }
   FrozenThread(const FrozenThread&) = delete;
   FrozenThread& operator=(const FrozenThread&) = delete;
-  /// Empty when the thread is stopped.
+  /// Empty if the thread is stopped.
   const std::string& whyNot() const { return why_not_; }
-  /// Its process ended, which shows elsewhere only then.
+  /// Waits for the end of the process, which others see only after this.
   bool waitUntilItEnds() {
     frozen_ = !test::eventually([&] { return waitpid(thread_, nullptr, __WALL | WNOHANG) != 0; });
     return !frozen_;
   }
 
  private:
-  /// Stops it; lets it go on again when it is where locks are held that others need.
+  /// Stops the thread; lets it continue if it may hold locks that others need.
   bool stopsInSolver() {
     int status = 0;
     if (ptrace(PTRACE_INTERRUPT, thread_, nullptr, nullptr) != 0 ||
@@ -99,7 +100,7 @@ class FrozenThread {
                                                          "/libstdc++", "/libzmq", "[v", "san.so"},
                                               within))
       return true;
-    // A signal that came instead of our stop is its own.
+    // A signal that arrived before our stop is passed on.
     const bool ours = status >> 16 == PTRACE_EVENT_STOP;
     ptrace(PTRACE_CONT, thread_, nullptr, ours ? 0L : static_cast<long>(WSTOPSIG(status)));
     return false;
@@ -110,7 +111,7 @@ class FrozenThread {
   std::string why_not_;
 };
 
-/// The thread of a worker that was made last, but for those of ZeroMQ.
+/// The worker's newest thread, except for those of ZeroMQ.
 pid_t solverThreadOf(const Process& worker) {
   pid_t solver = -1;
   const std::filesystem::path tasks = "/proc/" + std::to_string(worker.pid()) + "/task";
@@ -125,7 +126,7 @@ pid_t solverThreadOf(const Process& worker) {
 }
 
 struct AccidentTest : test::SmallBuild {
-  // Long enough that it is not over before the accident.
+  // Large enough that the build is not complete before the accident.
   AccidentTest() : SmallBuild(6) {}
 
   std::unique_ptr<Process> serve(const std::vector<std::string>& more = {}) {
@@ -147,7 +148,8 @@ struct AccidentTest : test::SmallBuild {
 };
 
 TEST_F(AccidentTest, AWorkerWithAHungSolverEndsAndAnotherFinishesItsWork) {
-  // Much longer than any solve takes on a machine that is busy: the second worker ends by it too.
+  // Much longer than any solve on a busy machine, because the limit also applies to the second
+  // worker.
   auto scheduler = serve({"--hung-after", "10"});
   const std::string endpoint = endpointIn("served");
   auto worker = work(endpoint);
@@ -210,10 +212,10 @@ TEST_F(AccidentTest, DamageFoundDuringTheRunIsRepairedBeforeSealing) {
   auto worker = work(endpoint);
   ASSERT_TRUE(journalGrows(*scheduler, "served", 20000));
   worker->stop(SIGKILL);
-  // Payloads, which nobody reads before the end, most likely.
+  // Most likely in payloads, which are not read before the end.
   for (const std::uintmax_t byte : {3000u, 9000u, 15000u}) flipInJournal("served", byte);
   auto supervised = start("palpate-worker", {"work", "--connect", endpoint});
-  // It binds the same port again with what is left of the journal.
+  // It restarts on the same port with the rest of the journal.
   const int code = scheduler->wait();
   EXPECT_TRUE(code == 0 || code == 3) << code << scheduler->output();
   EXPECT_THAT(scheduler->output(), HasSubstr("it is dropped, and its result computed again"));
@@ -237,7 +239,7 @@ TEST_F(AccidentTest, ARemovedStateDirectoryEndsTheSchedulerWithAnError) {
 }
 
 TEST_F(AccidentTest, ASuspendedMachineLosesNoWorker) {
-  // Longer than any silence of a worker that is forgiven, when there is time for it.
+  // In long tests, longer than any tolerated silence of a worker.
   const std::chrono::seconds asleep(test::longTestsAreWanted() ? 65 : 4);
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));

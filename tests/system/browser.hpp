@@ -13,10 +13,10 @@
 
 namespace palpate::test {
 
-/// Chromium without a screen, with real input, over the pipes of its DevTools protocol.
+/// Headless Chromium with real input, controlled over the pipes of its DevTools protocol.
 class Browser {
  public:
-  /// Of 1280 x 800 pixels, drawn in software.
+  /// 1280 x 800 pixels, drawn in software.
   explicit Browser(const std::vector<std::string>& options = {}) {
     for (const char* pipe : {"in", "out"})
       if (mkfifo((directory_ / pipe).c_str(), 0600) != 0) throw failure("mkfifo: {}", errnoText());
@@ -43,8 +43,8 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
-  /// What pages are shown in: pixels of the page, each `scale` of the screen's; held in a hand or
-  /// not.
+  /// Size of the window in CSS pixels, device pixels per CSS pixel (`scale`), and whether it is a
+  /// phone.
   struct Window {
     int width = 0, height = 0;
     double scale = 1;
@@ -57,7 +57,7 @@ class Browser {
                                                 {"mobile", window.is_phone}});
     send("Emulation.setTouchEmulationEnabled", {{"enabled", window.is_phone}});
   }
-  /// Before any script of the pages that are opened from now on.
+  /// Runs a script before all other scripts of pages opened from now on.
   void runFirst(const std::string& script) {
     send("Page.enable");
     send("Page.addScriptToEvaluateOnNewDocument", {{"source", script}});
@@ -78,7 +78,7 @@ class Browser {
     }
   }
   void go(const std::string& file) { send("Page.navigate", {{"url", "file://" + file}}); }
-  /// What an expression of the page is, promises awaited.
+  /// The value of an expression in the page; waits for promises.
   nlohmann::json valueOf(const std::string& expression) {
     const nlohmann::json answer =
         send("Runtime.evaluate",
@@ -89,7 +89,7 @@ class Browser {
   bool becomesTrue(const std::string& expression) {
     return eventually([&] { return valueOf("!!(" + expression + ")") == true; });
   }
-  /// "mouseMoved", "mousePressed", "mouseReleased" with the left button, or "mouseWheel".
+  /// `what`: "mouseMoved", "mousePressed" or "mouseReleased" (left button), or "mouseWheel".
   void mouse(const std::string& what, double x, double y, double wheel = 0) {
     send("Input.dispatchMouseEvent", {{"type", what},
                                       {"x", x},
@@ -99,14 +99,14 @@ class Browser {
                                       {"deltaX", 0},
                                       {"deltaY", wheel}});
   }
-  /// "touchStart", "touchMove" with fingers there, or "touchEnd" of all.
+  /// `what`: "touchStart" or "touchMove" with the fingers' positions, or "touchEnd" for all.
   void touch(const std::string& what, const std::vector<std::pair<double, double>>& fingers = {}) {
     nlohmann::json points = nlohmann::json::array();
     for (const auto& [x, y] : fingers)
       points.push_back({{"x", x}, {"y", y}, {"id", points.size()}});
     send("Input.dispatchTouchEvent", {{"type", what}, {"touchPoints", points}});
   }
-  /// Processor time of each of its processes (one draws, one runs the page), seconds.
+  /// Processor time of each of its processes (renderer, page, ...), seconds.
   std::map<pid_t, double> processorSeconds() const {
     std::map<pid_t, double> seconds;
     addProcessorSecondsOf(process_->pid(), seconds);

@@ -69,7 +69,7 @@ TEST_F(SystemTest, OneWorkerAndThreeMakeTheSameFile) {
   EXPECT_EQ(test::contentOf(directory / "three.h5"), undisturbed());
 }
 
-/// What last bits depend on, beside the kernels that the test chooses.
+/// The libraries on which last bits depend, besides the kernels that the test selects.
 std::string librariesHere() {
   return fmt::format("GCC {}, glibc {}, MUMPS {}, Eigen {}.{}.{}", __VERSION__,
                      gnu_get_libc_version(), MUMPS_VERSION, EIGEN_WORLD_VERSION,
@@ -77,8 +77,8 @@ std::string librariesHere() {
 }
 
 TEST_F(SystemTest, TheShippedLiverHasTheRecordedContent) {
-  // A change that moves forces moves these; write the new content here when it was meant. The
-  // libraries choose code by the processor even so: two kinds of machines are known.
+  // Contents of the shipped liver. A change that is meant to change forces must replace them.
+  // Libraries choose code by the processor all the same: two kinds of machines are known.
   const std::vector<std::string> contents = {
       "2a5640050b464716acb532d4f7928856c1e1368f9630301d561ca6267f58e52c",
       "8022324e467c648c20adfa631f3a875f514afe6a3a84a48f48e83edae7d9e376"};
@@ -167,7 +167,7 @@ TEST_F(SystemTest, ASecondSchedulerIsRefusedTheSocketOfTheFirst) {
   EXPECT_EQ(worker->wait(), 0) << worker->output();
 }
 
-/// The file `endpoint` leads to another one, which took the address over.
+/// The file `endpoint` leads to another scheduler, which now has the address.
 TEST_F(SystemTest, AnotherBuildsSchedulerAtTheSameAddressIsNotMistaken) {
   std::filesystem::create_directory(directory / "other");
   writeScene(directory / "other", 2000);
@@ -199,7 +199,7 @@ TEST_F(SystemTest, AnInterruptedBuildResumes) {
 }
 
 TEST_F(SystemTest, SimultaneousSignalsCountAsOneAndLetWorkersFinish) {
-  // As timeout(1) does: the process, and then its group.
+  // Like timeout(1): first the process, then its group.
   for (const int number : {SIGTERM, SIGINT}) {
     auto build = startBuild("out.h5", "2");
     ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
@@ -224,7 +224,7 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   EXPECT_THAT(told("explain out.h5.state --active tip 0 0 0"), HasSubstr("expandable"));
 }
 
-/// As systemd starts it.
+/// Started as by systemd.
 TEST_F(SystemTest, AServiceManagerIsToldReadinessAndProgress) {
   const test::NotifySocket manager(directory.path());
   auto scheduler = serve("state", "out.h5");
@@ -244,7 +244,7 @@ TEST_F(SystemTest, AServiceManagerIsToldReadinessAndProgress) {
 TEST_F(SystemTest, NewerMachinesUseCommonKernelsForTheSameBits) {
   if (cpuFamily() == CpuFamily::baseline)
     GTEST_SKIP() << "this CPU has no kernels but baseline: changing them was NOT tested";
-  // Where a person has chosen them, workers have no others.
+  // If the user has chosen kernels, workers have no others.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");
   auto scheduler = serve("state", "out.h5", {"--kernels", "baseline"});
@@ -341,7 +341,7 @@ TEST_F(SystemTest, AChangedSceneIsBuiltAndTheOldBuildKeptUnderANewName) {
       start("palpate-scheduler", {"build", "cube.toml", "-o", "out.h5", "-j", "1", "--replace"});
   expectFinished(*replaced);
   EXPECT_THAT(replaced->output(), HasSubstr("sealed after"));
-  // And back: there it is still.
+  // Back to the first scene, whose dataset still exists.
   writeScene(directory.path(), 1300);
   EXPECT_THAT(built(aside), HasSubstr("is already the dataset of this scene"));
 }

@@ -5,7 +5,7 @@
 
 #include "tests/system/small_build.hpp"
 
-/// `palpate check` of a state directory, as a user calls it.
+/// `palpate check` of a state directory, called as by a user.
 
 namespace palpate {
 namespace {
@@ -30,13 +30,13 @@ struct CheckStateTest : test::SmallBuild {
 TEST_F(CheckStateTest, ReportsDamageByExitCodeAndRepairsItForTheBuild) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
-  // On a busy machine it would be done before it is looked at twice.
+  // Otherwise the build might end before the second check on a busy machine.
   build->signal(SIGSTOP);
   EXPECT_THAT(check("out.h5.state", 0), HasSubstr("is running there"));
   EXPECT_THAT(check("out.h5.state --repair", 1), HasSubstr("is in use by process"));
   build->stop(SIGKILL);
 
-  check("out.h5.state", 0);  // a kill is no damage
+  check("out.h5.state", 0);  // a kill is not damage
   for (const std::streamoff byte : {10, 15000, 40000}) flip(byte);
   EXPECT_THAT(check("out.h5.state --json", 1),
               AllOf(HasSubstr("\"whole\":false"), HasSubstr("\"byte\":0,")));

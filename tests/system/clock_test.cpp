@@ -2,7 +2,8 @@
 
 #include "tests/system/small_build.hpp"
 
-/// Machines whose clocks are days apart, of one machine: libfaketime (Debian: faketime).
+/// Machines whose clocks differ by days, simulated on one machine with libfaketime (Debian:
+/// faketime).
 namespace palpate {
 namespace {
 
@@ -32,7 +33,7 @@ TEST_F(ClockTest, ClocksThatAreDaysApartGiveTheSameDataset) {
   const std::string endpoint = endpointIn("state");
   auto behind = startAt("-3d", "palpate-worker", {"work", "--connect", endpoint});
   auto ahead = startAt("+3d", "palpate-worker", {"work", "--connect", endpoint});
-  // Killed, and begun again by a clock that is behind the last run's.
+  // Killed, and started again with a clock behind that of the last run.
   ASSERT_TRUE(journalGrows(*scheduler, "state", 5000)) << scheduler->output();
   scheduler->stop(SIGKILL);
   scheduler =

@@ -14,8 +14,8 @@
 #include "tests/system/own_network.hpp"
 #include "tests/system/small_build.hpp"
 
-/// A night of accidents: schedulers, workers and their supervisors are killed and stopped at random
-/// moments, again and again, and what died is started anew.
+/// Schedulers, workers and their supervisors are killed and stopped at random moments, and
+/// restarted when they have died.
 namespace palpate {
 namespace {
 
@@ -47,11 +47,11 @@ class DisturbedBuild {
   bool finished() const { return finished_; }
   Clock::time_point lastDisturbed() const { return last_disturbed_; }
   int timesRetried() const { return retried_; }
-  /// What was done to it, for people.
+  /// The list of disturbances, for people.
   const std::string& story() const { return story_; }
 
-  /// Starts what ended because of us, lets go on what was stopped long enough. What ended for
-  /// another reason than that it was finished is a failure.
+  /// Restarts processes that the test ended, and resumes stopped ones when their time is over. A
+  /// process that ended for another reason before completion is a failure.
   void mend() {
     std::erase_if(stopped_, [&](const auto& entry) {
       if (Clock::now() < entry.second) return false;
@@ -77,7 +77,8 @@ class DisturbedBuild {
         directory_);
   }
 
-  /// Kills or stops one of its processes, or kills all. False when that one is not there just now.
+  /// Kills or stops one of its processes, or kills all. False if that process does not run at the
+  /// moment.
   bool disturb(std::mt19937& dice) {
     const auto atMost = [&](int largest) {
       return std::uniform_int_distribution(0, largest)(dice);
@@ -94,7 +95,8 @@ class DisturbedBuild {
     const int what = atMost(9);
     last_disturbed_ = Clock::now();
     if (what < 4) {
-      // Mostly hiccups; sometimes longer than what schedulers and workers call a gap of their own.
+      // Mostly short stops; sometimes longer than the gap that schedulers and workers notice
+      // themselves.
       const milliseconds time(atMost(9) == 0 ? 3000 + atMost(3000) : 100 + atMost(900));
       stopped_[victim] = last_disturbed_ + time;
       kill(victim, SIGSTOP);
@@ -116,7 +118,7 @@ class DisturbedBuild {
 
  private:
   void startScheduler() {
-    // Its workers know one port.
+    // Its workers know only one port.
     const std::string listen = endpoint_.empty() ? "tcp://127.0.0.1:*" : endpoint_;
     scheduler_ =
         std::make_unique<Process>("palpate-scheduler",
@@ -129,7 +131,7 @@ class DisturbedBuild {
     scheduler_.reset();
     finished_ = code == 0 || code == 3;
     if (finished_ || (code == 128 + SIGKILL && scheduler_killed_)) return;
-    // Five workers may by chance have been killed at one transition.
+    // By chance, five workers may have been killed at one transition.
     if (code == 1 && output.find("set aside") != std::string::npos) {
       ++retried_;
       tell("retry");
@@ -143,7 +145,7 @@ class DisturbedBuild {
   void supervisorEnded(int code) {
     const std::string output = workers_->output();
     workers_.reset();
-    // 0: the scheduler had just finished. It also gives up when too many workers were killed.
+    // 0: the scheduler had just completed. It also gives up when too many workers were killed.
     if ((code == 128 + SIGKILL && workers_killed_) || code == 0 ||
         output.find("right after its start") != std::string::npos)
       return;
@@ -171,7 +173,7 @@ class DisturbedBuild {
 struct DisturbanceTest : test::SmallBuild {
   test::OwnNetwork network;
 
-  /// Disturbs `at_once` builds at a time, at random, until it was done `wanted` times.
+  /// Disturbs `at_once` builds at a time, at random, until `wanted` disturbances are done.
   void disturbAndFinish(int wanted, int at_once) {
     const unsigned seed = test::testSeed();
     SCOPED_TRACE("PALPATE_TEST_SEED=" + std::to_string(seed));

@@ -3,7 +3,7 @@
 #include "tests/support/command.hpp"
 #include "tests/system/small_build.hpp"
 
-/// Keys as people use them: palpate key, serve, work, status, stop, each user with a folder.
+/// Keys as people use them: palpate key, serve, work, status, stop; each user has a folder.
 namespace palpate {
 namespace {
 
@@ -67,14 +67,14 @@ TEST_F(KeysTest, AWorkerWaitsForAdmissionAndLeavesOnWithdrawal) {
     return scheduler->output().find("joined") != std::string::npos || !worker->running();
   }));
   if (scheduler->running()) expectDone("head", "key withdraw node");
-  // It may have finished before.
+  // It may have completed before.
   EXPECT_THAT(worker->wait(), testing::AnyOf(0, 1)) << worker->output();
   EXPECT_THAT(worker->output(),
               testing::AnyOf(HasSubstr("no longer allowed"), HasSubstr("no more work")));
 }
 
 TEST_F(KeysTest, ABuildHasItsOwnKeysInItsStateDirectory) {
-  // Paused before it begins, else it is done before it is asked.
+  // Paused before the start, otherwise it might complete before it is queried.
   auto first = SmallBuild::serve("out.h5.state", "out.h5");
   endpointIn("out.h5.state");
   expectDone("anybody", "pause out.h5.state");

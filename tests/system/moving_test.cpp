@@ -2,7 +2,7 @@
 
 #include "tests/system/small_build.hpp"
 
-/// A scheduler that goes on somewhere else, as docs/operating.md says.
+/// Moves a scheduler as described in docs/operating.md.
 namespace palpate {
 namespace {
 
@@ -15,7 +15,7 @@ struct MovingTest : test::SmallBuild {
   std::unique_ptr<Process> serve(const std::string& state, const std::string& keys) {
     return SmallBuild::serve(state, "out.h5", {"--keys", keys});
   }
-  /// A copy says at first where the original listened.
+  /// At first a copy contains the address of the original.
   std::string endpointOf(Process& scheduler, const std::string& state) const {
     EXPECT_TRUE(test::eventually([&] {
       return !scheduler.running() || scheduler.output().find("listening on") != std::string::npos;
@@ -29,7 +29,7 @@ struct MovingTest : test::SmallBuild {
   std::string keyOf(const std::string& folder) const {
     return told("key show --keys " + folder).substr(0, 64);
   }
-  /// The worker's key is let in by the new key of a scheduler.
+  /// Admits the worker's key under the scheduler's new key.
   void introduce(const std::string& head) const {
     for (const std::string& folder : {head, std::string("node")})
       if (!exists(directory / folder)) told("key new --keys " + folder);
@@ -39,7 +39,7 @@ struct MovingTest : test::SmallBuild {
     std::filesystem::copy(directory / from, directory / to,
                           std::filesystem::copy_options::recursive);
   }
-  /// A machine that is gone in the middle of a build, and whose disk is not.
+  /// Loses the machine in the middle of a build, but not its disk.
   std::string losesItsMachine(const std::string& state) {
     introduce("head");
     told("key trust " + keyOf("head") + " --keys node");

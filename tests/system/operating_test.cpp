@@ -9,7 +9,7 @@
 
 #include "tests/system/small_build.hpp"
 
-/// What somebody who runs a scheduler sees of it from outside: its log and its events.
+/// What an operator sees of a scheduler: its log and its events.
 namespace palpate {
 namespace {
 
@@ -52,16 +52,17 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   EXPECT_THAT(eventsOf("out.h5.state --event paused"), SizeIs(0));
   told("events out.h5.state --event seald", 2);
   told("events cube.toml", 2);
-  told("check out.h5.state");  // they are no damage
+  told("check out.h5.state");  // not reported as damage
 }
 
 TEST_F(OperatingTest, StatusShowsTheRecordsOfASchedulerThatEndsMeanwhile) {
   auto scheduler = serve("state", "out.h5");
   const std::string endpoint = endpointIn("state");
-  scheduler->signal(SIGSTOP);  // the system accepts who asks, and nobody answers
+  scheduler->signal(SIGSTOP);  // the system accepts connections, but nobody answers
   auto status = start("palpate-scheduler", {"status", "state"});
   const std::string connected = fmt::format(
-      ":{:04X} 01", std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));  // of proc(5), tcp
+      ":{:04X} 01",
+      std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));  // format of /proc/net/tcp, proc(5)
   EXPECT_TRUE(test::eventually([&] {
     return !status->running() ||
            test::contentOf("/proc/net/tcp").find(connected) != std::string::npos;
@@ -74,7 +75,7 @@ TEST_F(OperatingTest, StatusShowsTheRecordsOfASchedulerThatEndsMeanwhile) {
 TEST_F(OperatingTest, ASchedulerThatReadsItsJournalIsNeitherCompleteNorStopped) {
   auto build = startBuild("out.h5", "2");
   expectFinished(*build);
-  // As one that was started again and does not listen yet.
+  // A restarted scheduler that does not listen yet.
   const std::filesystem::path state = directory / "out.h5.state";
   std::filesystem::remove(state / "endpoint");
   std::ofstream(state / "lock") << "4711\n";

@@ -10,10 +10,9 @@
 
 namespace palpate::test {
 
-/// Networks of this test alone, where root may make them: no other program takes its ports, and
-/// nothing is left of them when it ends, however it ends. Else what there is.
-///
-/// What is started belongs to the network that this process is in at that moment.
+/// Networks for this test only, if root may create them: no other program takes its ports, and
+/// nothing remains of them, however the test ends. Otherwise the existing network.
+/// Programs belong to the network in which this process is when it starts them.
 class OwnNetwork {
  public:
   OwnNetwork() : before_(current()) {
@@ -28,8 +27,8 @@ class OwnNetwork {
   OwnNetwork(const OwnNetwork&) = delete;
   OwnNetwork& operator=(const OwnNetwork&) = delete;
 
-  /// A second network, joined to the first by one cable: 10.77.0.1 here, 10.77.0.2 there. False
-  /// where that cannot be.
+  /// A second network, connected to the first by one cable: 10.77.0.1 here, 10.77.0.2 there. False
+  /// if it cannot be created.
   bool joinAnother() {
     if (here_ < 0 || unshare(CLONE_NEWNET) != 0) return false;
     there_ = current();

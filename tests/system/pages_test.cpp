@@ -10,7 +10,7 @@
 #include "tests/support/long_tests.hpp"
 #include "tests/system/small_build.hpp"
 
-/// What a scheduler offers over HTTP, as a browser and Prometheus see it.
+/// The HTTP pages of a scheduler, seen by a browser and Prometheus.
 namespace palpate {
 namespace {
 
@@ -26,7 +26,7 @@ bool isInstalled(const char* program) {
 struct PagesTest : test::SmallBuild {
   std::unique_ptr<test::Process> scheduler, work;
 
-  /// Large enough that it takes a while.
+  /// Large enough to take a while.
   PagesTest() : SmallBuild(8) {}
 
   void begin(const std::vector<std::string>& options) {
@@ -36,7 +36,7 @@ struct PagesTest : test::SmallBuild {
   void join() {
     work = start("palpate-worker", {"work", "--connect", endpointIn("state"), "-j", "1"});
   }
-  /// Where the log says that it listens.
+  /// The port that the log announces.
   int portOf(const std::string& what) const {
     const std::regex line(what + ": http://127\\.0\\.0\\.1:(\\d+)/");
     std::smatch found;
@@ -57,7 +57,7 @@ struct PagesTest : test::SmallBuild {
     }));
     return statusNow();
   }
-  /// The page as it is after its scripts ran for some seconds.
+  /// The page after its scripts ran for some seconds.
   std::string domOf(const std::string& address) const {
     return test::runCommand(
                "timeout -k 5 120 chromium --headless --no-sandbox --disable-gpu "
@@ -140,7 +140,7 @@ TEST_F(PagesTest, TheDashboardExplainsAPoint) {
   EXPECT_THAT(dom, HasSubstr("tip: point (0, 0, 0), displacement (0, 0, 0) m: expandable"));
 }
 
-/// Host names are whatever a machine says.
+/// A machine may report any host name.
 TEST_F(PagesTest, NamesOfMachinesCannotBecomeScripts) {
   if (!isInstalled("chromium")) GTEST_SKIP() << "NOT TESTED: chromium is not installed";
   if (geteuid() != 0) GTEST_SKIP() << "NOT TESTED: only root gives a machine another name";

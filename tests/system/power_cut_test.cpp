@@ -16,9 +16,9 @@
 #include "tests/support/long_tests.hpp"
 #include "tests/system/small_build.hpp"
 
-/// The power fails while a build runs: its disk is an ext4 file system in a file, which is copied
-/// at some moment. The copy holds what had been written to the disk by then, and nothing of what
-/// the kernel still kept in memory. Mounting it is starting the machine again.
+/// Power cuts during a build. Its disk is an ext4 file system in a file, which is copied at some
+/// moment. The copy holds what had been written to the disk by then, and nothing that the kernel
+/// kept in memory. Mounting the copy corresponds to a restart of the machine.
 namespace palpate {
 namespace {
 
@@ -28,8 +28,8 @@ using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-/// Mounts from now on are seen by this process and its children alone, and go with them, however
-/// they end. Empty, or why there can be none.
+/// Mounts from now on are visible only to this process and its children, and disappear with them,
+/// however they end. Returns empty, or the reason why nothing can be mounted.
 std::string whyNothingCanBeMounted() {
   if (geteuid() != 0) return "only root may mount disks";
   if (unshare(CLONE_NEWNS) != 0 || mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0)
@@ -37,10 +37,10 @@ std::string whyNothingCanBeMounted() {
   return {};
 }
 
-/// An ext4 file system in a file. The loop device goes with the mount.
+/// An ext4 file system in a file. The loop device ends with the mount.
 class Disk {
  public:
-  /// `name`.img in `directory`, and where it is mounted, `name`.
+  /// The file `name`.img in `directory`; it is mounted at `name`.
   Disk(const std::filesystem::path& directory, const std::string& name)
       : image_(directory / (name + ".img")), root_(directory / name) {
     std::filesystem::create_directory(root_);
@@ -55,7 +55,7 @@ class Disk {
 
   const std::filesystem::path& root() const { return root_; }
   const std::filesystem::path& image() const { return image_; }
-  /// Empty, or what went wrong.
+  /// Returns empty, or the error.
   std::string format() const {
     std::ofstream(image_).close();
     std::filesystem::resize_file(image_, 16u << 20);
@@ -65,7 +65,7 @@ class Disk {
     return run("mount -t ext4 -o loop '" + image_.string() + "' '" + root_.string() + "'");
   }
   void unmount() const {
-    // Whoever wrote here may be about to end.
+    // A process that wrote here may be about to end.
     EXPECT_TRUE(test::eventually([&] { return umount2(root_.c_str(), 0) == 0; }))
         << std::strerror(errno);
   }
@@ -78,7 +78,7 @@ class Disk {
   std::filesystem::path image_, root_;
 };
 
-/// What is in a file at one moment, holes as zeros: it is read until two readings are the same.
+/// The contents of a file at one moment, holes as zeros: it is read until two readings agree.
 std::string atOneMoment(const std::filesystem::path& file) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   const auto size = static_cast<off_t>(std::filesystem::file_size(file));
@@ -119,8 +119,7 @@ void writeSparse(const std::filesystem::path& file, const std::string& bytes) {
   std::filesystem::resize_file(file, bytes.size());
 }
 
-/// Where the first `count` records of a journal end (docs/internals/state.md), all of them when it
-/// has no more.
+/// The end of the first `count` records of a journal (docs/state.md), or of all if it has fewer.
 std::size_t endOfRecords(const std::string& journal, std::size_t count) {
   std::size_t at = 0;
   constexpr std::size_t preamble = 20;
@@ -141,12 +140,12 @@ std::size_t countRecords(const std::string& journal) {
   return count;
 }
 
-/// A disk as the power cut left it, and what had been promised by then.
+/// A disk after a power cut, and what had been promised by then.
 struct PowerCut {
   std::string when;
   std::string disk;
   std::size_t recorded = 0;  ///< results that `status` had counted
-  bool sealed = false;       ///< the build had said so
+  bool sealed = false;       ///< the build had reported it
 };
 
 struct DiskTest : test::SmallBuild {
@@ -175,7 +174,7 @@ struct PowerCutTest : DiskTest {
 
   int atMost(int largest) { return std::uniform_int_distribution(0, largest)(dice); }
 
-  /// Of the scheduler that works on `disk`; 0 when it does not answer yet.
+  /// Results counted by the scheduler on `disk`; 0 if it does not answer yet.
   std::size_t recordedOn(const Disk& disk) {
     const test::CommandResult status =
         test::runCommand(PALPATE_BIN_DIR "/palpate-scheduler status --json '" +
@@ -185,8 +184,9 @@ struct PowerCutTest : DiskTest {
                                                            : 0;
   }
 
-  /// Cuts at random moments of one run, which begins with `found` results, until it ends; or until
-  /// `longest` has passed: then it is killed. At most `most` of them, but for those at its end.
+  /// Cuts the power at random moments of one run, which starts with `found` results. The run ends
+  /// by itself, or is killed after `longest`. Makes at most `most` cuts, not counting those at its
+  /// end.
   void cutsInOneRun(const Disk& disk, std::vector<PowerCut>& cuts, std::size_t most,
                     std::size_t found, milliseconds longest) {
     auto build = buildOn(disk);
@@ -218,7 +218,7 @@ struct PowerCutTest : DiskTest {
     cuts.push_back({"after it was sealed", atOneMoment(disk.image()), found, true});
   }
 
-  /// A build in two runs, with about eight power cuts, each of which is then recovered from.
+  /// A build in two runs with about eight power cuts, each followed by a recovery.
   void cutsOfOneBuild(const std::string& undisturbed) {
     std::vector<PowerCut> cuts;
     std::string journal;
@@ -236,7 +236,7 @@ struct PowerCutTest : DiskTest {
     for (const PowerCut& cut : cuts) recoverFrom(cut, journal, undisturbed);
   }
 
-  /// `journal`: of the run that was not cut, whose beginning the disk must hold.
+  /// `journal`: of the run without a cut; the disk must hold its beginning.
   void recoverFrom(const PowerCut& cut, const std::string& journal,
                    const std::string& undisturbed) {
     SCOPED_TRACE("power cut " + cut.when + ", " + std::to_string(cut.recorded) +
@@ -309,7 +309,7 @@ TEST_F(DiskTest, AFullDiskEndsTheBuildWhichResumesWhenThereIsRoom) {
   ASSERT_EQ(disk.format(), "");
   ASSERT_EQ(disk.mounted(), "");
   const std::filesystem::path filler = disk.root() / "filler";
-  // Not for the tables; not for the journal; not for the dataset.
+  // Too little for the tables, the journal, or the dataset.
   for (const std::uintmax_t room : {20u << 10, 60u << 10, 200u << 10, 400u << 10}) {
     SCOPED_TRACE(std::to_string(room) + " bytes are free");
     test::runCommand("dd if=/dev/zero bs=4k of='" + filler.string() + "'");
@@ -320,7 +320,7 @@ TEST_F(DiskTest, AFullDiskEndsTheBuildWhichResumesWhenThereIsRoom) {
     EXPECT_THAT(build->output(), testing::ContainsRegex("No space left|the disk is full"));
     EXPECT_FALSE(std::filesystem::exists(disk.root() / "out.h5"));
     std::filesystem::remove(filler);
-    sync();  // until then the room is not free
+    sync();  // the room is not free before that
   }
   auto build = buildOn(disk);
   expectFinished(*build);

@@ -30,28 +30,28 @@ inline bool eventually(const std::function<bool()>& condition,
   return true;
 }
 
-/// As far as it can be read: that of a process in /proc may be gone meanwhile.
+/// The readable part of a file: files of a process in /proc may disappear.
 inline std::string contentOf(const std::filesystem::path& file) {
   std::ostringstream content;
   content << std::ifstream(file, std::ios::binary).rdbuf();
   return content.str();
 }
 
-/// Where the scheduler that works in `state` listens; empty when it has not said so yet.
+/// The address of the scheduler that works in `state`; empty if it is not announced yet.
 inline std::string endpointAnnouncedIn(const std::filesystem::path& state) {
   const std::string address = contentOf(state / "endpoint");
   return address.substr(0, address.find('\n'));
 }
 
-/// A program of the project, or one of the system by its whole path, in its own process, its output
-/// in a file. Killed when this object goes.
+/// A process of a project program, or of a system program given by its full path, with its output
+/// in a file. Killed when this object is destroyed.
 class Process {
  public:
   Process(const std::string& program, std::vector<std::string> arguments,
           const std::filesystem::path& directory)
       : output_(directory / (std::filesystem::path(program).filename().string() + "-" +
                              std::to_string(++started_) + ".log")) {
-    // A whole path stays what it is.
+    // A full path replaces the folder of the project.
     arguments.insert(arguments.begin(), std::filesystem::path(PALPATE_BIN_DIR) / program);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -59,7 +59,7 @@ class Process {
     pid_ = fork();
     if (pid_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    // Not those of who runs the tests.
+    // Not the keys of the user who runs the tests.
     setenv("PALPATE_KEYS", (directory / "keys").c_str(), 1);
     const int out = open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (out < 0 || dup2(out, STDOUT_FILENO) < 0 || dup2(out, STDERR_FILENO) < 0 ||
@@ -82,8 +82,8 @@ class Process {
            info.si_pid == 0;
   }
   void signal(int number) const { kill(pid_, number); }
-  /// The exit code, or 128 + the signal that ended it. One that does not end within `limit`, less
-  /// than a test is given, is shown and killed.
+  /// Returns the exit code, or 128 + the signal that ended it. A process that does not end within
+  /// `limit`, which is less than a test's time, is reported and killed.
   int wait(std::chrono::seconds limit = std::chrono::minutes(10)) {
     if (!eventually([&] { return !running(); }, limit)) {
       std::cerr << "process " << pid_ << " did not end within " << limit.count()
@@ -101,7 +101,7 @@ class Process {
     return wait();
   }
   std::string output() const { return contentOf(output_); }
-  /// Its children, in no order.
+  /// Its child processes, in no order.
   std::vector<pid_t> children() const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
                        "/children");
@@ -114,7 +114,7 @@ class Process {
   pid_t pid_ = -1;
 };
 
-/// Whether it says so, now or soon.
+/// Returns whether the process prints these words, now or soon.
 inline bool says(const Process& process, const std::string& words) {
   return eventually([&] { return process.output().find(words) != std::string::npos; });
 }

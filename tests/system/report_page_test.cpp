@@ -6,15 +6,15 @@
 #include "tests/support/sample_dataset.hpp"
 #include "tests/system/browser.hpp"
 
-/// Pages that `palpate report` writes, as a browser shows them.
+/// Pages of `palpate report` in a browser.
 namespace palpate {
 namespace {
 
 using nlohmann::json;
 using ::testing::IsEmpty;
 
-/// Names of all that is wrong in a page: errors of scripts, numbers that do not exist, drawings
-/// that are empty or cut off, files that no program reads, and words beyond the edge.
+/// Lists everything that is wrong in a page: script errors, invalid numbers, empty or clipped
+/// drawings, references to other files, and text beyond the edge.
 constexpr const char* faults_of_page = R"((() => {
   const faults = [...errors];
   if (/NaN|undefined|\[object|Infinity/.test(document.body.innerText)) faults.push("no number");
@@ -51,7 +51,7 @@ struct ReportPageTest : testing::Test {
     if (test::runCommand("command -v chromium").exit_code != 0)
       GTEST_SKIP() << "NOT TESTED: chromium is not installed";
   }
-  /// What `palpate report` says of files in the folder, in a browser.
+  /// Runs `palpate report` on files in the folder and opens the page in a browser.
   void open(test::Browser& browser, const std::string& files) const {
     const test::CommandResult made =
         test::runCommand("cd '" + directory.path().string() +
@@ -79,8 +79,8 @@ TEST_F(ReportPageTest, ShowsEveryFigureOfActiveNodes) {
   EXPECT_THAT(sectionsOf(browser),
               testing::ElementsAre("frontier", "ways", "loops", "bounds", "nodes", "organ", "maps",
                                    "curves", "failures", "sizes", "provenance"));
-  // Speed, two of errors along the way, loops, nodes, two maps of the organ, and of each of the two
-  // active nodes slices, axes and ways.
+  // Speed, two figures of errors along the way, loops, nodes, two maps of the organ; and slices,
+  // axes and ways of both active nodes.
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('figure').length"), 7 + 2 * 3);
   EXPECT_EQ(browser.valueOf("document.getElementById('other')"), nullptr) << "names are no markup";
   EXPECT_THAT(browser.valueOf("saved[0].name").get<std::string>(),
@@ -102,7 +102,7 @@ TEST_F(ReportPageTest, SavesADrawingAndItsNumbers) {
   browser.send("Browser.setDownloadBehavior",
                {{"behavior", "allow"}, {"downloadPath", directory.path().string()}});
   for (const char* file : {"sample-figure-1a.svg", "sample-figure-1a.csv"}) {
-    // By the keyboard: a button that has the focus.
+    // By keyboard: a button that has the focus.
     browser.valueOf("document.querySelector('button[title=\"Save " + std::string(file) +
                     "\"]').focus()");
     for (const char* what : {"keyDown", "keyUp"})
@@ -143,7 +143,7 @@ TEST_F(ReportPageTest, ShowsTwoDatasetsSideBySide) {
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('tr.differs').length"), 1) << "material";
 }
 
-// It once began with the errors of every 2nd point, a lattice of 18, as if they were its own.
+// Regression: it showed the errors of every 2nd point, a lattice of 18, as if they were its own.
 TEST_F(ReportPageTest, FirstFigureShowsNoErrorsOfAThinnedLattice) {
   test::SampleDataset sample;
   sample.seal(directory / "bare.h5");

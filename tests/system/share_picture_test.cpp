@@ -8,14 +8,14 @@
 #include "tests/system/touchable_pixel.hpp"
 #include "viewer/fields/relative_error.hpp"
 
-/// What a page of `palpate share` shows of the tool and of its force.
+/// The tool and its force on a page of `palpate share`.
 namespace palpate {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-/// Half of how wide the tool is seen to be above its tip, m: looked for from both sides.
+/// Half the visible width of the tool above its tip, m, found from both sides.
 constexpr const char* tool_radius_script = R"((() => {
   const {page} = palpate, {gl, camera, canvas, surface} = page, {hand} = page.scene();
   page.picture.draw(camera, page.scene());
@@ -37,8 +37,8 @@ constexpr const char* tool_radius_script = R"((() => {
   return (widths[0] + widths[1]) / 2;
 })())";
 
-/// How many pieces of the colour of a certain and of an uncertain force there are along the shaft
-/// of the arrow, which is seen from the side, and the colours of the words.
+/// How many dashes in the colours of certain and uncertain forces lie along the arrow's shaft, seen
+/// from the side; and the colours of the text.
 constexpr const char* arrow_script = R"((() => {
   const {page} = palpate, {gl, camera, canvas} = page, {hand, ...scene} = page.scene();
   const shown = {...hand, force: scaled(camera.up, 0.9 * facts.maxForce)};
@@ -67,7 +67,7 @@ struct SharePictureTest : test::SharedPage {
     browser.mouse("mousePressed", x, y);
     settle(browser);
   }
-  /// The numbers are those of the last answer.
+  /// The numbers belong to the latest answer.
   static bool isWritten(test::Browser& browser) {
     return browser.becomesTrue(
         "document.getElementById('about').textContent === "
@@ -93,7 +93,8 @@ TEST_F(SharePictureTest, AnActiveNodeIsTouchedByAThinTool) {
   EXPECT_NEAR(browser.valueOf(tool_radius_script).get<double>(), 0.045 * radius, 0.005 * radius);
 }
 
-/// A coarse lattice: near its middle the bound is small, farther out a hand would notice it.
+/// On a coarse lattice the bound is small near the middle; farther out a hand would notice the
+/// error.
 TEST_F(SharePictureTest, AForceTurnsAmberWhenAHandCouldNoticeItsError) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
   if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.1, 0.1))) return;
@@ -126,7 +127,7 @@ TEST_F(SharePictureTest, AForceTurnsAmberWhenAHandCouldNoticeItsError) {
                                             100 * share(), 100 * noticeable_force_error));
 }
 
-/// Below a force that a hand feels there is no error that it notices.
+/// Below a force that a hand feels, it notices no error.
 TEST_F(SharePictureTest, AnErrorThatAHandDoesNotFeelIsNotUncertain) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;

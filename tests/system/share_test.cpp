@@ -7,7 +7,7 @@
 #include "tests/system/shared_page.hpp"
 #include "tests/system/touchable_pixel.hpp"
 
-/// A page that `palpate share` made, pressed by mouse and finger.
+/// A page of `palpate share`, pressed by mouse and finger.
 namespace palpate {
 namespace {
 
@@ -15,7 +15,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 struct ShareTest : test::SharedPage {
-  /// The last answer of the field is that of `palpate query`.
+  /// The latest answer of the page equals that of `palpate query`.
   void expectAnswerOfQuery(test::Browser& browser, bool finger) const {
     const json felt = browser.valueOf("JSON.stringify(palpate.touched)");
     const json touched = json::parse(felt.get<std::string>());
@@ -57,7 +57,7 @@ TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
 
   const double before = browser.valueOf("Math.hypot(...palpate.touched.force)");
   browser.mouse("mouseWheel", x + 40, y + 20, -400);
-  // A notch is a thirtieth of what the hand can press.
+  // A notch of the wheel is a thirtieth of the greatest press.
   ASSERT_TRUE(browser.becomesTrue(
       "Math.abs(palpate.page.hand.wanted - 0.01 - 4 * palpate.page.reach / 30) < 1e-9"));
   settle(browser);
@@ -100,7 +100,7 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
 }
 
-/// It ended before, where a sixtieth of the reach is no round number.
+/// Regression: it stopped earlier if a sixtieth of the reach is not a round number.
 TEST_F(ShareTest, TheSliderComesToTheDeepestPress) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
   if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.05, 0.025))) return;

@@ -4,7 +4,7 @@
 #include "tests/support/finger_body.hpp"
 #include "tests/system/shared_page.hpp"
 
-/// A page of `palpate share` that cannot be touched: it says why, and what to do.
+/// A page of `palpate share` that cannot be touched says why, and what to do.
 namespace palpate {
 namespace {
 
@@ -14,7 +14,7 @@ using ::testing::Not;
 
 struct ShareTroubleTest : test::SharedPage {
   bool makePage() const { return test::SharedPage::makePage(test::FingerBody()); }
-  /// What the page says when it is opened, and that nothing else is seen.
+  /// The message of the page after opening; nothing else is visible.
   std::string sentenceOf(test::Browser& browser) const {
     browser.go(page());
     EXPECT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
@@ -28,7 +28,7 @@ struct ShareTroubleTest : test::SharedPage {
     return browser.valueOf("document.getElementById('" + id + "').offsetHeight");
   }
   void put(const std::string& text) const { std::ofstream(page(), std::ios::binary) << text; }
-  /// Another organ in the place of this one: `change` is Python of its bytes `o`.
+  /// Changes the organ in the page: `change` is a Python expression of its bytes `o`.
   void changeOrgan(const std::string& change) const {
     const test::CommandResult changed =
         test::runCommand("cd '" + directory.path().string() +
@@ -60,7 +60,7 @@ TEST_F(ShareTroubleTest, ExplainsStoppedGraphicsUntilTheyReturn) {
   ASSERT_TRUE(browser.becomesTrue("document.body.dataset.state === 'ready'"));
   EXPECT_EQ(troubleOf(browser), "");
   EXPECT_GT(heightOf(browser, "numbers"), 0);
-  // The organ is drawn, not the background alone.
+  // The organ is drawn, not only the background.
   EXPECT_TRUE(browser.becomesTrue(
       "(() => { const {gl, camera, canvas} = palpate.page, pixel = new Uint8Array(4);"
       "  palpate.page.picture.draw(camera, palpate.page.scene());"
@@ -131,8 +131,8 @@ TEST_F(ShareTroubleTest, ExplainsAnIncompleteFile) {
   changeOrgan("b'something else'");
   expect("no organ");
   changeOrgan("o[:len(o) // 2]");
-  expect("truncated");
-  // Behind version, name, its length, the largest force, and how many vertices there are.
+  expect("cut off");
+  // After the version, the name with its length, the largest force, and the number of vertices.
   changeOrgan("(lambda at: o[:at] + b'\\xff' * 8 + o[at + 8:])(16 + 4 + o[16] + 8 + 4)");
   expect("vertex 0");
   const std::size_t organ = whole.find('>', whole.find("id=\"organ-bytes\"")) + 1;

@@ -7,7 +7,7 @@
 #include "tests/system/shared_page.hpp"
 #include "tests/system/touchable_pixel.hpp"
 
-/// A page of `palpate share` on a phone, and in windows small and huge.
+/// A page of `palpate share` on a phone, and in small and huge windows.
 namespace palpate {
 namespace {
 
@@ -16,7 +16,7 @@ using Window = test::Browser::Window;
 
 constexpr Window phone = {360, 640, 3, true};
 
-/// The places of all vertices on the page, and what the rectangles on it are: {left, top, right,
+/// The positions of all vertices on the page, and the rectangles of its parts: {left, top, right,
 /// bottom}.
 constexpr const char* layout_script = R"((() => {
   const rectangle = (element) => {
@@ -49,8 +49,7 @@ bool isIn(const json& place, const json& r) {
 }
 
 struct ShareWindowsTest : test::SharedPage {
-  /// Nothing lies on anything else or beyond the window, and the organ is in the middle of what is
-  /// left.
+  /// Nothing overlaps or exceeds the window, and the organ is in the middle of the free space.
   static void expectOrder(test::Browser& browser, const Window& window) {
     SCOPED_TRACE(fmt::format("{} x {} at {}", window.width, window.height, window.scale));
     const json seen = browser.valueOf(layout_script);
@@ -80,7 +79,8 @@ struct ShareWindowsTest : test::SharedPage {
     EXPECT_EQ(hidden, 0);
     const double width = whole[2], height = whole[3];
     EXPECT_GT(std::max((high_x - low_x) / width, (high_y - low_y) / height), 0.35);
-    // Below the words and above the numbers where these are wide, else in the middle of the window.
+    // Below the text and above the numbers if these are wide, otherwise in the middle of the
+    // window.
     const bool is_narrow =
         seen["numbers"][2].get<double>() - seen["numbers"][0].get<double>() > 0.8 * width;
     const double top = is_narrow ? seen["words"][3].get<double>() : 0,

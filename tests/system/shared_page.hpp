@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// A page that `palpate share` makes of the dataset body.h5, in the hands of who opens it.
+/// A page of `palpate share` for the dataset body.h5, in a browser.
 struct SharedPage : testing::Test {
   TemporaryDirectory directory;
 
@@ -24,8 +24,8 @@ struct SharedPage : testing::Test {
     return runCommand("cd '" + directory.path().string() + "' && " PALPATE_BIN_DIR "/palpate " +
                       arguments);
   }
-  /// Whether there is a page of it now; without Emscripten there is none, and the test is over. The
-  /// cases of a program share the pages of the same datasets.
+  /// Returns whether the page exists now; without Emscripten it does not, and the test is skipped.
+  /// Tests of a program share the pages of equal datasets.
   template <class Body>
   bool makePage(const Body& body) const {
     static std::map<std::string, std::string> pages;  // by the bytes of their datasets
@@ -54,12 +54,12 @@ struct SharedPage : testing::Test {
     ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
     ASSERT_EQ(browser.valueOf("document.body.dataset.state"), "ready") << troubleOf(browser);
   }
-  /// The sentence that it shows instead of the organ.
+  /// The message that is shown instead of the organ.
   static std::string troubleOf(Browser& browser) {
     return browser.valueOf("document.getElementById('trouble').innerText");
   }
-  /// The hand has come to rest, and what is shown is the field's answer to where it is: that to an
-  /// earlier question may come when the hand is at rest already.
+  /// Waits until the hand is at rest and the page shows the answer for its position. An answer to
+  /// an earlier position may arrive when the hand is already at rest.
   static void settle(Browser& browser) {
     ASSERT_TRUE(browser.becomesTrue(
         "palpate.touched && Math.abs(palpate.page.hand.depth - palpate.page.hand.wanted) < 1e-9 &&"

@@ -32,7 +32,7 @@ struct SlurmTest : test::SmallBuild {
   }
   void TearDown() override {
     unsetenv("SLURM_CONF");
-    // Whatever a failed test left: their daemons go with this object, their jobs do not.
+    // Cleans up after a failed test: the daemons end with this object, but their jobs do not.
     for (const pid_t worker : workers()) kill(worker, SIGKILL);
   }
 
@@ -101,7 +101,7 @@ struct SlurmTest : test::SmallBuild {
   std::unique_ptr<test::Process> serve(const std::string& address = "10.77.0.1") {
     return SmallBuild::serve("state", "out.h5", {}, "tcp://" + address + ":*");
   }
-  /// By this program, in whose folder the workers are.
+  /// Runs `palpate fleet` with the given program; workers lie in its folder.
   std::unique_ptr<test::Process> fleet(std::vector<std::string> more,
                                        const std::string& program = "palpate-scheduler") {
     std::vector<std::string> words = {"fleet",
@@ -120,14 +120,14 @@ struct SlurmTest : test::SmallBuild {
     std::ofstream(file, std::ios::binary) << content;
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   }
-  /// The worker, linked with a library that is nowhere.
+  /// The worker, linked with a missing library.
   static void writeBrokenWorker(const std::filesystem::path& file) {
     std::string bytes = test::contentOf(PALPATE_BIN_DIR "/palpate-worker");
     const std::string library = "libzmq.so.5";
     ASSERT_NE(bytes.find(library), std::string::npos);
     writeProgram(file, bytes.replace(bytes.find(library), library.size(), "libzmq.so.9"));
   }
-  /// Palpate as somebody installed it for the nodes, without its workers. Returns the scheduler.
+  /// Palpate as installed for the nodes, without its workers. Returns the scheduler's path.
   std::string installElsewhere() const {
     const std::filesystem::path program = directory / "bin" / "palpate-scheduler";
     std::filesystem::create_directory(directory / "bin");
@@ -136,7 +136,7 @@ struct SlurmTest : test::SmallBuild {
   }
 };
 
-/// What goes wrong is the same whatever is built.
+/// The faults do not depend on what is built.
 struct SlurmFaultsTest : SlurmTest {
   SlurmFaultsTest() : SlurmTest(6) {}
 
@@ -172,7 +172,7 @@ TEST_F(SlurmTest, ABuildEndsDespiteALostNodeAndExpiredJobs) {
   ASSERT_TRUE(journalGrows(*scheduler, "state", 20000)) << "the other node works on";
   ASSERT_EQ(test::runCommand("ip link set here up").exit_code, 0);
 
-  // However fast this machine is, the time of the jobs is up while they solve.
+  // However fast this machine is, the jobs' time limit ends while they solve.
   told("pause state");
   std::this_thread::sleep_until(begun + std::chrono::seconds(35));
   told("resume state");
@@ -228,7 +228,7 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
   EXPECT_TRUE(eightAreHeld()) << "in arrays of three at most, which is all this Slurm takes";
   first->stop(SIGKILL);
 
-  // Where the scheduler moved to, for a fleet.
+  // For a fleet, the address to which the scheduler moved.
   auto second = held("10.77.0.3");
   EXPECT_TRUE(test::says(*second, "8 jobs connect to another endpoint")) << second->output();
   EXPECT_TRUE(test::says(*second, "8 queued (8 JobHeldUser)")) << second->output();
@@ -236,7 +236,7 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
   EXPECT_LE(jobsThatWere(), 16) << "nothing comes on top of what is held";
   second->stop(SIGKILL);
 
-  // The rest is computed without it, and while nobody can be told.
+  // The rest is computed without the fleet, while the Slurm controller is down.
   slurmctld->stop(SIGKILL);
   auto worker = start("palpate-worker", {"work", "-j", "2", "--connect", "tcp://127.0.0.1" + port});
   expectFinished(*scheduler);
@@ -259,7 +259,7 @@ TEST_F(SlurmFaultsTest, JobsThatDieAtOnceAreTriedOneByOneUntilOneLives) {
   EXPECT_THAT(all->output(), testing::AllOf(HasSubstr("(exit code 127)"), HasSubstr("_1 on "),
                                             HasSubstr("log ends with: "),
                                             HasSubstr("cannot open shared object file")));
-  // Eight, up to four more for those of them that failed, and one for trial.
+  // Eight, up to four replacements for failed ones, and one trial.
   EXPECT_LE(jobsThatWere(), 13);
   std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", directory / "mended");
   std::filesystem::rename(directory / "mended", worker);
@@ -273,7 +273,7 @@ TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsExcludedAndTheOtherBuilds) {
   const std::string program = installElsewhere();
   const std::string broken = (directory / "bin" / "broken-worker").string();
   writeBrokenWorker(broken);
-  // However fast this machine is, the build is not over before half a minute is.
+  // However fast this machine is, the build takes at least half a minute.
   const std::string go = (directory / "go").string();
   writeProgram(directory / "bin" / "palpate-worker",
                "#!/bin/sh\n[ \"$SLURMD_NODENAME\" = there ] && exec " + broken +
@@ -288,7 +288,7 @@ TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsExcludedAndTheOtherBuilds) {
   const int before = jobsThatWere();
   EXPECT_EQ(std::string::npos, jobs().find("there")) << jobs();
 
-  // It ends with workers that run and wait, while nobody looks after them.
+  // It ends with running and waiting workers while nobody supervises them.
   all->stop(SIGKILL);
   std::ofstream(go).close();
   expectFinished(*scheduler);

@@ -17,11 +17,11 @@
 
 namespace palpate::test {
 
-/// A build of some seconds by the real programs.
+/// A build of some seconds with the real programs.
 struct SmallBuild : testing::Test {
   TemporaryDirectory directory;
 
-  /// `cells`: of the cube, along an edge.
+  /// `cells`: along an edge of the cube.
   explicit SmallBuild(int cells = 3) : cells_(cells) { writeScene(directory.path(), 1300); }
 
   /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond
@@ -48,8 +48,8 @@ struct SmallBuild : testing::Test {
     const int code = process.wait();
     EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
   }
-  /// The dataset of the scene as nothing disturbs its build. The cases of a program share those of
-  /// one scene, mesh and family of kernels.
+  /// The dataset of an undisturbed build of the scene. Tests of a program share it for equal
+  /// scenes, meshes and kernel families.
   std::string undisturbed() {
     static std::map<std::string, std::string> known;
     const char* kernels = std::getenv("PALPATE_KERNELS");
@@ -61,19 +61,19 @@ struct SmallBuild : testing::Test {
     expectFinished(*build);
     return dataset = contentOf(directory / "undisturbed.h5");
   }
-  /// `palpate` with a line of arguments, in the folder of the build.
+  /// Runs `palpate` with these arguments in the folder of the build.
   CommandResult palpate(const std::string& arguments) const {
     return runCommand("(cd '" + directory.path().string() + "' && PALPATE_KEYS='" +
                       (directory / "keys").string() + "' " PALPATE_BIN_DIR "/palpate " + arguments +
                       ")");
   }
-  /// What it says, and that it ends with `code`.
+  /// Its output; expects exit code `code`.
   std::string told(const std::string& arguments, int code = 0) const {
     const CommandResult done = palpate(arguments);
     EXPECT_EQ(done.exit_code, code) << arguments << ": " << done.output;
     return done.output;
   }
-  /// A scheduler, on a free port of this machine unless told where.
+  /// A scheduler, on a free port of this machine by default.
   std::unique_ptr<Process> serve(const std::string& state, const std::string& out,
                                  const std::vector<std::string>& more = {},
                                  const std::string& listen = "tcp://127.0.0.1:*") {
@@ -88,7 +88,7 @@ struct SmallBuild : testing::Test {
         std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
     return none_yet ? 0 : size;
   }
-  /// Waits until the journal grew by `bytes`, or the process ended. False in that case.
+  /// Waits until the journal has grown by `bytes`. False if the process ended before.
   bool journalGrows(Process& process, const std::string& state, std::uintmax_t bytes) const {
     const std::uintmax_t goal = journaled(state) + bytes;
     EXPECT_TRUE(eventually([&] { return !process.running() || journaled(state) >= goal; }));
@@ -98,8 +98,7 @@ struct SmallBuild : testing::Test {
     EXPECT_TRUE(eventually([&] { return !endpointAnnouncedIn(directory / state).empty(); }));
     return endpointAnnouncedIn(directory / state);
   }
-  /// Processes of workers that find the keys of this test in their environment, whoever started
-  /// them.
+  /// Worker processes that have the keys of this test in their environment, whoever started them.
   std::vector<pid_t> workers() const {
     const std::string keys = "PALPATE_KEYS=" + (directory / "keys").string();
     std::vector<pid_t> all;

@@ -6,7 +6,7 @@
 #include "tests/system/own_network.hpp"
 #include "tests/system/small_build.hpp"
 
-/// A room of workstations, of one machine: a real sshd, in a network of this test.
+/// Workstations, simulated on one machine: a real sshd in a network of this test.
 namespace palpate {
 namespace {
 
@@ -38,7 +38,7 @@ struct SshTest : test::SmallBuild {
     ASSERT_EQ(test::runCommand("ssh-keygen -q -t ed25519 -N '' -f '" + path(name) + "'").exit_code,
               0);
   }
-  /// It listens when this returns.
+  /// Returns once the scheduler listens.
   std::unique_ptr<test::Process> startServe() {
     auto scheduler = serve("state", "out.h5");
     endpointIn("state");

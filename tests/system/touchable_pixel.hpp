@@ -6,8 +6,8 @@
 
 namespace palpate::test {
 
-/// Of the canvas of a page of `palpate share`: a place where the organ can be touched, and so it
-/// can around it if there is such a place. A grid is tried. Error when there is none.
+/// A pixel of the canvas on a page of `palpate share` at which the organ can be touched, if
+/// possible with touchable neighbours. Searches a grid. Throws if there is none.
 inline std::pair<double, double> touchablePixel(Browser& browser) {
   const nlohmann::json place = browser.valueOf(
       "(() => {"

@@ -11,8 +11,7 @@
 namespace palpate {
 namespace {
 
-/// The units of deploy/systemd as they would be read where Palpate is installed, with the programs
-/// that were built.
+/// The units of deploy/systemd as on a machine with Palpate installed, with the built programs.
 struct UnitsTest : testing::Test {
   test::TemporaryDirectory directory;
 
@@ -47,7 +46,8 @@ TEST_F(UnitsTest, AreReadBySystemdWithoutAWarning) {
   }
 }
 
-/// Of 10. Left are the network, which is their work, and the folders of the machine.
+/// Exposure on a scale of 10. The rest is the network, which they need, and the folders of the
+/// machine.
 TEST_F(UnitsTest, ExposeLittleOfTheMachine) {
   for (const char* unit : {"palpate-serve@liver.service", "palpate-work.service"}) {
     const auto judged = analyze("security --offline=true --threshold=15", unit);

@@ -13,7 +13,7 @@
 #include "tests/viewer/picture/person.hpp"
 #include "tests/viewer/picture/virtual_screen.hpp"
 
-/// The haptic client as a person starts it, without a display.
+/// The haptic client as started by a person, without a display.
 namespace palpate {
 namespace {
 
@@ -29,7 +29,7 @@ struct ViewTest : testing::Test {
     seal(1);
   }
 
-  /// A cube that is touched all over its top, `factor` times as stiff as the softest.
+  /// A cube that is touchable all over its top, `factor` times as stiff as the softest.
   void seal(double factor) const {
     const Mesh mesh = test::cubeMesh(0.1, 2);
     std::vector<test::TouchableBody::Active> active;
@@ -40,13 +40,13 @@ struct ViewTest : testing::Test {
     arguments.insert(arguments.begin(), "view");
     return std::make_unique<Process>("palpate-viewer", std::move(arguments), directory.path());
   }
-  /// The measurements of a run that must succeed, as JSON.
+  /// The measurements of a successful run as JSON.
   nlohmann::json measured(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--headless", "--json"});
     auto run = start(std::move(arguments));
     return measuredBy(*run);
   }
-  /// The same of one that was started with --json.
+  /// The same for a run that was started with --json.
   static nlohmann::json measuredBy(Process& run, int code = 0) {
     EXPECT_EQ(run.wait(), code) << run.output();
     const std::string output = run.output();
@@ -180,7 +180,7 @@ TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
   EXPECT_GT(measured.at("largest_force"), 0.1);
 }
 
-/// Once Q was lost while forces were being prepared.
+/// Regression: Q was lost while forces were being prepared.
 TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
   const test::VirtualScreen screen;
   std::vector<std::string> arguments(40, "cube.h5");
@@ -199,7 +199,7 @@ TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
   EXPECT_EQ(run->wait(), 0);
 }
 
-/// F5 once prepared in the thread that draws, so that nobody heard Ctrl-C.
+/// Regression: F5 prepared forces in the drawing thread, so Ctrl-C was ignored.
 TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReloaded) {
   const test::VirtualScreen screen;
   using Clock = std::chrono::steady_clock;
@@ -225,10 +225,10 @@ TEST_F(ViewTest, FeelsReloadedDatasets) {
   ASSERT_TRUE(test::says(*run, "virtual hand at"));
   seal(4);
   test::Person person(screen.name(), "Palpate");
-  // Forces are read again on processors that nothing else wants, and here other tests run.
+  // Reloading uses processors that nothing else needs, and other tests run here.
   const std::chrono::minutes limit(5);
   const auto again = [&] {
-    person.press("F5");  // a window obeys no key before its first frame
+    person.press("F5");  // a window ignores keys before its first frame
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     return run->output().find("reloaded") != std::string::npos;
   };
