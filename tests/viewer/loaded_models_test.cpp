@@ -28,7 +28,8 @@ class LoadedModelsTest : public testing::Test {
   std::filesystem::path file = directory / "body.h5";
 };
 
-/// All methods of all spaces were once prepared before the start: half a minute for 356 spaces.
+/// Regression: all methods of all spaces were prepared before the start: half a minute for 356
+/// spaces.
 TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheRunAndTheRestDuringIt) {
   LoadedModels loaded({file}, {.methods = {"trilinear", "potential"}});
   EXPECT_FALSE(loaded.first().isPrepared(0)) << "it can be seen before";
@@ -90,7 +91,7 @@ TEST_F(LoadedModelsTest, AreReloadedInTheBackgroundAndHandedOverComplete) {
   EXPECT_THROW(absent.take(), Error);
 }
 
-/// F5 once kept the window and Ctrl-C waiting until all was prepared.
+/// Regression: F5 blocked the window and Ctrl-C until everything was prepared.
 TEST_F(LoadedModelsTest, AnUnneededPreparationEndsSoon) {
   const Mesh mesh = test::cubeMesh(0.1, 4);
   test::TouchableBody(mesh, test::wholeSurface(mesh)).seal(file);

@@ -11,12 +11,12 @@
 #include "tests/worker/meshing/surfaces.hpp"
 #include "worker/meshing/mesh_conversion.hpp"
 
-// Scenes and meshes as people break them: each is answered with where, what and what to do.
+// Typical mistakes in scenes and meshes: each error says where, what is wrong and what to do.
 
 namespace palpate {
 namespace {
 
-/// What is broken is answered in one sentence that holds all of these.
+/// Expects an error of one sentence that contains all of these.
 void expectSentence(const std::function<void()>& action, std::initializer_list<std::string> words) {
   test::expectBadInput(
       [&] {
@@ -48,14 +48,14 @@ spacing = 0.025
 
 const std::string whole_material = "law = \"mooney-rivlin\"\nc10 = 1300\nc01 = 1280";
 
-/// A scene on a cube of 0.1 m, and the files beside it.
+/// A scene on a cube of 0.1 m, with its other files.
 struct BrokenScene : testing::Test {
   BrokenScene() {
     test::writeGmsh22(test::cubeMesh(0.1, 3), directory / "cube.msh");
     test::putInto(directory / "binary.msh", "$MeshFormat\n2.2 1 8\n");
     for (const char* other : {"cube.vtu", "cube.stl"}) test::putInto(directory / other, "solid");
   }
-  /// The sound scene with `what` replaced.
+  /// The valid scene with `what` replaced is refused.
   void refuses(const std::string& what, const std::string& instead,
                std::initializer_list<std::string> words) const {
     SCOPED_TRACE(instead);
@@ -71,7 +71,7 @@ struct BrokenScene : testing::Test {
 TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
   test::putInto(directory / "scene.toml", sound_scene);
   EXPECT_NO_THROW(loadProblem(directory / "scene.toml"));
-  // The mesh it names.
+  // The mesh file.
   refuses("cube.msh", "none.msh", {"scene.toml:1: mesh = ", "none.msh", "there is no such file"});
   refuses("cube.msh", "cube.vtu",
           {"scene.toml:1: mesh", "palpate mesh ", "cube.vtu -o ", "cube.msh"});
@@ -84,9 +84,9 @@ TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
           {"scene.toml:1: the mesh is only 0.0001 m wide", "write length_unit = \"m\""});
   refuses("[material]", "length_unit = \"inch\"\n[material]",
           {"scene.toml:2: length_unit", "m, cm or mm"});
-  // What is held.
-  refuses("[fixed]\ngroup = \"xmin\"\n", "", {"scene.toml:1: \"fixed\" is missing", "fixed nodes"});
-  refuses("group = \"xmin\"", "", {"scene.toml:6: [fixed] selects no node", "nothing holds"});
+  // Fixed nodes.
+  refuses("[fixed]\ngroup = \"xmin\"\n", "", {"scene.toml:1: \"fixed\" is missing", "which nodes"});
+  refuses("group = \"xmin\"", "", {"scene.toml:6: [fixed] selects no node", "fly away"});
   refuses("\"xmin\"", "\"base\"",
           {"scene.toml:7: fixed.group: there is no \"base\"", "the mesh has body, xmax, xmin"});
   refuses("group = \"xmin\"", "box = { lowest = [1, 1, 1], highest = [2, 2, 2] }",
@@ -103,7 +103,7 @@ TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
           {"scene.toml:8: fixed.above selects no node", "from (0, 0, 0) to (0.1, 0.1, 0.1) m"});
   refuses("group = \"xmin\"", "sphere = { center = [0, 0, 0] }",
           {"scene.toml:7", "fixed.sphere.radius", "missing"});
-  // What is touched.
+  // Active nodes.
   refuses(
       "[0.1, 0.05, 0.05]", "[0.0, 0.05, 0.05]",
       {"scene.toml:9: active \"tip\": node", "one of the 16 fixed nodes", "move it, or fix fewer"});
@@ -125,7 +125,7 @@ TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
   refuses("near = [0.1, 0.05, 0.05]\nradius = 0.02",
           "surface = \"all\"\ntool = \"finger\"\nradius = 0.0002",
           {"scene.toml:12: a finger of radius 0.0002 m", "5000 sites", "make radius larger"});
-  // What it is made of.
+  // The material.
   refuses("c10", "c1O", {"scene.toml:4: unknown key \"material.c1O\"", "did you mean \"c10\""});
   refuses("[workspace]", "[worksapce]", {"scene.toml:12", "did you mean \"workspace\""});
   refuses("c01 = 1280", "c10 = 1280", {"scene.toml:5: not TOML", "cannot redefine"});
@@ -151,7 +151,7 @@ TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
           {"scene.toml:2: [material]: the regions cover the whole body", "remove it"});
   refuses("[fixed]", "[discretization]\npressure = \"P2\"\n[fixed]",
           {"scene.toml:7: discretization.pressure", "write P1-stabilized or P1"});
-  // How far, how finely, for what.
+  // Workspace, spacing and device.
   refuses("spacing = 0.025", "spacing = 0.25",
           {"scene.toml:13: workspace.radius", "smaller than the spacing"});
   refuses("spacing = 0.025", "spacing = 0.0001",
@@ -176,29 +176,29 @@ std::string binaryStlWithout(std::size_t bytes) {
   return all.substr(0, all.size() - bytes);
 }
 
-/// A legacy VTK file of one cell of this type.
+/// A legacy VTK file with one cell of this type.
 std::string vtkOf(const std::string& type, const std::string& nodes) {
   return "# vtk DataFile Version 3.0\nmade in code\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 "
          "double\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 " +
          std::to_string(1 + std::stoi(nodes)) + "\n" + nodes + "\nCELL_TYPES 1\n" + type + "\n";
 }
 
-/// A Gmsh file of one tetrahedron whose node 4 is there twice, in lines 9 and 10.
+/// A Gmsh file with one tetrahedron that lists node 4 twice, in lines 9 and 10.
 constexpr const char* gmsh_twice =
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n4 5 5 5\n"
     "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
 
-/// The same of version 4.1, where numbers come before places.
+/// The same in version 4.1, which lists numbers before positions.
 constexpr const char* gmsh41_twice =
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 5 1 4\n3 1 0 5\n1\n2\n3\n4\n4\n0 0 0\n1 0 0\n"
     "0 1 0\n0 0 1\n5 5 5\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
 
-/// A part of one tetrahedron, in the first 8 lines.
+/// A part with one tetrahedron, in the first 8 lines.
 const std::string abaqus_part =
     "*PART, NAME=Organ\n*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n*ELEMENT, TYPE=C3D4\n"
     "1, 1,2,3,4\n*END PART\n*ASSEMBLY, NAME=All\n";
 
-/// A mesh file of its own, as `palpate mesh` reads it.
+/// A separate mesh file, as read by `palpate mesh`.
 struct BrokenMesh : testing::Test {
   void SetUp() override { PALPATE_NEEDS(test::hasMeshio(), "python3-meshio"); }
   void refuses(const std::string& name, const std::string& content,

@@ -23,7 +23,7 @@ class CheckCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
   CheckCommand() {
     scene.workspace.max_force = 100;  // N: the whole workspace is reached
-    // It warns of kernels that are not those of the CPU.
+    // The command warns of kernels that differ from those of the CPU.
     unsetenv("OPENBLAS_CORETYPE");
   }
 
@@ -123,7 +123,7 @@ TEST_F(CheckCommand, PrintsRegionsAndGravity) {
   EXPECT_THAT(check().output, AllOf(HasSubstr("1060 kg/m^3"), HasSubstr("(0, 0, -9.81) m/s^2")));
 }
 
-/// problem_warnings_test knows them all.
+/// problem_warnings_test covers all of them.
 TEST_F(CheckCommand, PrintsTheWarningsAboutTheProblem) {
   scene.active[0].radius = 0;
   EXPECT_THAT(warnings(), Contains(HasSubstr("radius = 0")));

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_directory.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
 
-// `palpate mesh` and `palpate new` as users call them.
+// `palpate mesh` and `palpate new`, called as by users.
 
 namespace palpate {
 namespace {
@@ -28,7 +28,7 @@ class MeshCommand : public ::testing::Test {
                             " '" PALPATE_BIN_DIR "/palpate-worker' " + arguments);
   }
   std::string content(const std::string& name) const { return test::bytesIn(directory / name); }
-  /// check of a scene says nothing but what it amounts to.
+  /// Expects `palpate check` to print the summary of a scene without warnings.
   void expectSoundScene(const std::string& scene) {
     const CommandResult checked =
         worker("check " + scene, "env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE");
@@ -74,7 +74,7 @@ TEST_F(MeshCommand, ProposesSoundScenesForABoxAndTheShippedLiver) {
 TEST_F(MeshCommand, WarnsOfTriangleCountsThatTakeAMinute) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeBinaryStl(test::sphereSurface(60, 130), directory / "organ.stl");
-  // Said before anything is filled, which this size is not.
+  // Reported before meshing, which is impossible with this size.
   const CommandResult meshed = worker("mesh organ.stl -o organ.msh --size 1000");
   EXPECT_EQ(meshed.exit_code, 2) << meshed.output;
   EXPECT_THAT(meshed.output,
@@ -211,7 +211,7 @@ TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   std::filesystem::create_directory(directory / "tmp");
   test::writeScript(directory / "gmsh", "touch started\nexec sleep 300");
-  // A signal of a terminal reaches all of a group.
+  // A terminal sends its signal to the whole process group.
   for (const auto& [starter, kill] :
        {std::pair("", "kill -TERM $!"), std::pair("setsid -w", "pkill -TERM -g $!")}) {
     const CommandResult stopped = test::runCommand(

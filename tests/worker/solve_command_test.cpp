@@ -51,7 +51,7 @@ TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
 
 TEST_F(SolveCommand, AnswersForAFingerAnywhereOnTheSurface) {
   scene.active[0].tool = ToolKind::finger;
-  scene.active[0].radius = 0.06;  // wider than an edge: nothing is warned of
+  scene.active[0].radius = 0.06;  // wider than an edge, so no warning is printed
   std::ofstream(directory / "lines") << "0.1 0 0.02 -0.004 0 0\n0.05 0.07 0.01 0, -0.004, 0\n";
   const CommandResult result =
       solve("--json --at - --displacement - < " + (directory / "lines").string());
@@ -61,7 +61,7 @@ TEST_F(SolveCommand, AnswersForAFingerAnywhereOnTheSurface) {
   EXPECT_LT(there.at("at").at(1), 0.069) << "on the surface below";
   EXPECT_GT(there.at("force").at(1), 0);
   EXPECT_EQ(there.at("drive").size(), 3);
-  // The same place and displacement by themselves.
+  // The same place and displacement in a separate run.
   const CommandResult alone = solve("--json --at 0.1 0 0.02 --displacement -0.004 0 0");
   ASSERT_EQ(alone.exit_code, 0) << alone.output;
   EXPECT_EQ(json::parse(alone.output).at("force"), first.at("force"));

@@ -55,7 +55,7 @@ TEST(ForceAnswers, ForAFingerAreThoseOfItsAreaAtTheNearestPoint) {
   expectBadInput([&] { ForceAnswers(dataset, "top", true, "trilinear"); }, {"only potential"});
 }
 
-// A place once had all sites of its surface prepared, 280 of a liver.
+// Regression: one place prepared all sites of its surface, 280 for a liver.
 TEST(ForceAnswers, ForFewPlacesPrepareFewSites) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "finger.h5");

@@ -33,7 +33,7 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// Recorded lines that begin with one of some words.
+/// Recorded lines that begin with one of these words.
 std::vector<std::string> recorded(const std::vector<std::string>& words) {
   std::ifstream in(PALPATE_SOURCE_DIR "/tests/viewer/c_api/abi.txt");
   EXPECT_TRUE(in.is_open());
@@ -63,7 +63,7 @@ TEST(Abi, ExportsExactlyTheRecordedFunctions) {
   EXPECT_THAT(functions, ElementsAreArray(recorded({"function"}))) << only_append;
 }
 
-/// C that prints what is recorded of structures and constants as its compiler lays them out.
+/// A C program that prints the recorded structures and constants as its compiler lays them out.
 std::string programOf(const std::vector<std::string>& lines) {
   std::string program = "#include <stdio.h>\n#include \"palpate.h\"\nint main(void) {\n";
   for (const std::string& line : lines) {
@@ -93,7 +93,7 @@ TEST(Abi, KeepsTheRecordedStructuresAndConstants) {
   EXPECT_THAT(linesOf(run(built).output), ElementsAreArray(lines)) << only_append;
 }
 
-// A member that the header has and abi.txt lacks would be free to move.
+// A member that is missing in abi.txt could be moved unnoticed.
 TEST(Abi, RecordsAllBytesOfEveryStructure) {
   std::string name;
   long size = 0, end = 0;

@@ -87,7 +87,7 @@ TEST_F(RealTime, OutOfMemoryIsAStatus) {
   ASSERT_EQ(palpate_dataset_open(file.c_str(), nullptr, &dataset), PALPATE_OK);
   const long needed = test::allocationCount() - before;
   palpate_dataset_close(dataset);
-  ASSERT_NE(palpate_last_error(), nullptr);  // the text of this thread comes to be
+  ASSERT_NE(palpate_last_error(), nullptr);  // creates this thread's text
   palpate_status without_contact = PALPATE_OK, without_guard = PALPATE_OK;
   {
     const test::MemoryShortage shortage(0);
@@ -98,10 +98,10 @@ TEST_F(RealTime, OutOfMemoryIsAStatus) {
   EXPECT_EQ(without_guard, PALPATE_OUT_OF_MEMORY);
   EXPECT_EQ(contact, nullptr);
   EXPECT_EQ(guard, nullptr);
-  EXPECT_NE(std::string(palpate_last_error()).find("out of memory"), std::string::npos);
-  // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has
-  // words of its own for want of memory. Threads share the fields between them, so this one may
-  // have been granted what it needed.
+  EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
+  // The last tenth of the allocations prepares force fields; earlier ones are also HDF5's, which
+  // has its own messages for a lack of memory. Threads share the preparation of fields, so this
+  // thread may not need all allocations.
   for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 40 + 1) {
     dataset = shared();
     palpate_status status = PALPATE_OK;

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A cube whose top a finger touches.
+/// A cube whose top is touched by a finger.
 class CArea : public ::testing::Test {
  protected:
   struct File {
@@ -77,7 +77,8 @@ TEST_F(CArea, AnswersForPlacesWhoseSquaredDistanceOverflows) {
   EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
 }
 
-/// Metres that are millimetres, points in the body and beside it were once answered like others.
+/// Regression: millimetres given as metres, points inside the body and beside it were answered
+/// without notice.
 TEST_F(CArea, IsNotInsideOffTheSurfaceAndGivesTheDistance) {
   const Eigen::Vector3d p(0, 0, -0.01);
   for (const auto& [z, inside] : {std::pair(0.1049, 1),
@@ -92,7 +93,7 @@ TEST_F(CArea, IsNotInsideOffTheSurfaceAndGivesTheDistance) {
     EXPECT_NEAR(sample.distance, std::abs(z - 0.1), 1e-12 * (1 + z));
     EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
   }
-  // A caller that was compiled before there was a distance.
+  // A caller that was compiled before `distance` was added.
   auto older = test::sized<palpate_area_sample>();
   older.size = offsetof(palpate_area_sample, distance);
   older.distance = 7;
@@ -102,7 +103,7 @@ TEST_F(CArea, IsNotInsideOffTheSurfaceAndGivesTheDistance) {
   EXPECT_EQ(older.distance, 7);
 }
 
-/// The programs once looked at what is fixed, and C at the triangle alone.
+/// Regression: the programs checked for fixed nodes, but the C API only looked at the triangle.
 TEST_F(CArea, AnswersAsTheProgramsDoEvenNearFixedNodes) {
   const test::FingerBody beside(0, "xmin");
   const test::TemporaryDirectory directory;

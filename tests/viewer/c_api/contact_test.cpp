@@ -39,7 +39,7 @@ class CContact : public test::SharedSample {
   }
 };
 
-/// What it does is tested in tests/viewer/haptics/contact_test.cpp.
+/// The model's behaviour is tested in tests/viewer/haptics/contact_test.cpp.
 TEST_F(CContact, MatchesTheContactModelToTheLastBit) {
   const HapticModel model{Dataset(sharedFile())};
   for (const bool glued : {false, true}) {
@@ -114,7 +114,7 @@ TEST_F(CContact, SwitchesDatasetAndMethodWhileTouching) {
   ASSERT_EQ(palpate_contact_use(contact.get(), second.get(), 1), PALPATE_OK);
   const palpate_touch after = update(contact.get(), test::pressing(shared(), ticks / 2, ticks));
   EXPECT_EQ(after.touching, 1);
-  EXPECT_TRUE(std::isnan(after.energy));  // tri-linear has none
+  EXPECT_TRUE(std::isnan(after.energy));  // tri-linear forces have no energy
   EXPECT_FALSE(std::isnan(before.energy));
   EXPECT_INVALID(palpate_contact_use(contact.get(), second.get(), 2), "method 2 ");
 }

@@ -4,16 +4,15 @@
 #include <cerrno>
 #include <cstddef>
 
-// Definitions in the program take the place of those of the C library for every library that is
-// loaded.
+// Definitions in the program replace those of the C library for all loaded libraries.
 
 namespace {
 std::atomic<long> allocations = 0;
 constexpr long unlimited = -1;
-// Of this program's own: its place is known before any allocation.
+// In the program's own thread-local storage, which needs no allocation.
 thread_local long granted_to_thread = unlimited;
 
-/// Counts an allocation; whether it may be.
+/// Counts an allocation. Returns whether it is granted.
 [[maybe_unused]] bool grant() {
   ++allocations;
   if (granted_to_thread == unlimited) return true;

@@ -2,12 +2,12 @@
 
 namespace palpate::test {
 
-/// Calls of malloc, calloc, realloc and the aligned kinds in this process so far, by any library
-/// and thread. Negative where they cannot be counted (under a sanitizer, which has allocators of
-/// its own).
+/// Calls of malloc, calloc, realloc and the aligned functions in this process so far, by any
+/// library and thread. Negative if they cannot be counted, because a sanitizer has its own
+/// allocator.
 long allocationCount();
 
-/// While it lives, all allocations of this thread fail but the first `granted`.
+/// While this object exists, all allocations of this thread fail except the first `granted`.
 class MemoryShortage {
  public:
   explicit MemoryShortage(long granted);

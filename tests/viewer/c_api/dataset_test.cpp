@@ -252,7 +252,7 @@ TEST_F(CDataset, PreparesTheRequestedMethods) {
   EXPECT_EQ(method, 1);
 }
 
-/// What opening a file says; nothing may be opened.
+/// The error message of opening a file, which must fail.
 std::string complaint(palpate_status expected, const std::filesystem::path& file,
                       const palpate_open_options* options = nullptr) {
   int anything = 0;

@@ -29,8 +29,8 @@ std::string outputOf(const std::string& command) {
   return result.output;
 }
 
-/// The sample as a body that pushes back equally in all directions: its "tip" is a corner, from
-/// which a tool slides off, and the sample's own body is soft to one side there.
+/// The sample as a body with the same stiffness in all directions. "tip" is a corner, and the
+/// sample's own body is soft to one side, so that a tool would slide off.
 test::SampleDataset springs() {
   constexpr double stiffness = 50;  // N/m
   test::SampleDataset sample;
@@ -46,8 +46,8 @@ test::SampleDataset springs() {
   return sample;
 }
 
-/// The examples as a simulator's developer meets them: libpalpate is installed somewhere, the
-/// sources are not there.
+/// The examples as seen by a simulator's developer: libpalpate is installed in some folder, without
+/// its sources.
 class Examples : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -73,7 +73,7 @@ class Examples : public ::testing::Test {
     sample_ = std::make_unique<test::SampleFile>(springs());
   }
 
-  /// That an example's output holds forces, the first of which is that of `palpate query`.
+  /// Expects forces in an example's output; the first must be that of `palpate query`.
   void expectForces(const std::string& output) {
     EXPECT_THAT(output, HasSubstr("touching"));
     std::istringstream in(output);

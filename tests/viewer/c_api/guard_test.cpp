@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
   EXPECT_EQ((call), PALPATE_INVALID_ARGUMENT); \
   EXPECT_THAT(palpate_last_error(), HasSubstr(text))
 
-/// A spring of a simulator's own, pushing along x.
+/// A simulator's own spring that pushes along x.
 palpate_touch pushing(double newtons) {
   auto touch = test::sized<palpate_touch>();
   touch.touching = 1;
@@ -36,7 +36,7 @@ palpate_guarded_force limit(palpate_guard* guard, const palpate_touch& touch,
   return force;
 }
 
-/// Long enough for every ramp.
+/// The force after a time longer than every ramp.
 palpate_guarded_force settled(palpate_guard* guard, double newtons) {
   palpate_guarded_force force{};
   for (int tick = 0; tick < 200; ++tick) force = limit(guard, pushing(newtons));
@@ -73,7 +73,7 @@ TEST(CGuard, TakesItsLimitsFromADevice) {
   EXPECT_INVALID(palpate_guard_defaults("omega", 0, &options), "period is 0");
 }
 
-/// What it does is tested in tests/viewer/haptics/force_guard_test.cpp.
+/// The guard's behaviour is tested in tests/viewer/haptics/force_guard_test.cpp.
 TEST(CGuard, MatchesTheGuardOfTheProgramsToTheLastBit) {
   for (const double max_slew : {0.0, 500.0}) {
     auto options = test::sized<palpate_guard_options>();

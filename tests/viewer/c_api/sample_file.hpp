@@ -41,7 +41,7 @@ inline DatasetHandle open(const std::filesystem::path& file,
   return DatasetHandle(dataset);
 }
 
-/// Cases that share the sample, open.
+/// Tests that share an open sample.
 struct SharedSample : testing::Test {
   static std::filesystem::path sharedFile() {
     static const SampleFile sample;
@@ -97,8 +97,8 @@ inline palpate_dataset_info describe(const palpate_dataset* dataset) {
   return info;
 }
 
-/// A tick of a tool that comes from +x, sinks into the cube beside its corner "tip", slides a
-/// little and goes: tick in 0..count-1.
+/// The tool at a tick in 0..count-1: it approaches from +x, sinks into the cube beside its corner
+/// "tip", slides a little and leaves.
 inline std::array<double, 3> pressing(const palpate_dataset* dataset, int tick, int count) {
   auto tip = sized<palpate_space_info>();
   EXPECT_EQ(palpate_dataset_space(dataset, 0, &tip), PALPATE_OK);

@@ -52,7 +52,7 @@ class DeviceChoice : public ::testing::Test {
   std::unique_ptr<HapticModel> model_;
 };
 
-/// `palpate device` once offered the mouse, and refused it.
+/// Regression: `palpate device` offered the mouse, but refused it.
 TEST(LentDevices, ExcludeDevicesThatNeedABody) {
   EXPECT_THAT(deviceHelp(false),
               ::testing::AllOf(HasSubstr("virtual:FILE"), ::testing::Not(HasSubstr("mouse")),
@@ -99,8 +99,8 @@ TEST_F(DeviceChoice, TheDefaultPathPressesActiveNodesWithLimitedForce) {
   }
 }
 
-/// Vertices of the ring around it may belong to its space alone too; there a hand would miss the
-/// rim.
+/// Vertices of the ring around an active node may belong to its space alone, too; a hand there
+/// would miss the touchable part.
 TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
   const HandPath path = touchPath(model());
   for (std::size_t s = 0; s < model().spaces().size(); ++s) {
@@ -175,7 +175,7 @@ TEST(DeviceWord, UnknownWordsAreRefusedWithAListAndTheNearest) {
   expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
 }
 
-/// Before anything else is opened: a window, say, whose trouble would hide that of the word.
+/// Before opening anything else, for example a window, whose error would hide that of the word.
 TEST(DeviceWord, CanBeCheckedWithoutOpeningTheDevice) {
   for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
                            "plugin:none.so", "tcp://127.0.0.1:1"})
@@ -197,7 +197,7 @@ TEST(DeviceWord, MissingPartsAreAskedFor) {
 TEST(DeviceCommand, LendsADeviceUntilItIsInterrupted) {
   const test::TemporaryDirectory directory;
   const std::string log = (directory / "log").string();
-  // In the background of a shell SIGINT is ignored; SIGTERM means the same.
+  // The shell ignores SIGINT in the background; SIGTERM has the same meaning.
   const auto result = test::runCommand(
       "PALPATE_KEYS='" + (directory / "keys").string() +
       "' " PALPATE_BIN_DIR

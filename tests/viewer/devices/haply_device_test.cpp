@@ -28,7 +28,7 @@ using test::eventually;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A message of the service, as its documentation prints one.
+/// A message of the service as in its documentation.
 json inventory(const std::string& id = "049D") {
   return json::parse(R"({"session_id": 7, "inverse3": [{"device_id": ")" + id + R"(",
     "config": {"type": "inverse3", "handedness": "right", "basis": {"permutation": "XYZ"}},
@@ -38,7 +38,7 @@ json inventory(const std::string& id = "049D") {
     "wireless_verse_grip": [{"device_id": "6F", "state": {"buttons": {"a": true, "b": false, "c": true}}}]})");
 }
 
-/// The Haply Inverse Service on a free port: an inventory, then one answer for every message.
+/// A Haply Inverse Service on a free port: it sends an inventory, then one answer to every message.
 class Service {
  public:
   explicit Service(std::uint16_t port = 0)
@@ -60,9 +60,9 @@ class Service {
     const std::lock_guard lock(mutex_);
     return received_;
   }
-  /// From now on it listens, but says nothing.
+  /// From now on it listens without answering.
   void fallSilent() { silent_ = true; }
-  /// Closes the connection, without good-bye.
+  /// Closes the connection without a closing handshake.
   void hangUp() {
     const std::lock_guard lock(mutex_);
     if (client_ >= 0) ::shutdown(client_, SHUT_RDWR);
@@ -140,7 +140,7 @@ TEST(HaplyMessage, PositionsComeInOurAxes) {
   EXPECT_THAT(state.trouble, IsEmpty());
 }
 
-/// Power is the same in both frames: forces turn as positions do.
+/// Power is equal in both frames, so forces rotate like positions.
 TEST(HaplyMessage, ForcesGoOutInTheAxesOfTheService) {
   const json message = json::parse(haplyForceMessage("049D", {1, 2, 3}));
   EXPECT_EQ(message, json::parse(R"({"inverse3": [{"device_id": "049D", "commands":
@@ -229,7 +229,7 @@ TEST(HaplyDevice, GivesZeroForceToAServiceThatStopsAnswering) {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {1, 0, 0}));
   }));
   service.fallSilent();
-  // In the connection that was open: a service that is called anew and says nothing is not pushed
+  // Zero over the open connection. A service that is connected again and stays silent gets no force
   // at all.
   EXPECT_TRUE(eventually([&] {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));

@@ -37,7 +37,7 @@ TEST(MouseDevice, MakesOneSmoothMotionOfSixtyEventsASecond) {
     last_move = x - last;
     last = x;
   }
-  // A step's strongest acceleration is its length times rate^2.
+  // The largest acceleration after a step is its length times rate^2.
   EXPECT_LT(largest_change, 1.05 * step / (0.015 * 0.015) * 1e-6);
 }
 

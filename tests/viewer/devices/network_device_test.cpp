@@ -25,7 +25,7 @@ using test::eventually;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A device here, and a client that it is lent to.
+/// A local device and a client to which it is lent.
 class NetworkDeviceTest : public ::testing::Test {
  protected:
   void serve() { server = std::make_unique<DeviceServer>(tray, endpoint); }
@@ -186,10 +186,10 @@ TEST(NetworkDevice, RefusesAnInvalidEndpoint) {
                        {"tcp://nowhere", "PORT"});
 }
 
-/// What both sides are that a test speaks for, word by word.
+/// Base of a server and a client that a test controls message by message.
 class Side {
  public:
-  /// The next message of that kind.
+  /// Waits for the next message of that kind.
   wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
     wire::DeviceMessage found;
     EXPECT_TRUE(eventually([&] {
@@ -245,7 +245,7 @@ class FarSide : public Side {
   std::string endpoint;
 };
 
-/// Says what moves a cursor, and what no message of text may hold.
+/// A device whose texts move the cursor and are not valid for a message.
 class RudeDevice : public test::TrayDevice {
  public:
   std::string name() const override { return "\x1b[2Jtray"; }
@@ -259,7 +259,7 @@ TEST(NetworkDevice, EscapesInvalidTextOfADevice) {
   DeviceServer server(rude, "tcp://127.0.0.1:*");
   NetworkDevice device({.endpoint = server.endpoint()});
   EXPECT_TRUE(eventually([&] { return device.read().status == DeviceStatus::fresh; }));
-  // Until its first state has come, nobody has answered.
+  // Before its first state arrives, the trouble is that no server answers.
   EXPECT_TRUE(eventually([&] { return device.trouble().find("??[31mxxx") != std::string::npos; }))
       << device.trouble();
   EXPECT_THAT(device.name(), HasSubstr("?[2Jtray at"));
@@ -337,7 +337,7 @@ class NearSide : public Side {
   std::uint64_t reading_ = 0;
 };
 
-/// A device that is lent, and a client that the test speaks for.
+/// A lent device, and a client controlled by the test.
 struct DeviceServerTest : ::testing::Test {
   test::TrayDevice tray;
   DeviceServer server{tray, "tcp://127.0.0.1:*"};
@@ -348,7 +348,7 @@ struct DeviceServerTest : ::testing::Test {
     client.greet();
     client.expect(wire::DeviceMessage::kHello);
   }
-  /// Forces of x are sent until `felt` is.
+  /// Sends forces along x until `felt` is felt.
   bool pushes(double x, double felt) {
     return eventually([&] { return client.push(++number, x, 0.5), tray.force().x() == felt; });
   }
@@ -362,7 +362,7 @@ TEST_F(DeviceServerTest, ReleasesTheForceWhenItsValidityExpires) {
   EXPECT_TRUE(pushes(1, 1));
 }
 
-/// Messages without end are no reason to hold a force: the device is read and written all the same.
+/// Even an endless flood of messages must not keep a force: the device is still read and written.
 TEST_F(DeviceServerTest, ReleasesTheForceWhileOthersFloodIt) {
   std::vector<std::jthread> floods;
   for (int n = 0; n < 3; ++n)
@@ -398,7 +398,7 @@ TEST_F(DeviceServerTest, IgnoresForcesDelayedByTheNetwork) {
   const std::size_t pushing = relay.held();
   const std::uint64_t followed = server.state().forces;
   device.write({-1, 0, 0});
-  std::this_thread::sleep_for(100ms);  // now all of the pushing is out of date
+  std::this_thread::sleep_for(100ms);  // all of the force is outdated now
   relay.let(pushing);
   EXPECT_TRUE(eventually([&] { return server.state().outdated > 0 || !server.state().held; }));
   EXPECT_EQ(server.state().forces, followed);

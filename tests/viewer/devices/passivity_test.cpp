@@ -9,16 +9,16 @@
 #include "viewer/devices/device_exchange.hpp"
 #include "viewer/haptics/force_guard.hpp"
 
-// A mass that nobody holds is thrown at tissue, through the real guard and exchange: what it leaves
-// with may not be more than it came with. Time is simulated.
+// A free mass is thrown at tissue, through the real guard and exchange: it may not leave with more
+// energy than it had. Time is simulated.
 namespace palpate {
 namespace {
 
 constexpr double period = 1e-3;
-constexpr std::int64_t substeps = 100;  // of the mass, in a period
+constexpr std::int64_t substeps = 100;  // steps of the mass per period
 constexpr double substep = period / substeps;
 
-/// Fills x > 0: force k x + h x^3 against x.
+/// Tissue in x > 0: force k x + h x^3 against x.
 struct Tissue {
   double k, h = 0;
   Touch at(double x) const {
@@ -32,18 +32,18 @@ struct Tissue {
   }
 };
 
-enum class Loop { guarded, raw, ideal };  // ideal: the force is that of each substep
+enum class Loop { guarded, raw, ideal };  // ideal: the force follows each substep
 
 struct Throw {
   Tissue tissue;
   double mass, speed;
   Loop loop = Loop::guarded;
-  double damping = 0;      ///< N s/m, of the device itself
+  double damping = 0;      ///< N s/m, damping of the device itself
   double phase = -1;       ///< of the device's thread, in periods; negative: read in the tick
-  int lost_of = 1 << 20;   ///< one of so many readings is lost,
-  int first_lost = 0;      ///< this one first
+  int lost_of = 1 << 20;   ///< one of this many readings is lost
+  int first_lost = 0;      ///< index of the first lost reading
   double max_force = 3.3;  ///< N
-  std::size_t late = 0;    ///< ticks, of a force of a device that is read in the tick
+  std::size_t late = 0;    ///< delay of the force in ticks, for a device that is read in the tick
 };
 
 class Bounce {
@@ -54,7 +54,7 @@ class Bounce {
         position_(-3.3 * period * thrown.speed),
         speed_(thrown.speed) {}
 
-  /// Energy that the mass leaves with, of that it came with.
+  /// The mass's energy when it leaves, relative to its initial energy.
   double returned() {
     constexpr std::int64_t longest = 2000 * substeps;
     const auto turn = std::llround(thrown_.phase * substeps);
@@ -83,7 +83,7 @@ class Bounce {
   }
   DeviceReading reading() const { return {{position_, 0, 0}, 0, DeviceStatus::fresh, {}}; }
 
-  /// Of the device's thread.
+  /// A turn of the device's thread.
   void takeTurn() {
     if (!loses()) exchange_.deliver(reading(), now_);
     force_ = exchange_.force(now_).x();
@@ -126,7 +126,7 @@ constexpr double masses[] = {0.02, 0.05, 0.15, 1}, speeds[] = {0.05, 0.2, 0.5};
 constexpr Tissue soft[] = {{50}, {200}, {400}, {100, 2e6}};
 constexpr Tissue hard[] = {{1100}, {2000}, {500, 3e7}};
 
-/// Each of these tissues with each mass and speed.
+/// Every combination of these tissues with each mass and speed.
 template <class Each>
 void forEachThrow(std::span<const Tissue> tissues, Each each) {
   for (const Tissue& tissue : tissues)
@@ -164,12 +164,13 @@ TEST(PassivityOfALateLoop, TheHandGetsBackNoMoreEnergyIfTheDelayIsKnown) {
 TEST_P(Passivity, SoftTissueIsNotDamped) {
   forEachThrow(soft, [&](Throw thrown) {
     thrown.phase = GetParam();
-    // A device that is read in the tick is passive by itself from a damping of K T / 2 on.
+    // A device that is read in the tick is passive without a guard if its damping is at least K T /
+    // 2.
     for (const double damping : {0.0, thrown.phase < 0 ? 0.5 * thrown.tissue.k * period : 0}) {
       thrown.damping = damping;
       Throw ideal = thrown;
       ideal.loop = Loop::ideal;
-      ideal.max_force = thrown.max_force = 100;  // the tissue's, not the device's
+      ideal.max_force = thrown.max_force = 100;  // limit of the tissue, not of the device
       EXPECT_GE(Bounce(thrown).returned(), Bounce(ideal).returned() - 0.02) << damping;
     }
   });

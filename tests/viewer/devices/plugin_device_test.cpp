@@ -90,7 +90,7 @@ TEST(PluginDevice, AHungPlugInIsLostAndDoesNotBlockItsUser) {
   }
 }
 
-/// Asks the library of a plug-in that is loaded.
+/// Queries the library of a loaded plug-in.
 class LoadedPlugin {
  public:
   explicit LoadedPlugin(const std::filesystem::path& file)
@@ -113,7 +113,7 @@ TEST(PluginDevice, APlugInHungWhilePressingResumesFromZero) {
   tick_options.guard = guardFor({"omega", 12, 5000, 0.075}, tick_options.period);
   HapticTick tick({&cube.model()}, device, tick_options);
   LoopOptions loop_options;
-  loop_options.watchdog = 30;  // it is not the loop that hangs
+  loop_options.watchdog = 30;  // the loop itself does not hang
   HapticLoop loop(tick, device, loop_options);
   loop.start();
   plugin.ask<void>("broken_device_start");

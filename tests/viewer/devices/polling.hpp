@@ -5,8 +5,8 @@
 
 namespace palpate::test {
 
-/// Asks every millisecond until `condition` holds; false when it did not within a generous time,
-/// which only guards against hanging.
+/// Checks every millisecond until `condition` holds. False after a generous limit, which only
+/// guards against hanging.
 template <class Condition>
 bool eventually(Condition condition, std::chrono::seconds limit = std::chrono::seconds(20)) {
   const auto end = std::chrono::steady_clock::now() + limit;

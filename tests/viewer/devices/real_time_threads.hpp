@@ -7,7 +7,7 @@
 
 namespace palpate::test {
 
-/// Threads of this program that have SCHED_FIFO and this priority.
+/// Number of threads of this program with SCHED_FIFO and this priority.
 inline int threadsWith(int priority) {
   int count = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {

@@ -12,8 +12,9 @@
 
 namespace palpate::test {
 
-/// A connection to a server that can stall on its way there, as a network does: what is sent
-/// meanwhile is held and delivered later. The way back never stalls. For one client.
+/// A relay between one client and a server that can stall in the direction of the server, as a
+/// network does: data sent meanwhile are held and delivered later. The other direction never
+/// stalls.
 class StallingRelay {
  public:
   /// server: tcp://127.0.0.1:PORT
@@ -35,7 +36,7 @@ class StallingRelay {
   }
   void stall() { allow(0); }
   void flow() { allow(SIZE_MAX); }
-  /// Delivers so many of the bytes that are held, and stalls on.
+  /// Delivers this many of the held bytes and keeps stalling.
   void let(std::size_t bytes) { allow(bytes); }
   std::size_t held() const {
     const std::lock_guard lock(mutex_);
@@ -71,7 +72,7 @@ class StallingRelay {
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   }
-  /// How many bytes went out.
+  /// Returns the number of bytes sent.
   static std::size_t pass(Socket& from, Socket& to, std::string& between, std::size_t most) {
     char bytes[4096];
     boost::system::error_code error;

@@ -8,7 +8,8 @@
 
 namespace palpate::test {
 
-/// A device whose hand is the test: it says what was laid into it, and keeps what was written.
+/// A device controlled by the test: it returns the reading that was laid into it and keeps the last
+/// written force.
 class TrayDevice : public HapticDevice {
  public:
   explicit TrayDevice(const DeviceProfile& profile = {"tray", 2, 500, 0.06}) : profile_(profile) {}

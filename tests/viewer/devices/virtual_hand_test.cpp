@@ -31,9 +31,9 @@ TEST(VirtualHand, YieldsToAConstantForceByForceOverStiffness) {
   EXPECT_LT((position - Eigen::Vector3d(0.01, 0.025, 0.0275)).norm(), 1e-9);
 }
 
-/// The step response of the damped oscillator, from its formula.
+/// The step response of the damped oscillator from its formula.
 TEST(VirtualHand, SwingsAsItsMassSpringAndDamperDo) {
-  constexpr int finer = 16;  // the formula has no steps
+  constexpr int finer = 16;  // the formula is continuous in time
   constexpr double period = 1e-3 / finer;
   VirtualHand hand(HandPath({{0, {0, 0, 0}}}), period, touchProfile());
   const double decay = VirtualHand::damping / (2 * VirtualHand::mass);

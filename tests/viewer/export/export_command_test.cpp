@@ -25,7 +25,7 @@ using ::testing::StartsWith;
 /// As in the program: one of these tests fills a disk.
 [[maybe_unused]] const bool exit_leaves_exported = (hdf5::leaveOpenFilesAtExit(), true);
 
-/// A sealed sample dataset that can be exported.
+/// A sealed sample dataset to export.
 class ExportCommand : public ::testing::Test {
  protected:
   ExportCommand() { sample.seal(options.dataset); }
@@ -48,7 +48,7 @@ class ExportCommand : public ::testing::Test {
     for (std::string line; std::getline(text, line);) lines.push_back(line);
     return lines;
   }
-  /// Only the dataset is there.
+  /// Expects only the dataset to exist.
   void expectNothingIsLeft() const {
     for (const auto& entry : std::filesystem::directory_iterator(directory.path()))
       EXPECT_EQ(entry.path(), options.dataset);
@@ -121,7 +121,7 @@ TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
 
 TEST_F(ExportCommand, AFullDiskIsReportedWithTheFileAndLeavesNothing) {
   options.output = directory / "touch.vtu";
-  // What is written aside goes where nothing fits.
+  // The temporary file goes to a full device.
   std::filesystem::create_symlink("/dev/full", directory / "touch.vtu.tmp");
   test::expectError(ExitCode::failed, [&] { run(); }, {"touch.vtu", "No space left on device"});
   expectNothingIsLeft();
@@ -191,7 +191,7 @@ TEST_F(ExportCommand, ProgramReadsItsArgumentsAndReturnsItsExitCodes) {
   EXPECT_THAT(result.output, HasSubstr(".pvd"));
 }
 
-/// A dataset whose top a finger touches.
+/// A dataset whose top is touched by a finger.
 class ExportOfAFinger : public ExportCommand {
  protected:
   ExportOfAFinger() {

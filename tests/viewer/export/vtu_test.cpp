@@ -24,7 +24,7 @@ Grid smallGrid() {
   return grid;
 }
 
-/// The numbers that stand behind the mark at the offset which the element of an array tells.
+/// The numbers of an array: they follow the underscore of the appended data, at the array's offset.
 template <class Number>
 std::vector<Number> valuesOf(const std::string& file, const std::string& element) {
   const std::size_t begin = file.find(element);

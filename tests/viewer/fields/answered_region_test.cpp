@@ -18,7 +18,7 @@ using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-constexpr double edge_length = 0.005;  ///< m, of the cells
+constexpr double edge_length = 0.005;  ///< m, edge length of the cells
 
 /// Solved up to x = 7.5 mm; beyond that everything failed.
 SpaceTable halfSolved() {
@@ -35,7 +35,7 @@ RegionEdge edgeOf(const SpaceTable& space, const Vector3d& direction) {
 TEST(DirectionWeights, AreAPartitionOfUnityWithExactGradients) {
   for (const Vector3d& p : pointsInBall(1, 200)) {
     const Vector3d unit = p.normalized(), aside = unit.unitOrthogonal();
-    const auto sumAt = [](const Vector3d& direction) {  // of any tabulated function
+    const auto sumAt = [](const Vector3d& direction) {  // for any tabulated function
       const DirectionWeights weights(direction.normalized());
       double sum = 0, whole = 0;
       for (std::size_t n = 0; n < weights.size; ++n) {

@@ -21,7 +21,7 @@ std::vector<const SpaceTable*> pointersTo(const std::vector<SpaceTable>& spaces)
   return pointers;
 }
 
-/// Places well inside of the square, displacements well inside of the ball.
+/// Places well inside the square and displacements well inside the ball.
 class AreaFieldTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -40,8 +40,8 @@ class AreaFieldTest : public ::testing::Test {
     return std::uniform_real_distribution<double>(low, high)(random);
   }
 
-  /// Force and drive are minus the slopes of the energy over 0.2 mm: energies are sums of single
-  /// precision.
+  /// Expects force and configurational force to be minus the slopes of the energy over 0.2 mm,
+  /// because energies are sums in single precision.
   static void expectOneEnergy(const AreaField& area, const Eigen::Vector3d& s,
                               const Eigen::Vector3d& p, double force_tolerance,
                               double drive_tolerance, double stiffness_tolerance) {
@@ -65,7 +65,7 @@ class AreaFieldTest : public ::testing::Test {
 std::vector<SpaceTable>* AreaFieldTest::spaces = nullptr;
 AreaField* AreaFieldTest::field = nullptr;
 
-// "100 %" once stood for seconds, while collocation points were interpolated to.
+// Regression: "100 %" was shown for seconds during interpolation to collocation points.
 TEST_F(AreaFieldTest, ReportsItsProgressToTheEnd) {
   std::vector<double> shares;
   std::mutex adding;
@@ -92,12 +92,12 @@ TEST_F(AreaFieldTest, ForcesAreThoseOfTheEnergyBetweenSites) {
     worst_drive = std::max(worst_drive, (sample.drive - PaperArea::drive(s, p)).norm());
     EXPECT_NEAR(sample.energy, PaperArea::energy(s, p), 1e-4);
   }
-  // Of forces up to 4 N, drives up to 0.5 N.
+  // Forces reach 4 N, configurational forces 0.5 N.
   EXPECT_LT(worst_force, 0.02);
   EXPECT_LT(worst_drive, 0.03);
 }
 
-/// As those at rest of a body whose slack fibres bear nothing: a jump over a tiny step.
+/// Like the rest state of a body whose slack fibres carry no load: a jump over a tiny step.
 TEST_F(AreaFieldTest, ContradictoryThirdDerivativesDoNoHarm) {
   std::vector<SpaceTable> jumping = *spaces;
   for (SpaceTable& site : jumping) {
@@ -122,7 +122,7 @@ TEST_F(AreaFieldTest, ForcesAreMinusTheGradientsOfItsEnergy) {
   }
 }
 
-/// Every second site has failed points on one side: the edge is another one from place to place.
+/// Every second site has failed points on one side, so the edge changes from place to place.
 TEST_F(AreaFieldTest, HasOneEnergyEvenBeyondTheComputedRegion) {
   std::vector<SpaceTable> uneven = *spaces;
   for (std::size_t n = 0; n < uneven.size(); n += 2)
@@ -147,7 +147,7 @@ TEST_F(AreaFieldTest, LoopsInPlaceAndDisplacementCreateNoEnergy) {
   for (int loop = 0; loop < 20; ++loop) {
     const Eigen::Vector3d s0 = drawPlace(), p0 = drawDisplacement(), s1 = drawPlace(),
                           p1 = drawDisplacement();
-    // An ellipse through both spaces; the midpoint rule converges fast on what is periodic.
+    // An ellipse through both spaces; the midpoint rule converges fast for periodic functions.
     constexpr int steps = 2000;
     double work = 0, exchanged = 0;
     for (int n = 0; n < steps; ++n) {
@@ -216,7 +216,7 @@ TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
   EXPECT_TRUE(std::isnan(single.evaluate(s, p).error_bound)) << "nothing tells";
 }
 
-/// A collocation point's lattice is finer where that of one of its sites is.
+/// A collocation point's lattice is finer where that of one of its sites is finer.
 TEST_F(AreaFieldTest, HasOneEnergyOverRefinedAndUnrefinedSites) {
   std::vector<SpaceTable> mixed;
   for (const SpaceTable& site : *spaces)
@@ -232,7 +232,7 @@ TEST_F(AreaFieldTest, HasOneEnergyOverRefinedAndUnrefinedSites) {
   }
 }
 
-/// Adds an energy A sin(k . p), which no polynomial meets, to that of a site.
+/// Adds an energy A sin(k . p), which no polynomial matches, to that of a site.
 SpaceTable withWave(SpaceTable space) {
   const Eigen::Vector3d k(120, -80, 100);  // 1/m
   constexpr double amplitude = 3e-3;       // J

@@ -63,7 +63,7 @@ TEST_F(AreaPreparation, PreparesNoMoreThanIsNeeded) {
   EXPECT_EQ(growing.madeSites(), growing.siteCount());
 }
 
-// Once it read the spacing of a lattice that was not there yet.
+// Regression: it read the spacing of a lattice that did not exist yet.
 TEST_F(AreaPreparation, FarFromAllCollocationPointsThereIsNoAnswer) {
   AreaField growing = area();
   const Eigen::Vector3d nowhere(1, 1, 1);
@@ -72,7 +72,7 @@ TEST_F(AreaPreparation, FarFromAllCollocationPointsThereIsNoAnswer) {
   EXPECT_EQ(growing.evaluate(nowhere, p).force, Eigen::Vector3d::Zero());
 }
 
-// Sums have room for six levels; a file may claim more.
+// The sums have room for six levels, but a file may contain more.
 TEST_F(AreaPreparation, CellsFinerThanThoseOfABuildAreRefused) {
   for (std::int32_t level = 0; level <= 6; ++level)
     body.spaces[0].splits.push_back({{0, 0, 0}, level});

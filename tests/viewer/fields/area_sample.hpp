@@ -6,7 +6,7 @@
 #include "common/space/space_table.hpp"
 #include "tests/support/symmetric_slope.hpp"
 
-/// The spaces of a finger's sites whose energy is known on paper: E(s, p) = g(s) f(p).
+/// Spaces of a finger's sites with an exact energy: E(s, p) = g(s) f(p).
 namespace palpate::test {
 
 struct PaperArea {
@@ -89,7 +89,7 @@ struct PaperArea {
     return space;
   }
 
-  /// Sites about as far apart as sitesOn puts them.
+  /// Sites at about the distance that sitesOn chooses.
   static std::vector<SpaceTable> sites(double pitch = 0.015) {
     std::vector<SpaceTable> spaces;
     for (const Eigen::Vector3d& s : plane(pitch)) spaces.push_back(space(s));

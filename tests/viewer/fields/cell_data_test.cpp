@@ -48,7 +48,7 @@ TEST(SlotEquilibria, ContinueCubicEnergiesToTheRimAndIntoHoles) {
        {LatticePoint{0, 0, 0}, LatticePoint{1, 0, 0}, LatticePoint{1, 1, 1}}) {
     PointRecord& point = space.points[*space.lattice.indexOf(hole)];
     point.tag = Tag::failed;
-    point.equilibrium.force.setConstant(1e9);  // must not be looked at
+    point.equilibrium.force.setConstant(1e9);  // must not be read
   }
   expectGhostsLike(cubic, space, 1e-7);
 }

@@ -20,7 +20,7 @@ using test::StiffeningEnergy;
 
 constexpr double spacing = 0.005;
 
-/// Those without an energy, whose forces are blended where branches meet.
+/// Methods without an energy, which blend forces where branches meet.
 class EveryBlendedField : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(CellField, EveryBlendedField, ::testing::Values("trilinear", "tricubic"),
                          [](const auto& method) { return method.param; });

@@ -22,7 +22,7 @@ using test::refinedSpace;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-/// Where one node goes as a function of the active node's displacement.
+/// Motion of a node as a function of the active node's displacement.
 using Motion = std::function<Vector3d(const Vector3d&)>;
 
 Motion linearMotion() {
@@ -41,7 +41,7 @@ Motion curvedMotion() {
 
 constexpr std::size_t nodes = 5;
 
-/// Rows of nodes that all move by `motion`, the n-th n + 1 times as far; NaN where not solved.
+/// Rows of nodes that move by `motion`, node n by n + 1 times as much; NaN at unsolved points.
 std::vector<float> rowsOf(const SpaceTable& space, const Motion& motion) {
   std::vector<float> rows;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {

@@ -22,7 +22,7 @@ using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-/// Points of a cube of half edge `reach` metres, from a fixed seed.
+/// Points in a cube of half edge `reach` metres, from a fixed seed.
 std::vector<Vector3d> pointsInCube(double reach, int count = 200) {
   std::mt19937 random(11);
   const auto coordinate = [&] {
@@ -59,7 +59,7 @@ double orderOf(std::string_view method, const AnalyticEnergy& energy) {
   return std::log2(forceError(method, energy, 0.005) / forceError(method, energy, 0.0025));
 }
 
-/// E = sum of c x^a y^b z^c with a, b, c <= 1 apart from squares: its force is linear in each
+/// E = sum of c x^a y^b z^c with a, b, c <= 1, plus squares: its force is linear in each
 /// coordinate.
 class MultilinearForceEnergy : public AnalyticEnergy {
  public:
@@ -83,7 +83,7 @@ void expectExact(const ForceField& field, const AnalyticEnergy& energy, double r
   }
 }
 
-/// What holds of every method, on spaces with holes, cells of several sizes and branches.
+/// Properties of every method, on spaces with holes, cells of several sizes and branches.
 class EveryField : public ::testing::TestWithParam<std::string> {
  protected:
   static std::unique_ptr<ForceField> fieldOf(const SpaceTable& space) {
@@ -105,7 +105,8 @@ TEST_P(EveryField, HasTheNameOfItsMethod) { EXPECT_EQ(fieldOf(spaces[0])->name()
 
 TEST_P(EveryField, ReturnsTheStoredForcesAtSolvedPoints) {
   for (const SpaceTable& space : spaces) {
-    // A point on the face of a larger cell hangs: the method of that cell says what its force is.
+    // A point on the face of a larger cell is hanging: that cell's interpolation determines its
+    // force.
     if (!space.splits.empty() && !GetParam().starts_with("rbf")) continue;
     const auto field = fieldOf(space);
     for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
@@ -119,9 +120,10 @@ TEST_P(EveryField, ReturnsTheStoredForcesAtSolvedPoints) {
 TEST_P(EveryField, ForceIsContinuousOverFacesAndTheSphere) {
   for (const SpaceTable& space : spaces) {
     const auto field = fieldOf(space);
-    const auto jump = [&](const Vector3d& p, const Vector3d& step) {  // beyond the stiffness
+    const auto jump = [&](const Vector3d& p, const Vector3d& step) {  // beyond that of the
+                                                                      // stiffness
       const ForceSample low = field->evaluate(p - step), high = field->evaluate(p + step);
-      // What lies beyond the edge is looked at in answered_region_test.cpp.
+      // answered_region_test.cpp tests what lies beyond the edge.
       if (low.beyond > 1e-11 || high.beyond > 1e-11) return 0.0;
       return (high.force - low.force).norm() - 2 * low.stiffness.norm() * step.norm();
     };
@@ -166,10 +168,10 @@ TEST_P(EveryField, CoverageIsTheShareOfSolvedCorners) {
     else
       EXPECT_NEAR(coverage, share, 1e-12);
   };
-  expectCoverage({-0.0025, 0.0025, 0.0025}, 1);  // terminating points are solved
+  expectCoverage({-0.0025, 0.0025, 0.0025}, 1);  // terminating points count as solved
   expectCoverage({-0.0025, -0.0025, -0.0025}, 7.0 / 8);
   expectCoverage({0.0025, 0.0025, 0.0025}, 6.0 / 8);
-  expectCoverage({0.005, 0, 0}, 0);  // on a failed point itself
+  expectCoverage({0.005, 0, 0}, 0);  // at a failed point itself
   EXPECT_TRUE(field->evaluate({0.005, 0, 0}).inside);
   const ForceSample rim = field->evaluate({0.0199, 0.0005, 0.0003});
   EXPECT_TRUE(rim.inside);

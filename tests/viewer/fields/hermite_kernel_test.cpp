@@ -68,7 +68,7 @@ TEST(HermiteKernelTest, TrustsExtrapolatedDataLess) {
   Eigen::VectorXf data = quantitiesAt(some_sites);
   std::vector<bool> solved = all_solved;
   solved[1] = false;
-  // A drive and a slope as wrong as they are large.
+  // A configurational force and a slope with the wrong sign.
   data.segment<9>(place_quantities + 1) *= -1;
   const auto errorAt = [&](const Eigen::Vector3d& place, const std::vector<bool>& known) {
     return std::abs((hermiteWeights(place, some_sites, known, 0.03).coefficients * data)[0] -
@@ -76,7 +76,7 @@ TEST(HermiteKernelTest, TrustsExtrapolatedDataLess) {
   };
   const Eigen::Vector3d between(0.008, 0.004, 0.001);
   EXPECT_LT(errorAt(between, solved), 0.7F * errorAt(between, all_solved));
-  // The solved ones stay exact.
+  // Solved sites stay exact.
   for (const std::size_t site : {0, 2, 3, 4})
     EXPECT_LT(errorAt(some_sites[site], solved), 1e-4F * data[0]);
 }

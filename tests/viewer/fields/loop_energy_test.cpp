@@ -37,7 +37,7 @@ TEST(ForceField, PotentialCreatesNoEnergyOnRandomLoops) {
     trilinear_exchanged += theirs.exchanged;
   }
   EXPECT_LT(net, 1e-6 * exchanged);
-  EXPECT_GT(trilinear_net, 1e-4 * trilinear_exchanged);  // what the test can see
+  EXPECT_GT(trilinear_net, 1e-4 * trilinear_exchanged);  // so this test can detect energy
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ using test::holedSpace;
 using test::pointsInBall;
 using test::refinedSpace;
 
-/// One and the place itself: linear functions are what both say of them.
+/// The blend of the constant 1 and of the place itself must reproduce both linear functions.
 TEST(PointBlend, ContinuesLinearFunctionsToEverySlotFromSolvedPointsAlone) {
   SpaceTable space = refinedSpace(0.01);
   space.points[at(*space.lattice.indexOf({-1024, 0, 0}))] = {};
@@ -74,8 +74,8 @@ TEST(PointBlend, IsTheConfigurationItselfAtEverySolvedPoint) {
   }
 }
 
-/// Of numbers that points have, it makes what the field of pressures, which is seen, makes of them:
-/// in holes, on finer leaves, at the rim and beyond it.
+/// Blending numbers of points gives the same as the pressure field: in holes, on finer leaves, at
+/// the boundary and beyond it.
 TEST(PointBlend, InterpolatesAsThePressureField) {
   for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005)}) {
     std::vector<float> values;

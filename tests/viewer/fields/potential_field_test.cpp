@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double radius = 0.06, spacing = 0.02;
 
-/// Cells of three sizes, two failed points, the rim as it is.
+/// Cells of three sizes and two failed points; the boundary is unchanged.
 SpaceTable unevenSpace(const test::AnalyticEnergy& energy = test::StiffeningEnergy()) {
   return test::without(test::splitSpace(Lattice(radius, spacing, 1024), test::three_sizes, energy),
                        {{-1024, 0, 0}, {1024, 512, 512}});
@@ -84,8 +84,8 @@ TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
   }
 }
 
-/// Across refined cells, the rim, failed points, and cells that a jump crosses. Over 1e-12 m the
-/// stiffness itself changes by up to 2e-5 N/m beside a jump.
+/// Across refined cells, the boundary, failed points, and cells crossed by a jump. Beside a jump
+/// the stiffness itself changes by up to 2e-5 N/m over 1e-12 m.
 TEST(PotentialField, HasAContinuousStiffness) {
   for (const SpaceTable& space : {unevenSpace(), jumpingSpace(), unevenSpace(jumping_energy)}) {
     std::mt19937 random(16);  // the same places in each
@@ -127,9 +127,9 @@ TEST(PotentialField, KeepsStoredForcesBesideAJumpAndIsUncertainThere) {
   EXPECT_GE(held, 980);
 }
 
-/// A conservative force cannot be that of both branches where the energy jumps between them; it
-/// stays within what the forces at the lattice points and half of the largest jump of the energy
-/// over an edge allow.
+/// Where the energy jumps between branches, a conservative force cannot equal that of both. It
+/// stays within the bound given by the forces at lattice points and half of the largest energy jump
+/// over an edge.
 TEST(PotentialField, OvershootsByHalfTheEnergyLossOfAnEdgeAtMost) {
   constexpr double force_jump = 5;
   std::mt19937 random(20);
@@ -158,7 +158,7 @@ TEST(PotentialField, ContinuesALoneConfiguration) {
   EXPECT_FALSE(field.evaluate({0.03, 0.03, 0.03}).inside) << "all corners failed";
 }
 
-/// Two branches with the same constant force: what lies beyond x = 10 mm has `lost` less energy.
+/// Two branches with the same constant force; beyond x = 10 mm the energy is lower by `lost`.
 class Step : public test::AnalyticEnergy {
  public:
   Step(double lost, double force_jump) : lost_(lost), force_jump_(force_jump) {}
@@ -187,12 +187,12 @@ TEST(EnergyCorrections, AreZeroWhereEveryEdgeIsConsistent) {
 }
 
 TEST(EnergyCorrections, SpreadAnEnergyJumpOverThreeLeaves) {
-  // In the middle of the plane of the jump the two ends are moved by the same amount d towards each
-  // other: with the forces 1 - 2 d in the edge, d before and behind it, and d for the corrections
-  // themselves the least sum of (1 - 2 d)^2 + 2 d^2 + 2 d^2 is at d = 1 / 4.
+  // In the middle of the jump's plane the two ends move by the same amount d towards each other.
+  // The forces are 1 - 2 d in the edge, d before and behind it, and d for the corrections
+  // themselves, so the sum (1 - 2 d)^2 + 2 d^2 + 2 d^2 is least at d = 1 / 4.
   constexpr double lost = 0.02;
   const CellData data = dataOf(Step(lost, 0));
-  // The rim, three spacings away, changes that a little.
+  // The boundary, three spacings away, changes that a little.
   EXPECT_NEAR(correctionAt(data, {0, 0, 0}), -lost / 4, 0.005 * lost);
   EXPECT_NEAR(correctionAt(data, {1, 0, 0}), lost / 4, 0.005 * lost);
 }
@@ -212,12 +212,12 @@ TEST(EnergyCorrections, ChangeOnlyCornersOfLeavesWithAnInconsistentEdge) {
 }
 
 TEST(EnergyCorrections, IgnoreAMismatchWithinTheDifferenceOfForces) {
-  // Without a loss the energies agree with the trapezoidal rule over the jump of the force.
+  // Without a loss the energies agree with the trapezoidal rule across the jump of the force.
   constexpr double jump = 4;
   const CellData within = dataOf(Step(0.09 * jump * spacing, jump)),
                  beyond = dataOf(Step(0.5 * jump * spacing, jump));
   ASSERT_FALSE(within.inconsistent.empty());
-  // Away from the rim, whose ghosts continue one branch into the other.
+  // Away from the boundary, whose ghosts continue one branch into the other.
   EXPECT_LT(std::abs(correctionAt(within, {0, 0, 0})), 0.005 * jump * spacing);
   EXPECT_LT(std::abs(correctionAt(within, {1, 0, 0})), 0.005 * jump * spacing);
   EXPECT_GT(correctionAt(beyond, {1, 0, 0}), 0.05 * jump * spacing);

@@ -21,13 +21,13 @@ using test::StiffeningEnergy;
 constexpr std::size_t nodes = 4;
 using Pressures = std::array<float, nodes>;
 
-/// Pa, curved in p and of either sign, another one for each node.
+/// Pa, curved in p, of both signs, and different for each node.
 float pressureOf(const Vector3d& p, std::size_t node) {
   const Vector3d q = (40 + 5 * static_cast<double>(node)) * p;
   return static_cast<float>(2000 * std::sin(q.x() + 0.5 * q.y()) - 700 * std::cos(q.z() - q.y()));
 }
 
-/// NaN where nothing is solved.
+/// NaN at unsolved points.
 std::vector<float> rowsOf(const SpaceTable& space) {
   std::vector<float> rows;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
@@ -55,11 +55,12 @@ TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
   }
 }
 
-/// The shape's way, of the same numbers: holes, levels, branches, the rim and beyond it.
+/// Equal to the displacement field for the same numbers: in holes, levels, branches, at the
+/// boundary and beyond it.
 TEST(PressureField, InterpolatesAsTheDisplacementField) {
   for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005), test::branchedSpace()}) {
     const std::vector<float> rows = rowsOf(space);
-    // Large enough as metres that no mode is left out.
+    // So large as metres that no mode is left out.
     std::vector<float> displacements;
     for (const float pressure : rows) displacements.insert(displacements.end(), 3, pressure);
     const PressureField field(space, rows);

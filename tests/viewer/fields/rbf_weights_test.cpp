@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-/// The sum that RbfWeights describes, written down plainly. Unsolved points are left out.
+/// The sum described at RbfWeights, in plain code, without unsolved points.
 Vector3d forceAt(const SpaceTable& space, RbfKernel kernel, const RbfWeights& rbf,
                  const Vector3d& p) {
   Vector3d force = Vector3d::Zero();
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(RbfWeights, EveryKernel,
 TEST_P(EveryKernel, ReproducesTheForceOfEverySolvedPoint) {
   SpaceTable space = solvedSpace(Lattice(0.02, 0.005), StiffeningEnergy());
   space.points[7].tag = Tag::failed;
-  space.points[7].equilibrium.force.setConstant(1e9);  // must not be looked at
+  space.points[7].equilibrium.force.setConstant(1e9);  // must not be read
   const RbfWeights rbf = solveRbfWeights(space, GetParam());
   EXPECT_TRUE(rbf.accurate());
   EXPECT_GT(rbf.condition, 10);

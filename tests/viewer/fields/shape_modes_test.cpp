@@ -10,7 +10,7 @@ namespace {
 constexpr Eigen::Index width = 60;
 constexpr float tolerance = 1e-3f;
 
-/// Sums of `rank` fixed rows by random factors in [-1, 1].
+/// Sums of `rank` fixed rows with random factors in [-1, 1].
 ShapeRows shapesOfRank(Eigen::Index rank, Eigen::Index count) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> spread(-1, 1);
@@ -53,7 +53,7 @@ TEST(ShapeModes, RepresentEveryEntryOfUncorrelatedShapes) {
   EXPECT_LE(largestMiss(shapes, modes), 1.001f * tolerance);
 }
 
-/// Once the search did not end.
+/// Regression: the search did not end.
 TEST(ShapeModes, AreNoMoreThanFloatsCanTellApart) {
   const ShapeRows shapes = 1e6f * shapesOfRank(7, 3000);
   const ShapeRows modes = modesOf(shapes, tolerance);

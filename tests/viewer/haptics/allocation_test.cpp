@@ -1,5 +1,5 @@
-// What may be called in a tick, beside the tick itself: counted in the C library, in a program of
-// its own.
+// Allocations of functions that may be called in a tick, besides the tick itself. A separate
+// program, because it replaces the C library's allocator.
 
 #include <gtest/gtest.h>
 

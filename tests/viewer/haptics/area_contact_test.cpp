@@ -1,4 +1,4 @@
-// A hand on the area of a finger: one energy E(s, p), anywhere on it.
+// A hand on the area of a finger, with one energy E(s, p) everywhere.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class AreaContact : public ::testing::Test {
       if (surface.faceNormal(t).z() > 0.9) return t;
     return -1;
   }
-  /// Where the anchor is in the shape that is shown of a touch.
+  /// The position of the anchor in the displayed shape of a touch.
   Eigen::Vector3d shownAtAnchor(const Touch& touch) const {
     std::vector<float> shape(3 * surface.vertices().size());
     DeformedShape(surface.vertices().size()).evaluate(model, touch, shape);
@@ -99,7 +99,7 @@ TEST_F(AreaContact, SpacesOfSitesAnswerAsTheAreaAtTheirPlaces) {
   }
 }
 
-/// 5 mm deep and across the top, over many triangles and sites.
+/// A path 5 mm deep across the top, over many triangles and sites.
 Eigen::Vector3d acrossTheTop(double t) {
   return {0.015 + 0.07 * t, 0.03 + 0.03 * std::sin(5 * t), 0.1 - 0.005 * std::sin(M_PI * t)};
 }
@@ -115,9 +115,9 @@ TEST_F(AreaContact, SlidingCreatesNoEnergy) {
     for (int n = 0; n <= steps; ++n) {
       const Eigen::Vector3d tool = acrossTheTop(static_cast<double>(n) / steps);
       const Touch& touch = contact.update(tool);
-      work -= 0.5 * (touch.force + last_force).dot(tool - last_tool);  // of the hand
+      work -= 0.5 * (touch.force + last_force).dot(tool - last_tool);  // work of the hand
       most = std::max(most, touch.energy);
-      // What is stored never exceeds what the hand gave, to the rule of the sum.
+      // The stored energy never exceeds the hand's work, up to the error of the sum.
       ASSERT_LT(touch.energy, work + 2e-3 * most + 1e-9) << "step " << n;
       last_energy = touch.energy;
       last_tool = tool;
@@ -147,7 +147,7 @@ TEST_F(AreaContact, NoForceJumpsWhileSlidingOverTrianglesAndSites) {
   EXPECT_LT(worst, 0.01);
 }
 
-/// Straight in by more than the body is deep, at places all over the top.
+/// Straight in, by more than the depth of the body, at places all over the top.
 TEST_F(AreaContact, NothingPassesThroughBelowTheLargestForce) {
   for (double x = 0.02; x < 0.09; x += 0.01) {
     Contact contact(model);
@@ -163,8 +163,8 @@ TEST_F(AreaContact, NothingPassesThroughBelowTheLargestForce) {
   }
 }
 
-/// Deep points failed on one side of the body; on another there is a fold, beyond which all forces
-/// are larger.
+/// Deep points failed on one side of the body; on another side there is a fold, beyond which all
+/// forces are larger.
 test::FingerBody withAHoleAndAFold() {
   test::FingerBody body;
   for (SpaceTable& space : body.spaces)
@@ -177,7 +177,7 @@ test::FingerBody withAHoleAndAFold() {
   return body;
 }
 
-/// A hand that is led, in and out and to and fro, over all of it.
+/// A hand guided in and out, to and fro, over the whole area.
 TEST_F(AreaContact, TheGuardBoundsForceAndEnergyAtAHoleAndAFold) {
   const test::TemporaryDirectory directory;
   withAHoleAndAFold().seal(directory / "body.h5");
@@ -192,11 +192,11 @@ TEST_F(AreaContact, TheGuardBoundsForceAndEnergyAtAHoleAndAFold) {
     ForceGuard guard(options);
     const auto placeAt = [&](int tick) -> Eigen::Vector3d {
       const double t = tick / 4000.0;
-      // From above, and back there.
+      // It approaches from above and returns there.
       return Eigen::Vector3d(0.05, 0.05, 0.1 + 0.05 * std::abs(1 - 2 * t)) + loop.at(t);
     };
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
-    double given = 0;  // J, to the hand
+    double given = 0;  // J, given to the hand
     for (int tick = 0; tick <= 4000; ++tick) {
       GuardInput input;
       input.tool = placeAt(tick);

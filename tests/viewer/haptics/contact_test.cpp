@@ -13,7 +13,7 @@ namespace {
 
 using Path = std::function<Eigen::Vector3d(double)>;  ///< from 0..1
 
-/// Of each model one is enough: sealing takes a while.
+/// The models are created once because sealing takes a while.
 const HapticModel& flatModel() {
   static const HapticModel model = test::cubeModel();
   return model;
@@ -37,7 +37,7 @@ const HapticModel& wholeBlob() {
   return model;
 }
 
-/// Straight down onto the cube and back up.
+/// Straight down into the cube and back up.
 Eigen::Vector3d pressing(double t, double depth) {
   return {0.052, 0.047, 0.105 - (0.005 + depth) * (1 - std::abs(2 * t - 1))};
 }
@@ -65,14 +65,14 @@ Work workAlong(const HapticModel& model, const ContactOptions& options, const Pa
   return work;
 }
 
-/// In from above, a loop under the surface, and out elsewhere.
+/// In from above, along a loop under the surface, and out elsewhere.
 Eigen::Vector3d kneading(double t) {
   const double depth = 0.014 * std::sin(M_PI * t), angle = 2 * M_PI * t;
   return {0.05 + 0.018 * std::cos(angle) + 0.004 * t, 0.05 + 0.015 * std::sin(angle),
           0.1005 - depth};
 }
 
-/// A smooth walk around and through a body.
+/// A smooth walk around a body and through it.
 class Walk {
  public:
   Walk(const HapticModel& model, unsigned seed) : random_(seed) {
@@ -161,7 +161,7 @@ TEST(Contact, NeverPullsOnRandomWalks) {
   EXPECT_GT(contacts, 50);
 }
 
-/// A cube that gives way sideways as a thin lobe does: its force leans from the normal.
+/// A cube that yields sideways like a thin lobe: its force leans from the normal.
 const HapticModel& leaningCube() {
   static const HapticModel model = [] {
     const Mesh mesh = test::cubeMesh(0.1, 4);
@@ -370,12 +370,12 @@ TEST(Contact, StopsAtTheRimOfTheTouchableSurface) {
 }
 
 struct Sweep {
-  double largest_share = 0;   ///< step of the force between ticks, of the force
-  double largest_excess = 0;  ///< the same, less what motion and stiffness explain
+  double largest_share = 0;   ///< step of the force between ticks, relative to the force
+  double largest_excess = 0;  ///< the same, minus the share explained by motion and stiffness
   int ticks = 0, triangles = 0;
 };
 
-/// 0.1 m/s at 1 kHz over the body, 10 to 20 mm deep.
+/// 0.1 m/s at 1 kHz across the body, 10 to 20 mm deep.
 Sweep sweepOver(const HapticModel& model, double friction, double top) {
   Sweep sweep;
   for (const double y : {-0.021, -0.01, 0.0, 0.0105, 0.022})
@@ -437,7 +437,7 @@ TEST(Contact, ReturnsAllWorkWithoutFriction) {
 }
 
 TEST(Contact, WouldCreateEnergyWithoutTheEnergiesOfTheSpaces) {
-  // Tri-linear forces have none, so the anchor slides by the force alone.
+  // Tri-linear forces have no energy, so the anchor slides by the force alone.
   const Work work = workAlong(gradedModel(), {.friction = 0}, kneading, 8000, 1);
   EXPECT_GT(std::abs(work.net) / work.exchanged, 1e-3);
 }
@@ -459,7 +459,7 @@ TEST(Contact, NeverReturnsMoreWorkThanItTookOnRandomWalks) {
       const Walk walk(*model, 3);
       for (int n = 0; n < 100000; ++n) {
         const Eigen::Vector3d wave = walk.at(0.0001 * n);
-        // No deeper than the workspaces, beyond which a force has no potential.
+        // Within the workspaces; beyond them a force has no potential.
         const Eigen::Vector3d tool(0.5 * wave.x(), 0.5 * wave.y(), 0.05 + 0.2 * wave.z());
         const Touch& touch = contact.update(tool);
         ASSERT_TRUE(touch.inside);

@@ -10,7 +10,7 @@
 #include <cstddef>
 
 extern "C" {
-// The allocator itself, under the names that the C library keeps for those who replace malloc.
+// The real allocator, under the names that the C library provides for replacements of malloc.
 // NOLINTBEGIN(readability-identifier-naming)
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
@@ -30,7 +30,7 @@ void add(long CallCounts::*kind) noexcept {
   if (counting) ++(counts.*kind);
 }
 
-/// The function of this name in the C library.
+/// The C library's function of this name.
 template <class Function>
 Function next(const char* name) noexcept {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));

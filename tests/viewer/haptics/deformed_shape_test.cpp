@@ -51,7 +51,7 @@ TEST_F(DeformedShapeTest, PassesThroughTheToolWhileSliding) {
     last = out;
   }
   EXPECT_GT(largest_step, 1e-5);
-  EXPECT_LT(largest_step, 5e-4);  // the tool moves 0.1 mm a tick
+  EXPECT_LT(largest_step, 5e-4);  // the tool moves 0.1 mm per tick
 }
 
 TEST_F(DeformedShapeTest, ChangesNothingFarFromTheAnchor) {
@@ -62,7 +62,7 @@ TEST_F(DeformedShapeTest, ChangesNothingFarFromTheAnchor) {
   const std::vector<float> out = shapeOf(touch);
   for (std::size_t v = 0; v < model.surface().vertices().size(); ++v) {
     if ((model.surface().vertices()[v] - touch.anchor_position).norm() < 0.075)
-      continue;  // of edges <= 0.036
+      continue;  // edges are at most 0.036 long
     double expected = 0;
     for (std::int32_t n = 0; n < touch.blend.size; ++n) {
       const auto& [space, weight] = touch.blend.shares[static_cast<std::size_t>(n)];

@@ -49,7 +49,7 @@ bool has(const GuardedForce& force, Guarded guarded) {
   return (force.guards & static_cast<std::uint32_t>(guarded)) != 0;
 }
 
-/// Ticks with the same input until `seconds` are over; the last answer.
+/// Repeats the same input for `seconds`. Returns the last answer.
 GuardedForce hold(ForceGuard& guard, const GuardInput& input, double seconds,
                   const GuardOptions& options = {}) {
   GuardedForce last;
@@ -152,7 +152,7 @@ TEST(ForceGuard, ChangesNoFasterThanTheSlewLimit) {
   const GuardOptions options;
   ForceGuard guard(options);
   guard.limit({});
-  // The raw force jumps without being a step: a very fast hand.
+  // The raw force changes quickly, but not by a step: a very fast hand.
   for (int n = 1; n <= 9; ++n) {
     const GuardedForce given = guard.limit(touching({3.2, 0, 0}));
     EXPECT_TRUE(has(given, Guarded::slewed));
@@ -273,8 +273,8 @@ TEST(ForceGuard, AcceptsAFastHandMotion) {
   }
 }
 
-/// A hand that presses a spring up and down between 0 and `depth`, as a sine, whole cycles. The
-/// work it gets out, J: of the spring held for a tick at a time, and of what the guard makes of it.
+/// A hand that presses a spring up and down between 0 and `depth`, as a sine, for whole cycles. The
+/// work that it extracts, J: from a spring sampled once per tick, and after the guard.
 struct Extracted {
   double held = 0, guarded = 0;
   double least_passivity = 0;
@@ -309,13 +309,13 @@ TEST(EnergyLimit, RemovesTheEnergyCreatedBySamplingASpring) {
   const GuardOptions options = wideOptions();
   const double stiffness = 1000, depth = 0.01, hertz = 5;
   const Extracted extracted = pressSpring(stiffness, depth, hertz, options);
-  // Power K T v^2 / 2, with the mean of v^2 over a cycle; ten cycles.
+  // The power is K T v^2 / 2 with the mean of v^2 over a cycle; ten cycles.
   const double speed = std::numbers::pi * hertz * depth;
   const double created = stiffness * options.period * speed * speed / 4 * 10 / hertz;
   EXPECT_NEAR(extracted.held, created, 0.01 * created);
   const double of_one_tick = 0.5 * stiffness * std::pow(speed * options.period, 2);
   EXPECT_LE(extracted.guarded, 2 * of_one_tick);
-  // What a way in creates, which the way out leaves away.
+  // The way in creates this energy, the way out removes it.
   EXPECT_GE(extracted.least_passivity, -1.1 * created / 20);
   EXPECT_GT(extracted.damped, 900);
 }
@@ -337,10 +337,10 @@ TEST(EnergyLimit, DoesNotActOnAHandThatLosesEnergy) {
     const double y = 0.01 * (1 - std::cos(0.01 * n)),
                  speed = 0.0001 * std::sin(0.01 * n) / options.period;
     GuardInput input = spring(100, y);
-    input.touch.force.y() -= 5 * speed;  // a damper of its own
+    input.touch.force.y() -= 5 * speed;  // an additional damper
     damped += has(guard.limit(input), Guarded::damped) ? 1 : 0;
   }
-  // Only near the surface, where less is stored than is not known.
+  // Only near the surface, where the stored energy is below its uncertainty.
   EXPECT_LE(damped, 40);
 }
 
@@ -353,7 +353,7 @@ TEST(EnergyLimit, NeitherTurnsNorEnlargesTheForce) {
   for (int n = 0; n < 5000; ++n) {
     y = std::clamp(y + speed(random) * 1e-3, 0.0, 0.01);
     GuardInput input = spring(1000, y);
-    input.touch.energy += n * 1e-5;  // as if ever more were stored that nobody put in
+    input.touch.energy += n * 1e-5;  // as if the stored energy grew without input
     const GuardedForce given = guard.limit(input);
     EXPECT_EQ(given.force.x(), 0);
     EXPECT_EQ(given.force.z(), 0);
@@ -379,7 +379,7 @@ TEST(EnergyLimit, ToleratesQuantizedPositions) {
 
 TEST(EnergyLimit, DoesNotMistakeAClampedForceForCreatedEnergy) {
   GuardOptions options = wideOptions();
-  options.max_force = 2;  // of 10 N at the deepest
+  options.max_force = 2;  // the spring reaches 10 N
   const Extracted extracted = pressSpring(1000, 0.01, 1, options);
   const double speed = std::numbers::pi * 1 * 0.01;
   EXPECT_GE(extracted.least_passivity, -1000 * options.period * speed * speed / 8);
@@ -390,7 +390,7 @@ TEST(EnergyLimit, CountsNoSwitchOfModelsAsWork) {
   ForceGuard guard({});
   guard.limit(spring(50, 0));
   for (int n = 1; n <= 1000; ++n) guard.limit(spring(50, 1e-5 * n));
-  // Ten times the stored energy, ten times the force, at once.
+  // Ten times the stored energy and ten times the force at once.
   GuardedForce given = guard.limit(stepped(spring(500, 0.01)));
   EXPECT_GE(given.passivity, -1e-4);
   given = hold(guard, spring(500, 0.01), 0.2);
@@ -405,7 +405,7 @@ TEST(EnergyLimit, RemembersNoMoreThanItsCredit) {
     const double y = 0.001 * (1 - std::cos(0.05 * n));
     GuardInput input = spring(100, y);
     input.touch.force.y() -=
-        100 * 0.00005 * std::sin(0.05 * n);  // friction-like: ever more is dissipated
+        100 * 0.00005 * std::sin(0.05 * n);  // like friction: more and more is dissipated
     EXPECT_LE(guard.limit(input).passivity, options.energy_credit + 1e-12);
   }
   GuardInput free;
@@ -414,7 +414,7 @@ TEST(EnergyLimit, RemembersNoMoreThanItsCredit) {
   EXPECT_LE(std::abs(kept), options.energy_credit);
 }
 
-/// Anything a broken device, dataset or method could give.
+/// Any input that a broken device, dataset or method could give.
 GuardInput anything(std::mt19937_64& random) {
   const auto number = [&random](double usual) {
     std::uniform_int_distribution<int> kind(0, 40);
@@ -449,7 +449,7 @@ TEST(ForceGuard, KeepsItsLimitsForAnyInput) {
     GuardInput input = anything(random);
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
     for (int n = 0; n < 100000; ++n) {
-      if (random() % 3 != 0) input = anything(random);  // some stay for a while
+      if (random() % 3 != 0) input = anything(random);  // some inputs stay for a while
       const GuardedForce given = guard.limit(input);
       ASSERT_TRUE(given.force.allFinite()) << n;
       ASSERT_TRUE(std::isfinite(given.passivity)) << n;

@@ -18,7 +18,7 @@ using test::fresh;
 using test::pressAndSlide;
 using test::ScriptedHand;
 
-/// Waits for `holds`, so long that only a hang is longer.
+/// Waits until `holds` is true, with a limit that only a hang exceeds.
 template <class Holds>
 bool waitFor(const Holds& holds) {
   const auto end = std::chrono::steady_clock::now() + 60s;
@@ -40,7 +40,7 @@ class HapticLoopTest : public testing::Test {
     LoopOptions options;
     options.rate = rate;
     options.ticks = ticks;
-    options.watchdog = 30;  // this machine may be busy; where it matters the test sets it
+    options.watchdog = 30;  // for a busy machine; tests of the watchdog set their own
     return options;
   }
   static void runToTheEnd(HapticLoop& loop) {
@@ -84,10 +84,10 @@ TEST_F(HapticLoopTest, StopsWhenAskedTo) {
   EXPECT_FALSE(loop.running());
   EXPECT_EQ(loop.statistics().ticks, hand.reads);
   EXPECT_EQ(hand.last_force, Eigen::Vector3d::Zero());
-  loop.stop();  // again, which does nothing
+  loop.stop();  // a second call does nothing
 }
 
-/// A pause: the device held zero, the guard remembers the force of before.
+/// During the pause the device held zero, but the guard remembers the force before it.
 TEST_F(HapticLoopTest, ResumesAnEarlierTickFromZeroByARamp) {
   ScriptedHand pressing([](std::uint64_t n) {
     return fresh(
@@ -119,7 +119,7 @@ TEST_F(HapticLoopTest, CannotBeStartedTwiceOrAtAnotherRateThanItsTick) {
 }
 
 TEST_F(HapticLoopTest, RecordsEveryTickOfAFreeRunAndEqualsTheTickAlone) {
-  constexpr std::uint64_t ticks = 20000;  // more than the queue holds
+  constexpr std::uint64_t ticks = 20000;  // more than the queue can hold
   ScriptedHand hand(test::pressingAndSliding()), alone(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions()), tick_alone(models(), alone, tickOptions());
   LoopOptions options = loopOptions(ticks);
@@ -192,7 +192,7 @@ TEST_F(HapticLoopTest, HaltsAHungDeviceAndContinuesFromZero) {
   runToTheEnd(loop);
   EXPECT_GE(loop.statistics().halts, 1U);
   EXPECT_EQ(hand.halts, static_cast<int>(loop.statistics().halts));
-  EXPECT_EQ(hand.resumes, hand.halts + 1);  // once at the start
+  EXPECT_EQ(hand.resumes, hand.halts + 1);  // one more, at the start
   EXPECT_GE(loop.statistics().guards[7], 1U);
 
   Eigen::Vector3d before = Eigen::Vector3d::Zero();

@@ -25,7 +25,7 @@ class HapticTickTest : public testing::Test {
     options.guard = guardFor({"omega", 12, 5000, 0.075}, options.period);
     return options;
   }
-  /// Above the top, and `depth` below it, over its middle.
+  /// Over the middle of the top: above it, and `depth` below it.
   static DeviceReading above() { return fresh({0.05, 0.05, 0.105}); }
   static DeviceReading pressed(double depth) { return fresh({0.05, 0.05, 0.1 - depth}); }
   /// Goes down a quarter of a millimetre per tick, to 5 mm.
@@ -192,11 +192,11 @@ TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
   EXPECT_TRUE(tick.state().touch.touching);
   const double difference = (before - potential).norm();
   EXPECT_GT(difference, 0.01);
-  // A ramp of 50 ticks, whose steepest slope is 1.5 of the mean.
+  // A ramp of 50 ticks, with a steepest slope of 1.5 times the mean.
   EXPECT_LE(largest_step, 1.6 * difference / 50);
 }
 
-/// Its triangle and spaces are those of the model before.
+/// The shown touch has a triangle and spaces of the earlier model.
 TEST_F(HapticTickTest, ForgetsTheShownTouchWhenTheModelChanges) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model(), &model()}, hand, options());

@@ -1,5 +1,5 @@
-// What the haptic thread may not do, counted in the C library and refused by the kernel. A program
-// of its own, since it replaces malloc and pthread_mutex_lock.
+// Calls that are forbidden in the haptic thread, counted in the C library and refused by the
+// kernel. A separate program, because it replaces malloc and pthread_mutex_lock.
 
 #include <gtest/gtest.h>
 #include <linux/filter.h>
@@ -36,7 +36,7 @@ TickOptions tickOptions(double rate) {
   return options;
 }
 
-/// Presses and slides; is lost, sends NaN and repeats itself now and then.
+/// Presses and slides; sometimes it is lost, sends NaN or repeats a reading.
 DeviceReading troubledHand(std::uint64_t tick, double period) {
   DeviceReading reading = test::fresh(test::pressAndSlide(period * static_cast<double>(tick)));
   if (tick % 1700 < 20) reading.status = DeviceStatus::lost;
@@ -59,7 +59,7 @@ TEST_F(RealTime, CountersCount) {
   void* const memory = ::operator new(100);
   const std::unique_lock lock(mutex);
   ::operator delete(memory);
-  void* volatile more = std::malloc(100);  // volatile, or the compiler leaves both out
+  void* volatile more = std::malloc(100);  // volatile, so that the compiler keeps both calls
   std::free(more);
   const CallCounts counts = test::stopCounting();
   EXPECT_EQ(counts.allocations, 2);
@@ -85,7 +85,7 @@ TEST_F(RealTime, TheTickNeitherAllocatesNorLocks) {
   EXPECT_EQ(counts.prints, 0);
 }
 
-/// From now on any system call but the end of the process ends it with SIGSYS.
+/// From now on, any system call except the end of the process ends the process with SIGSYS.
 bool forbidSystemCalls() {
   sock_filter rules[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
@@ -100,7 +100,7 @@ bool forbidSystemCalls() {
 
 constexpr int refused_by_kernel = 77;
 
-/// The status of a child that runs `action` without system calls.
+/// The exit status of a child that runs `action` without system calls.
 template <class Action>
 int withoutSystemCalls(const Action& action) {
   const pid_t child = fork();
@@ -145,7 +145,7 @@ TEST_F(RealTime, TheLoopNeitherAllocatesNorLocksBetweenTicks) {
   options.watchdog = 60;
   HapticLoop loop(tick, hand, options);
   loop.start();
-  // The other sides do what they will: read, take, command.
+  // The other threads may read, take states and send commands.
   std::uint64_t taken = 0;
   for (std::int32_t n = 0; loop.running() && n < 600000; ++n) {
     loop.command({HapticCommand::Kind::use, 0, n / 100 % 2});

@@ -95,7 +95,7 @@ std::string bytesOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Bit by bit, so that NaN equals NaN.
+/// Compares bit by bit, so that NaN equals NaN.
 template <class T>
 bool sameBits(const T& a, const T& b) {
   return std::memcmp(static_cast<const void*>(&a), static_cast<const void*>(&b), sizeof(T)) == 0;
@@ -281,8 +281,8 @@ TEST(Recording, AChangedByteIsAnErrorOrGivesTheSameReadings) {
   EXPECT_GT(refused, tried / 4);
 }
 
-/// Writes one number over another where it lies; hash and all is what a foreign program could
-/// write, without it what a bad disk does.
+/// Overwrites an array in place. With an updated hash, a foreign program could have written it;
+/// without, it is damage on disk.
 template <class T>
 void rewrite(const std::filesystem::path& file, const char* path, std::vector<T> values,
              const hdf5::Shape& shape, bool with_hash = true) {
@@ -321,8 +321,8 @@ TEST(Recording, IsRefusedForDamageThatAReplayWouldNotRead) {
                     {"run.h5", "/time"});
 }
 
-/// 0 when a save to a disk that takes no more than `limit` bytes of a file is an Error that names
-/// it.
+/// Returns 0 if saving to a disk with room for `limit` bytes of a file throws an Error that names
+/// the file.
 int saveToAFullDisk(const Recorder& recorder, const std::filesystem::path& file,
                     std::size_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
@@ -342,7 +342,7 @@ TEST(Recording, LeavesOnlyTheOldFileOnAFullDisk) {
   someRecorder(10).save(file);
   const std::string before = bytesOf(file);
   const Recorder recorder = someRecorder(2000);
-  // In a child, because the limit is for the whole process.
+  // In a child, because the limit applies to a whole process.
   for (std::size_t limit = 0; limit < 300000; limit += 60000) {
     const pid_t child = fork();
     ASSERT_GE(child, 0);

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// The touch of a tool that came down 10 mm on the middle of the cube's top.
+/// The touch of a tool pressed 10 mm into the middle of the cube's top.
 Touch pressed(const HapticModel& model) {
   Contact contact(model);
   for (int step = 0; step <= 100; ++step)

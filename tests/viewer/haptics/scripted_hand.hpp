@@ -16,8 +16,8 @@
 
 namespace palpate::test {
 
-/// A device whose readings are a function of the tick, counted from 1. Keeps the forces it is
-/// given, as many as it was told to make room for.
+/// A device whose readings are a function of the tick, counted from 1. It keeps the forces that it
+/// receives, up to the reserved number.
 class ScriptedHand : public HapticDevice {
  public:
   using Script = std::function<DeviceReading(std::uint64_t tick)>;
@@ -51,8 +51,8 @@ inline DeviceReading fresh(const Eigen::Vector3d& position) {
   return {position, 0, DeviceStatus::fresh};
 }
 
-/// Comes from 4 mm above the middle of the top of TouchedCube, presses 8 mm deep, slides in a
-/// circle of 15 mm and leaves, once a second.
+/// Once a second: approaches from 4 mm above the middle of the top of TouchedCube, presses 8 mm
+/// deep, slides in a circle of 15 mm and leaves.
 inline Eigen::Vector3d pressAndSlide(double time) {
   const double turn = 2 * std::numbers::pi;
   return {0.05 + 0.015 * std::cos(0.7 * turn * time), 0.05 + 0.015 * std::sin(0.7 * turn * time),
@@ -64,8 +64,8 @@ inline ScriptedHand::Script pressingAndSliding(double period = 1e-3) {
   };
 }
 
-/// A cube of 100 mm that can be touched around the middle of its top, where nine nodes are active,
-/// stiffer to one side; its bottom is fixed.
+/// A cube of 100 mm with a fixed bottom, touchable around the middle of its top, where nine nodes
+/// are active; it is stiffer on one side.
 class TouchedCube {
  public:
   TouchedCube() : dataset_(sealed(directory_ / "cube.h5")), model_(dataset_) {}

@@ -84,7 +84,7 @@ TEST_F(SurfacePressuresTest, AreMissingWithoutAMaterialThatHasThem) {
                   .everywhere());
 }
 
-/// Zero is a pressure like others where all materials have them.
+/// Zero is an ordinary pressure where all materials have one.
 TEST_F(SurfacePressuresTest, AreZeroAndNotMissingInABodyOfOneMaterial) {
   test::TouchableBody still(mesh, {{middle_of_top}});
   still.problem.scene.storage.displacement = StoredNodes::all;
@@ -95,7 +95,7 @@ TEST_F(SurfacePressuresTest, AreZeroAndNotMissingInABodyOfOneMaterial) {
     EXPECT_EQ(pressure, 0);
 }
 
-/// Of the vertices that have a pressure.
+/// The median is over vertices that have a pressure.
 TEST_F(SurfacePressuresTest, HaveTheMedianStrengthAsTheirUsualOne) {
   for (const double linear_below : {-1.0, 0.07}) {
     const test::PressedBody body(mesh, {{middle_of_top}}, 1, linear_below);

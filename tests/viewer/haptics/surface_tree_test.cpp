@@ -32,7 +32,8 @@ Eigen::AlignedBox3d around(const Mesh& mesh, double margin) {
 
 SurfaceTree treeOf(const Mesh& mesh) { return {mesh.nodes, mesh.surface}; }
 
-/// From dense points of each triangle: never below the true distance, and little above it.
+/// The distance to dense samples of each triangle: never below the true distance, and little above
+/// it.
 double sampledDistance(const Mesh& mesh, const Eigen::Vector3d& point) {
   double best = 1e9;
   constexpr int n = 60;
@@ -137,7 +138,8 @@ TEST(SurfaceTree, CountsVerticesAsOutside) {
   }
 }
 
-/// The crossing from outside that a test of every triangle finds first; planes and sides, no tree.
+/// The first crossing from outside, found by testing every triangle by planes and sides, without a
+/// tree.
 double firstEntry(const Mesh& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   double best = 2;
   const Eigen::Vector3d d = to - from;

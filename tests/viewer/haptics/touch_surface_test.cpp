@@ -19,7 +19,7 @@ class TouchSurfaceTest : public testing::Test {
     body.seal(directory.path() / "body.h5");
     return Dataset(directory.path() / "body.h5");
   }
-  /// Node of a cube of edge 0.1 at a position.
+  /// The node at a position on a cube of edge 0.1.
   static std::int32_t nodeAt(const Mesh& mesh, const Eigen::Vector3d& x) {
     const auto place = std::ranges::min_element(
         mesh.nodes, {}, [&x](const Eigen::Vector3d& node) { return (node - x).squaredNorm(); });
@@ -73,7 +73,7 @@ TEST_F(TouchSurfaceTest, ReachesAlongTheSurface) {
     if ((x - Eigen::Vector3d(0.1, 0.05, 0.1)).norm() < 1e-9) {
       EXPECT_TRUE(reached);
     }
-    if ((x - Eigen::Vector3d(0.05, 0.05, 0)).norm() < 1e-9) {  // through the body
+    if ((x - Eigen::Vector3d(0.05, 0.05, 0)).norm() < 1e-9) {  // only reachable through the body
       EXPECT_FALSE(reached);
     }
   }
@@ -167,7 +167,7 @@ TEST_F(TouchSurfaceTest, TakesTheVerticesOfAQuadraticMesh) {
 }
 
 TEST_F(TouchSurfaceTest, NamesTheFileOfADatasetThatCannotBeTouched) {
-  // Shorter than every edge: no triangle has three corners near the active node.
+  // The reach is shorter than every edge: no triangle has three corners near the active node.
   const Dataset dataset = sealed({cube, {{nodeAt(cube, {0.05, 0.05, 0.1})}}});
   test::expectError(ExitCode::failed, [&] { TouchSurface(dataset, 0.001); }, {"body.h5", "reach"});
   test::expectBadInput([&] { TouchSurface(dataset, -1); }, {"reach"});

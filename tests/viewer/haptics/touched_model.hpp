@@ -11,7 +11,7 @@
 
 namespace palpate::test {
 
-/// Seals the body, and reads it back as what a hand needs.
+/// Seals the body and reads it back as a haptic model.
 inline HapticModel modelOf(const TouchableBody& body, double reach = 0) {
   const TemporaryDirectory directory;
   body.seal(directory / "body.h5");
@@ -29,7 +29,7 @@ inline HapticModel cubeModel(const std::function<double(const Eigen::Vector3d&)>
   return modelOf({mesh, active}, 0.2);
 }
 
-/// The cube in a tenth of its size, by itself far from the origin.
+/// The cube at a tenth of its size, at a distance from the origin.
 inline HapticModel smallCubeModel() {
   Mesh mesh = cubeMesh(0.01, 4);
   for (Eigen::Vector3d& node : mesh.nodes) node.x() += 0.5;
@@ -38,8 +38,8 @@ inline HapticModel smallCubeModel() {
   return modelOf({mesh, active, 0.003, 0.0015}, 0.02);
 }
 
-/// The blob with ten active nodes on its upper side, of factors from 0.8 to 1.25, all of it
-/// touchable.
+/// The blob with ten active nodes on its upper side, with factors from 0.8 to 1.25, touchable
+/// everywhere.
 inline HapticModel tenNodeModel() {
   const Mesh mesh = blobMesh(6);
   std::vector<TouchableBody::Active> active;

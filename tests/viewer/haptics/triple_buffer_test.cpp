@@ -34,7 +34,7 @@ TEST(TripleBuffer, DoesNotOverwriteTheValueBeingRead) {
   EXPECT_EQ(buffer.read(), 99);
 }
 
-/// All of its numbers are the tick's.
+/// A state whose numbers all follow from the tick.
 HapticState stateOf(std::uint64_t tick) {
   const auto number = static_cast<double>(tick);
   HapticState state;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-/// What a page would say of an organ that was changed so.
+/// Expects this fault to be reported for an organ after `change`.
 void expectFault(const std::function<void(CarriedOrgan&)>& change,
                  std::initializer_list<std::string> words) {
   CarriedOrgan organ = test::smallOrgan(true);
@@ -38,14 +38,14 @@ TEST(CarriedOrgan, RoundTripsUnchanged) {
   }
 }
 
-/// A lattice that is deep and narrow was taken for one whose points were lost.
+/// Regression: a deep and narrow lattice was treated as one with missing points.
 TEST(CarriedOrgan, AcceptsADeepAndNarrowLattice) {
   const std::string bytes =
       encode(test::smallOrgan(true, 0.4, {Eigen::Vector3d::UnitZ(), -0.25, 0.02}));
   EXPECT_EQ(encode(decode(bytes)), bytes);
 }
 
-/// In single precision forces on a stiff organ were more than 1e-6 N off.
+/// Regression: in single precision, forces on a stiff organ were more than 1e-6 N off.
 TEST(CarriedOrgan, KeepsFingerDataBeyondSinglePrecision) {
   CarriedOrgan organ = test::smallOrgan(true);
   Equilibrium& exact = organ.spaces[1].points[4].equilibrium;

@@ -25,7 +25,7 @@ struct TouchedOrganTest : testing::Test {
   static TouchedOrgan carried(const CarriedOrgan& organ) {
     return TouchedOrgan(decode(encode(organ)));
   }
-  /// The middle of some triangle that can be touched.
+  /// The middle of a touchable triangle.
   static SurfacePoint somewhere(const CarriedOrgan& organ, std::int32_t skip = 0) {
     for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
       if (organ.touch_of_triangle[at(t)] >= 0 && skip-- == 0) return {t, {0.25, 0.45, 0.3}};

@@ -14,7 +14,7 @@ constexpr std::array<std::uint32_t, 24> octahedron = {0, 2, 4, 2, 1, 4, 1, 3, 4,
 
 using Edges = std::set<std::array<std::uint32_t, 2>>;
 
-/// The edges of its contour, each from the smaller vertex.
+/// The edges of the contour, each from the vertex of lower index.
 Edges contourFrom(const Eigen::Vector3f& eye) {
   Eigen::Matrix3Xf positions(3, 6);
   positions << 1, -1, 0, 0, 0, 0,  //

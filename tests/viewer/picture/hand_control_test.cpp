@@ -12,8 +12,7 @@ const HapticModel& handledCube() {
   return model;
 }
 
-/// A person who holds the left button and draws the mouse to the right, from `from`, for half a
-/// second.
+/// A person holds the left button and drags the mouse to the right, from `from`, for half a second.
 HandControl dragged(test::MouseRun& run, const Eigen::Vector2d& from) {
   HandControl control;
   PersonsInput input;

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// A cube of 100 mm that can be touched everywhere, and the blob that can be touched above.
+/// A cube of 100 mm that is touchable everywhere, and the blob, which is touchable above.
 class MouseHandTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -277,7 +277,7 @@ TEST_F(MouseHandTest, DoesNotTouchForAQuarterSecondAfterReleasing) {
   }
 }
 
-/// Once the hints of keys spoke of a button that nobody held.
+/// Regression: hints for keys mentioned a button that nobody held.
 TEST_F(MouseHandTest, HasADifferentHintInEachState) {
   test::MouseRun run(*cube);
   std::set<std::string> hints;

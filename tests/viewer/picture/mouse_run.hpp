@@ -8,8 +8,8 @@
 
 namespace palpate::test {
 
-/// A person's mouse, the hand that it moves, and the loop that feels with it, at 60 pictures and
-/// 1000 ticks a second; no clock.
+/// A person's mouse, the hand that it moves, and the haptic loop of this hand, at 60 frames and
+/// 1000 ticks per second of simulated time.
 class MouseRun {
  public:
   explicit MouseRun(const HapticModel& model, ContactMode contact = ContactMode::unilateral)
@@ -17,7 +17,7 @@ class MouseRun {
     look({0.3, 0.2, 1});
   }
 
-  /// From where `from` points to; all of the body is seen.
+  /// Looks from the direction `from`, with the whole body in view.
   void look(const Eigen::Vector3d& from) {
     const FramedSphere sphere = sphereAround(model_.surface().vertices());
     camera.frame(sphere.centre, sphere.radius, from, Eigen::Vector3d::UnitY(), 1.5);
@@ -25,7 +25,7 @@ class MouseRun {
   Eigen::Vector2d onScreen(const Eigen::Vector3d& point) const {
     return camera.project(point).head<2>();
   }
-  /// The person does so for some pictures; strokes, notches and keys only in the first.
+  /// Repeats the input for some frames; strokes, wheel and keys only act in the first.
   const HapticState& act(HandInput input, int pictures = 1) {
     input.seconds = 1.0 / 60;
     for (int picture = 0; picture < pictures; ++picture) {
@@ -38,7 +38,7 @@ class MouseRun {
     }
     return state();
   }
-  /// One picture in which `control` has mouse and keys; `hand` has no part in it.
+  /// One frame in which `control` receives mouse and keys, without `hand`.
   const HapticState& act(HandControl& control, const PersonsInput& input) {
     const PictureStatus status{.mouse = true, .contact = tick_.options().contact.mode};
     device_.moveTo(*control.apply(input, model_, state(), status, camera));

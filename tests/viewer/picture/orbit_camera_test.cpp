@@ -23,7 +23,7 @@ TEST(OrbitCamera, FramesASphereFromTheRequestedSide) {
     const Eigen::Matrix3d axes = camera.axes();
     EXPECT_NEAR((axes.transpose() * axes - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
     EXPECT_GT(axes.col(1).y(), 0);
-    // All of it is in the picture, and fills more than half of it.
+    // The whole sphere is in the picture and fills more than half of it.
     const double across = camera.project(centre + 0.08 * axes.col(0)).x() / aspect;
     const double up = camera.project(centre + 0.08 * axes.col(1)).y();
     EXPECT_LT(std::max(across, up), 0.5);

@@ -14,7 +14,7 @@ struct Person::Impl {
   ~Impl() {
     if (display != nullptr) XCloseDisplay(display);
   }
-  int x = 0, y = 0;  ///< of the pointer
+  int x = 0, y = 0;  ///< position of the pointer
 
   void find(const std::string& title);
   void button(int type, long mask) {
@@ -53,7 +53,7 @@ Person::Person(const std::string& screen, const std::string& title)
     : impl_(std::make_unique<Impl>()) {
   impl_->display = XOpenDisplay(screen.c_str());
   if (impl_->display == nullptr) throw failure("cannot open the display {}", screen);
-  XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a closed window hears nothing
+  XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // ignores events to a closed window
   impl_->find(title);
   if (impl_->window == 0) throw failure("no window \"{}\" on {}", title, screen);
 }

@@ -5,22 +5,22 @@
 
 namespace palpate::test {
 
-/// Another program on the same screen, that finds a window by its title and sends it what a person
-/// would do.
+/// A separate program on the same screen that finds a window by its title and sends it the input of
+/// a person.
 class Person {
  public:
-  /// Error when there is no such window.
+  /// Throws if there is no such window.
   Person(const std::string& screen, const std::string& title);
   ~Person();
   Person(const Person&) = delete;
   Person& operator=(const Person&) = delete;
 
   void closeWindow();
-  /// Down and up. key: X11's name of it, "q", "space", "F5".
+  /// Presses and releases a key, given by its X11 name: "q", "space", "F5".
   void press(const char* key);
-  /// Pixels of the window, from its upper left.
+  /// In pixels of the window, from the upper left.
   void pointAt(int x, int y);
-  /// The left button, where the pointer is.
+  /// The left button, at the pointer.
   void holdButton();
   void letButtonGo();
 

@@ -109,7 +109,7 @@ TEST(GuardLamps, StayLitForHalfASecondAndCatchEventsBetweenFrames) {
   lamps.update(10, static_cast<std::uint32_t>(Guarded::clamped), ticks);
   EXPECT_TRUE(lamps.lit(2));
   EXPECT_FALSE(lamps.lit(3));
-  ticks[3] = 1;  // acted, and was over before the picture
+  ticks[3] = 1;  // acted and ended before the frame
   lamps.update(10.3, 0, ticks);
   EXPECT_TRUE(lamps.lit(2));
   EXPECT_TRUE(lamps.lit(3));
@@ -151,7 +151,8 @@ TEST(LatticeDots, ShowTheErrorBoundOfCellMiddles) {
   EXPECT_EQ(errorDots(errors, spacing, std::nullopt).size(), errors.size());
 }
 
-/// The scale once followed the largest error: an outlier of 1000 N made all others one colour.
+/// Regression: the scale followed the largest error, so an outlier of 1000 N gave all others one
+/// colour.
 TEST(LatticeDots, ColourErrorsWithoutRegardToOutliers) {
   EXPECT_EQ(errorPlace(0), 0);
   EXPECT_EQ(errorPlace(lowest_error), 0);

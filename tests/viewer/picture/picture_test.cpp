@@ -31,8 +31,7 @@ const std::uint8_t* pixelOf(const Image& image, int x, int y) {
   return image.pixels.data() + 3 * (std::ptrdiff_t{y} * image.width + x);
 }
 
-/// How many pixels of the view, beside the panels and the legends, have a colour; and where, on
-/// average.
+/// How many pixels of the view, outside panels and legends, have a colour, and their mean position.
 struct Spot {
   int count = 0;
   double x = 0, y = 0;
@@ -61,7 +60,7 @@ int differences(const Image& a, const Image& b, int right, int bottom) {
 
 class PictureTest : public ::testing::Test {
  protected:
-  /// Sealing and preparing it takes longer than most pictures.
+  /// Created once because sealing and preparing take longer than most pictures.
   static const HapticModel& shared() {
     static const HapticModel model = test::tenNodeModel();
     return model;
@@ -86,7 +85,7 @@ class PictureTest : public ::testing::Test {
     state.touch = contact.touch();
     return state;
   }
-  /// smallCubeModel(), its top held and pressed by half a millimetre.
+  /// smallCubeModel(), gripped at its top and pressed by half a millimetre.
   static HapticState pressedSmall(const HapticModel& small) {
     Contact contact(small, {.mode = ContactMode::glued});
     HapticState press;
@@ -105,7 +104,7 @@ class PictureTest : public ::testing::Test {
     return picture.grab();
   }
 
-  /// Whether the mouse, which is the device, does in one picture more.
+  /// Draws one frame with the mouse as the device. Returns whether it points at the body.
   static bool pointsAtTheBody(Picture& picture, const HapticState& state) {
     const std::optional<MouseTarget> target = picture.draw(state, {.mouse = true}).tool;
     return target && target->position.allFinite();
@@ -126,7 +125,7 @@ TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
   EXPECT_GT(find(dent, isYellow).count, 300);
 }
 
-/// Once all that was pressed after a deep press was dark.
+/// Regression: after a deep press, all lighter presses were dark.
 TEST_F(PictureTest, ResetsTheColourScaleWhenItShowsEverything) {
   Picture picture({&model}, {.vsync = false, .ghost = false});
   const HapticState press = pressed(0.0048);
@@ -217,7 +216,7 @@ TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
   EXPECT_GT(find(picture.grab(), isTissue).count, 5000);
 }
 
-/// Once the scale of a body ten times as large remained.
+/// Regression: the scale of a body ten times as large was kept.
 TEST_F(PictureTest, ColoursASmallBodyAsBeforeOnceALargeOneIsGone) {
   const HapticModel small = test::smallCubeModel();
   Picture picture({&small, &model}, {.vsync = false, .ghost = false});
@@ -347,7 +346,7 @@ TEST_F(PictureTest, ShowsTheLatticeByError) {
   picture.draw(state, {});
   const Image tags = picture.grab();
   person.press("e");
-  picture.draw(state, {});  // takes in the key
+  picture.draw(state, {});  // handles the key
   picture.draw(state, {});
   EXPECT_GT(differences(tags, picture.grab(), 980, 622), 1000);
 }
@@ -374,7 +373,7 @@ TEST_F(PictureTest, ShowsTheRequestedColours) {
   EXPECT_GT(differences(displacement, error, 980, 622), 5000);
 }
 
-/// Colours by pressure: from displacement they are the second that C comes to.
+/// Colours by pressure: the second choice of key C after displacement.
 class PressurePictureTest : public PictureTest {
  protected:
   static HapticModel blob(double factor, double linear_below) {
@@ -400,7 +399,7 @@ class PressurePictureTest : public PictureTest {
       person.press(std::string(1, key).c_str());
       picture.draw(state, {});
     }
-    // The one beside is seen in the first, and its scale in the second.
+    // The other dataset appears in the first frame, its scale in the second.
     for (int n = 0; n < 2; ++n) picture.draw(state, {});
     return picture.grab();
   }
@@ -463,7 +462,7 @@ TEST(Picture, WithoutADisplaySaysWhatToDo) {
                     {"display", "--headless", "xvfb-run"});
 }
 
-/// A stage in a window of its own, seen from +z, y up: pixels of what is on it.
+/// A stage in its own window, seen from +z, y up; tests look at its pixels.
 class StageTest : public ::testing::Test {
  protected:
   StageTest() : window("Stage", 400, 400, true, false) {
@@ -496,7 +495,7 @@ TEST_F(StageTest, PointsTheArrowAlongTheForce) {
 }
 
 TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
-  /// How many pieces of a colour there are along the middle of the picture.
+  /// How many dashes of a colour there are along the middle of the picture.
   const auto pieces = [&](bool uncertain, bool (*colour)(Pixel)) {
     shot.tool.arrow = {0.08, 0, 0};
     shot.tool.uncertain = uncertain;

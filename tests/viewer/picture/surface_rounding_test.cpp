@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// An octahedron with the normals of the ball around it.
+/// An octahedron with the normals of a ball around it.
 struct Octahedron {
   Eigen::Matrix3Xf vertices{3, 6};
   std::vector<std::uint32_t> corners = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
@@ -19,7 +19,7 @@ struct Octahedron {
   }
 };
 
-/// Refined by its normals, `levels` times.
+/// The vertices after `levels` refinements by the normals.
 Eigen::Matrix3Xf refined(const Octahedron& solid, int levels) {
   std::vector<std::uint32_t> corners = solid.corners;
   Eigen::Matrix3Xf positions = solid.vertices, normals = solid.vertices;
@@ -41,7 +41,7 @@ TEST(SurfaceRounding, LeavesSharpEdgesStraight) {
 }
 
 TEST(SurfaceRounding, KeepsVerticesAndRoundsBetweenThem) {
-  // A part of a ball of radius 1, 30 degrees wide.
+  // A part of a sphere of radius 1, 30 degrees wide.
   const float angle = 0.2618F;
   Eigen::Matrix3Xf positions(3, 6), normals(3, 6);
   for (int n = 0; n < 3; ++n) {

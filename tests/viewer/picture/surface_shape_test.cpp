@@ -14,7 +14,7 @@ namespace {
 
 using Bytes = std::array<std::uint8_t, 4>;
 
-/// A square of 4 x 4 cells of 10 mm in the plane z = 0, seen from +z; its left half can be touched.
+/// A square of 4 x 4 cells of 10 mm in the plane z = 0, seen from +z; its left half is touchable.
 struct Square {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Triangle> triangles;
@@ -58,14 +58,14 @@ void expectColour(const Bytes& found, const Rgb& expected) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i], expected[i], 2);
 }
 
-/// What the legend shows: the same function of the same numbers.
+/// The legend uses the same function.
 TEST(SurfaceShape, ColoursLengthsOverTissueAsTheLegendDoes) {
   const Square square;
   SurfaceShape shape(square.vertices, square.triangles,
                      std::vector<bool>(square.triangles.size(), true));
   std::vector<float> u(3 * square.vertices.size(), 0.0F);
   u[2] = 0.004F;          // vertex 0: 4 mm
-  u[3 * 5 + 1] = 0.009F;  // vertex 5: beyond the end of the colours
+  u[3 * 5 + 1] = 0.009F;  // vertex 5: beyond the end of the scale
   shape.setDisplacements(u);
   shape.colourDisplacements(0.008);
   EXPECT_FLOAT_EQ(static_cast<float>(shape.largest()), 0.009F);
@@ -86,7 +86,7 @@ TEST(SurfaceShape, ColoursPlacesByViridisAndOthersAsTissue) {
   shape.colourPlaces(places);
   const std::vector<std::uint32_t> covered(shape.colours().begin(), shape.colours().end());
   shape.colourTissue();
-  int coloured = 0;  // vertices between others have the mean, or none
+  int coloured = 0;  // vertices between two others have the mean, or none
   for (std::size_t v = 0; v < shape.size(); ++v) coloured += covered[v] != shape.colours()[v];
   shape.colourPlaces(places);
   EXPECT_EQ(coloured, 2);
@@ -103,7 +103,7 @@ TEST(SurfaceShape, ColoursPressuresOnBothSidesOfZeroAsTheLegendDoes) {
   pressures[3] = 1000;
   pressures[7] = -4000;
   pressures[12] = 0;
-  pressures[24] = 9000;  // beyond the end of the colours
+  pressures[24] = 9000;  // beyond the end of the scale
   shape.colourPressures(pressures, 4000);
   expectColour(bytesAt(shape, 3), pressureColour(0.25));
   expectColour(bytesAt(shape, 7), pressureColour(-1));
@@ -114,7 +114,7 @@ TEST(SurfaceShape, ColoursPressuresOnBothSidesOfZeroAsTheLegendDoes) {
   EXPECT_EQ(bytesAt(shape, 8), none) << "what has no pressure is tissue";
 }
 
-/// Between vertices the mean: what mid-edge nodes of quadratic elements are given too.
+/// Between vertices the mean, as for mid-edge nodes of quadratic elements.
 TEST(SurfaceShape, HasTheMeanPressureInTheMiddleOfAnEdge) {
   const Square square;
   SurfaceShape shape = square.shape();

@@ -41,7 +41,7 @@ TEST(TissueColours, HaveBlotchesBetweenTheirEnds) {
   }
 }
 
-/// The eye is to see zero, and from it as much one way as the other.
+/// The eye should recognise zero, and equal distances from it in both directions.
 TEST(PressureColours, AreLightAtZeroAndDarkenBothWays) {
   const Rgb none = pressureColour(0);
   EXPECT_EQ(none[0], none[1]);

@@ -12,9 +12,8 @@
 
 namespace palpate::test {
 
-/// An Xvfb of its own, on a display that it chooses, with OpenGL in software: the environment of
-/// this process points to it while the object lives. Xvfb ends with the object, or with this
-/// process.
+/// An Xvfb on a display of its choice, with OpenGL in software. While this object exists, the
+/// environment of this process points to it. Xvfb ends with the object or the process.
 class VirtualScreen {
  public:
   VirtualScreen() {
@@ -48,7 +47,7 @@ class VirtualScreen {
            "tcp", "-noreset", static_cast<char*>(nullptr));
     _exit(127);
   }
-  /// Empty when the pipe ends without one.
+  /// Empty if the pipe ends before a line.
   static std::string firstLine(int descriptor) {
     std::string line;
     for (char c = 0; read(descriptor, &c, 1) == 1 && c != '\n';) line += c;

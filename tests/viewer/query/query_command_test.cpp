@@ -22,7 +22,7 @@ using test::expectBadInput;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A sealed sample dataset that can be asked.
+/// A sealed sample dataset for queries.
 class QueryCommand : public ::testing::Test {
  protected:
   QueryCommand() { sample.seal(options.dataset); }
@@ -159,7 +159,7 @@ TEST_F(QueryCommand, ProgramReadsStandardInputAndReturnsItsExitCodes) {
   EXPECT_EQ(run("--help"), 0);
 }
 
-/// A dataset whose top a finger touches.
+/// A dataset whose top is touched by a finger.
 class QueryOfAFinger : public QueryCommand {
  protected:
   QueryOfAFinger() {

@@ -14,22 +14,23 @@
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/report/area_measures.hpp"
 
-// Parts of the shipped organs, built by the real programs, against exact solutions: what a finger
-// feels, what it is told of the error, and whether query says what solve says.
+// Parts of the shipped organs, built by the real programs and compared with exact solutions:
+// forces, error bounds, and agreement of query and solve.
 
 namespace palpate {
 namespace {
 
-/// Where on which shipped organ, and how much of it.
+/// The touched part of a shipped organ.
 struct Part {
   const char* scene;       ///< below deploy/scenes
-  Eigen::Vector3d center;  ///< m, of what is touched
+  Eigen::Vector3d center;  ///< m, centre of the touched part
   double radius;           ///< m
   std::int32_t probes;
-  double median;  ///< of the relative errors, at most; sites half as many have 1.3 times it or more
+  double median;  ///< limit of the median relative error; half as many sites have at least 1.3
+                  ///< times the error
 };
 
-/// At a place, pushed; m.
+/// A displacement at a place, both in m.
 struct Push {
   Eigen::Vector3d place, displacement;
 };
@@ -47,7 +48,7 @@ class BuiltOrgan {
     std::ofstream(scene_file_) << resolvedToml(scene);
     const test::CommandResult built = test::runCommand(
         program("palpate-scheduler") + " build " + scene_file_ + " -q -j 2 -o " + dataset_file_);
-    // Points that have no equilibrium are no fault of a build.
+    // Points without an equilibrium are no failure of a build.
     EXPECT_TRUE(built.exit_code == 0 || built.exit_code == 3) << built.output;
     dataset_.emplace(dataset_file_);
     const Accuracy& wanted = dataset_->scene().accuracy;
@@ -56,7 +57,7 @@ class BuiltOrgan {
 
   const AreaMeasures& measures() const { return measures_; }
 
-  /// The first probes within the force, for `query` and `solve` alike.
+  /// The first probes within the force limit, for both `query` and `solve`.
   std::vector<Push> pushes(std::size_t count) const {
     std::vector<Push> found;
     for (const auto& probe : measures_.probes.comparisons)

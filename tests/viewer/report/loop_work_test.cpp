@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Force = stiffness * p inside of a ball.
+/// Force = stiffness * p inside a ball.
 class LinearField : public ForceField {
  public:
   LinearField(const Eigen::Matrix3d& stiffness, double covered)

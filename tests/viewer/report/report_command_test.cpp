@@ -80,7 +80,7 @@ class RefinedReport : public ReportCommand {
  protected:
   RefinedReport() { sample.refine(); }
 
-  /// The report of this sample by the usual options, and what its page draws: made once a program.
+  /// The default report of this sample and what its page draws, created once per program.
   const nlohmann::json& usual() {
     static const nlohmann::json report = json();
     return report;
@@ -192,7 +192,7 @@ TEST_F(RefinedReport, DrawsActiveNodesOnTheOrganWithTheirBounds) {
   for (const nlohmann::json& node : drawn["nodes"]) {
     EXPECT_GE(node["largest_bound"].get<double>(), node["mean_bound"].get<double>());
     const std::int32_t number = node["node"];
-    // Seen from every side from which one of its triangles is.
+    // Visible from every direction in which one of its triangles faces.
     std::vector<std::size_t> triangles;
     for (std::size_t n = 0; n < drawn["body"]["triangles"].size(); ++n)
       if (drawn["body"]["triangles"][n] == number) triangles.push_back(n / 3);
@@ -294,7 +294,7 @@ TEST_F(ReportCommand, WithoutAConfigurationSaysWhyThereIsNoMethod) {
     EXPECT_TRUE(method["problem"].is_string()) << name;
 }
 
-/// How sure it is over the surface, and what its probes say of that.
+/// The uncertainty over the surface, and how its probes confirm it.
 TEST_F(ReportCommand, MeasuresAFingerWithItsProbes) {
   test::FingerBody(40).seal(directory / "sample.h5");
   options.html = directory / "report.html";
@@ -343,8 +343,8 @@ TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
   dense.seal(options.report.datasets.back());
   const nlohmann::json report = json();
   EXPECT_EQ(report["datasets"].size(), 2U);
-  // 33 points of the first, 257 of the second; every 3rd and 4th of the second; its every 2nd is
-  // the first
+  // The first has 33 points, the second 257. The report thins the second by 3 and 4; every 2nd
+  // point of it is the first.
   EXPECT_EQ(report["lattices"].back()["configurations_per_node"].get<double>(), 257);
   const nlohmann::json& measured =
       report["lattices"][report["measured_lattice"].get<std::size_t>()];

@@ -17,12 +17,12 @@ TEST(WayMeasures, MeasureTheExactSolutionsInEachShell) {
                   0.08, {});
   ASSERT_EQ(shells.size(), way_shells);
   EXPECT_EQ(shells[0].methods[0].count, 0U);
-  // On the border between two: the outer one.
+  // A solution on the border of two shells belongs to the outer one.
   EXPECT_EQ(shells[1].methods[0].count, 1U);
   EXPECT_NEAR(shells[1].from, 0.01, 1e-15);
   EXPECT_NEAR(shells[1].methods[0].error.mean, 0.5, 1e-15);
   EXPECT_NEAR(shells[2].methods[0].relative.maximum, 0.5, 1e-15);
-  // On the sphere: the last.
+  // A solution on the sphere belongs to the last shell.
   EXPECT_EQ(shells.back().methods[0].count, 1U);
   EXPECT_NEAR(shells.back().to, 0.08, 1e-15);
   for (const WayShell& shell : shells) EXPECT_EQ(shell.methods[1].count, 0U);
@@ -36,7 +36,7 @@ TEST(WayMeasures, HaveTheMeanAndTheMaximumOfEqs13And14) {
   EXPECT_NEAR(measures.error.maximum, 0.5, 1e-15);
   EXPECT_NEAR(measures.relative.mean, (0.5 / 5 + 0.1 / 0.5) / 2, 1e-15);
   EXPECT_NEAR(measures.relative.maximum, 0.2, 1e-15);
-  // By components: six of them, and one that is zero counts as the floor.
+  // By components: there are six, and a zero component is divided by the floor.
   EXPECT_NEAR(measures.mean_component, (0.5 + 0.1) / 6, 1e-15);
   EXPECT_NEAR(measures.max_component, 0.5, 1e-15);
   EXPECT_NEAR(measures.mean_relative_component, (0.5 / 4 + 0.1 / relative_error_floor) / 6, 1e-15);

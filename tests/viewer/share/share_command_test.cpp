@@ -81,7 +81,7 @@ TEST_F(ShareCommandTest, APageReportsAFailedStartWithoutItsOwnScript) {
   const std::string page = readText(options.output, "page");
   const std::string trouble = page.substr(0, page.find("<body>"));
   EXPECT_THAT(trouble, HasSubstr("window.onerror"));
-  // What browsers of 1999 do not read.
+  // Syntax that browsers of 1999 do not read.
   for (const char* newer : {"=>", "`", "const ", "let ", "class ", "..."})
     EXPECT_THAT(trouble.substr(trouble.find("<script>")), Not(HasSubstr(newer)));
 }

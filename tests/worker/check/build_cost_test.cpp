@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-/// The cube of 27 nodes touched at one place; its lattice has a radius of two spacings: the origin
-/// and 6 points up to one spacing, 26 beyond.
+/// A cube of 27 nodes, touched at one place. The lattice has a radius of two spacings: the origin
+/// and 6 points within one spacing, 26 beyond.
 class BuildCosts : public ::testing::Test {
  protected:
   BuildCosts() {
@@ -94,7 +94,7 @@ TEST_F(BuildCosts, OfAdaptiveBuildsIncludeTheCellsWhereAnswersEnd) {
       << "half of the cells of the second shell";
 }
 
-/// Solves in earnest.
+/// With real solves.
 TEST_F(BuildCosts, AreMeasuredWithTheErrorAtHalfSteps) {
   scene.accuracy = {.force_error = 0.03, .force_floor = 1e-9, .levels = 2};
   cost({});
@@ -112,7 +112,7 @@ TEST_F(BuildCosts, AreEmptyWithoutATrialSolve) {
   EXPECT_EQ(cost({}).reached, 0);
 }
 
-/// Solves in earnest.
+/// With real solves.
 TEST_F(BuildCosts, AreMeasuredWithinTheirLimits) {
   scene.workspace.max_force = 1000;
   cost({});

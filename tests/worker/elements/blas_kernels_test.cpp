@@ -20,7 +20,7 @@ namespace {
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-/// What `palpate-worker kernels` prints in this environment.
+/// The output of `palpate-worker kernels` in this environment.
 std::string kernelsWith(const std::string& environment) {
   const auto result =
       test::runCommand("env " + environment + " " PALPATE_BIN_DIR "/palpate-worker kernels");
@@ -43,7 +43,7 @@ TEST(BlasKernels, ChosenByTheUserAreKeptAndReported) {
   }
 }
 
-/// Entries in [-1, 1] that repeat nowhere.
+/// Entries in [-1, 1] that never repeat.
 template <class Matrix>
 Matrix sample(Eigen::Index rows, Eigen::Index columns) {
   return Matrix::NullaryExpr(rows, columns, [](Eigen::Index i, Eigen::Index j) {
@@ -51,7 +51,7 @@ Matrix sample(Eigen::Index rows, Eigen::Index columns) {
   });
 }
 
-/// Products and substitutions, what MUMPS spends its time in, against Eigen's own in double.
+/// Compares products and substitutions, in which MUMPS spends its time, with Eigen in double.
 template <class Matrix, auto gemm, auto trsm>
 bool computesRight(int n) {
   const int columns = n + 3, inner = 2 * n + 1;
@@ -73,7 +73,7 @@ bool computesRight(int n) {
       if (!isSmall(C.template cast<double>() - product)) return false;
     }
   for (const CBLAS_TRANSPOSE l : {CblasNoTrans, CblasTrans}) {
-    // Dominated by its diagonal, so that what is lost is rounding and not conditioning.
+    // Diagonally dominant, so that errors come from rounding and not from conditioning.
     Matrix L = sample<Matrix>(n, n) / static_cast<typename Matrix::Scalar>(n);
     L.diagonal().setConstant(2);
     L.template triangularView<Eigen::StrictlyUpper>().setZero();
@@ -88,7 +88,7 @@ bool computesRight(int n) {
   return true;
 }
 
-/// Small matrices have kernels of their own; the others fill blocks and leave edges.
+/// Small matrices have separate kernels; the others fill blocks and leave remainders.
 TEST(BlasKernels, ComputeCorrectlyInThisProcess) {
   openblas_set_num_threads(1);
   for (const int n : {5, 48, 97}) {
@@ -97,7 +97,7 @@ TEST(BlasKernels, ComputeCorrectlyInThisProcess) {
   }
 }
 
-/// This program again, with those kernels.
+/// Runs this program again with those kernels.
 TEST(BlasKernels, ComputeCorrectlyInEveryFamilyOfThisCpu) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   for (const CpuFamily family : all_cpu_families) {
@@ -109,7 +109,7 @@ TEST(BlasKernels, ComputeCorrectlyInEveryFamilyOfThisCpu) {
   }
 }
 
-/// `palpate-worker kernels` where so much address space is allowed. 124: it had to be ended.
+/// `palpate-worker kernels` with limited address space. 124: it had to be stopped.
 test::CommandResult kernelsWithin(int kilobytes) {
   return test::runCommand(
       fmt::format("ulimit -v {}; timeout 60 env -u OPENBLAS_NUM_THREADS {}/palpate-worker kernels",
@@ -122,7 +122,8 @@ TEST(BlasKernels, UnderAMemoryLimitUseOneThreadOrNameTheLimit) {
 #endif
   const test::CommandResult enough = kernelsWithin(600000);
   EXPECT_EQ(enough.exit_code, 0) << enough.output;
-  // Newer ones wait while they are loaded, before our first line; palpate sees to that.
+  // Newer versions hang while they are loaded, before our code runs; the `palpate` command prevents
+  // that.
   if (std::string_view(openblas_get_config()).find("0.3.21") == std::string_view::npos) return;
   const test::CommandResult too_little = kernelsWithin(200000);
   EXPECT_EQ(too_little.exit_code, 1) << too_little.output;

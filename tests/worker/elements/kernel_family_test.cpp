@@ -19,7 +19,7 @@ TEST(KernelFamily, HasTheNameOfItsInstructionSet) {
 }
 
 TEST(KernelFamily, OffersOlderFamiliesUnlessTheUserChose) {
-  // Whatever who runs the tests chose.
+  // Ignore choices of the user who runs the tests.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");
   const std::vector<std::string> others = otherArithmetic();

@@ -1,4 +1,4 @@
-// Packs do not leave this file.
+// Packs stay within this file.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 #include "worker/elements/point_response.hpp"

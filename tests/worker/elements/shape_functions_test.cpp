@@ -9,7 +9,7 @@ namespace {
 
 double factorial(int n) { return std::tgamma(n + 1.0); }
 
-/// Mean over the tetrahedron of x_0^i x_1^j x_2^k x_3^l.
+/// The mean of x_0^i x_1^j x_2^k x_3^l over the tetrahedron.
 double meanOfMonomial(int i, int j, int k, int l) {
   return 6 * factorial(i) * factorial(j) * factorial(k) * factorial(l) /
          factorial(i + j + k + l + 3);

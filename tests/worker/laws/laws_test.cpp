@@ -87,10 +87,10 @@ void expectSame(const Response& a, const Response& b, double tolerance) {
   EXPECT_LT((a.D - b.D).cwiseAbs().maxCoeff(), tolerance);
 }
 
-/// Deformation gradients, fixed seed.
+/// Random deformation gradients from a fixed seed.
 class Deformations {
  public:
-  /// Entries of F - I up to `size`, then scaled to this volume ratio.
+  /// Draws F - I with entries up to `size`, then scales F to this volume ratio.
   Matrix3d draw(double size, double det_F) {
     Matrix3d F;
     do F = Matrix3d::Identity() + size * matrix();
@@ -106,8 +106,8 @@ class Deformations {
   }
   Vector3d direction() { return rotation().col(0); }
 
-  /// Large and small ones, of volume ratios 0.5 to 2, and those where principal stretches coincide
-  /// or nearly.
+  /// Large and small ones with volume ratios from 0.5 to 2, and some with equal or nearly equal
+  /// principal stretches.
   std::vector<Matrix3d> various() {
     std::vector<Matrix3d> all;
     for (int i = 0; i < 20; ++i) all.push_back(draw(0.4, 0.5 * std::pow(4.0, i / 19.0)));
@@ -130,8 +130,7 @@ class Deformations {
   std::mt19937 random_{7};
 };
 
-// What EveryLaw is run with: a law, the material that it stands for, fibres, and where D is
-// continuous.
+// Parameters of EveryLaw: a law, its material, fibres, and where D is continuous.
 struct Isotropic {
   static Fibers fibers() { return no_fibers; }
   static bool isSmoothAt(const Matrix3d&) { return true; }
@@ -221,7 +220,7 @@ struct SampleNames {
 };
 TYPED_TEST_SUITE(EveryLaw, Samples, SampleNames);
 
-/// Derivative by central differences of fourth order.
+/// The derivative by central differences of fourth order.
 template <class Value, class Function>
 Value difference(const Function& f, double h) {
   return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h);
@@ -313,7 +312,7 @@ TYPED_TEST(EveryLaw, GivesEveryLaneOfAPackTheResultOfADouble) {
   }
 }
 
-/// The mean of what taut and slack fibers add to D at rest: half of 4 k1 dE/dC (x) dE/dC.
+/// The mean contribution of taut and slack fibers to D at rest: half of 4 k1 dE/dC (x) dE/dC.
 Matrix6d meanOfFibersAtRest(const HolzapfelGasserOgden& law, const Fibers& fibers) {
   Matrix6d sum = Matrix6d::Zero();
   for (const Vector3d& a : fibers) {
@@ -352,8 +351,8 @@ TYPED_TEST(EveryLaw, StoresVolumetricEnergyOnlyAsStVenantKirchhoff) {
   }
 }
 
-/// Nominal stress along the first stretch, the third direction being free: the pressure of det F =
-/// 1 eliminated.
+/// The nominal stress along the first stretch if the third direction is free: the pressure of det F
+/// = 1 is eliminated.
 template <class Law>
 double nominalStress(const Law& law, double l1, double l2, const Fibers& fibers = no_fibers) {
   const double l3 = 1 / (l1 * l2);
@@ -480,7 +479,7 @@ TEST(HolzapfelGasserOgdenLaw, HasTheStressOfUniaxialTensionAlongItsFibersAndNoFi
 TEST(HolzapfelGasserOgdenLaw, AtRestHasTheMeanTangentOfTautAndSlackFibers) {
   const HolzapfelGasserOgden law{5160, 3000, 2, 0.1};
   const Fibers fibers = HolzapfelGasserOgdenSample::fibers();
-  // Hardly stretched and compressed along the fibers.
+  // Slightly stretched and slightly compressed along the fibers.
   const Vector6d e = strainVoigt(Vector3d(1 + 1e-9, 1 + 1e-9, 1 - 2e-9).asDiagonal());
   const Fibers family = {fibers[0], Vector3d::Zero()};
   const Matrix6d one = respondToStrain(law, e, family).D,

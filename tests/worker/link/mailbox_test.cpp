@@ -13,7 +13,7 @@ bool isAwake(const Mailbox& mailbox) {
   return poll(&descriptor, 1, 0) == 1;
 }
 
-/// With a job in work.
+/// Starts a job.
 void begin(Mailbox& mailbox) {
   mailbox.put({std::make_shared<Problem>(), {}, nullptr});
   ASSERT_TRUE(mailbox.next(false));
@@ -25,7 +25,7 @@ void finish(Mailbox& mailbox, bool last = false) {
   mailbox.finish(std::move(target));
 }
 
-/// Each message costs the scheduler more than its bytes.
+/// Each message costs the scheduler time beyond that for its bytes.
 TEST(Mailbox, SendsTargetsThatFollowFastTogether) {
   Mailbox mailbox(1h);
   begin(mailbox);

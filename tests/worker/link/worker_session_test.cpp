@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using wire::Message;
 using Next = WorkerSession::Next;
 
-/// A worker that hears what the test says, in the role of the scheduler and of the solver.
+/// A worker session; the test plays the scheduler and the solver.
 struct WorkerSessionTest : testing::Test {
   const Problem problem = test::cubeProblem();
   const std::string problem_bytes = encodeProblem(problem);
@@ -38,7 +38,7 @@ struct WorkerSessionTest : testing::Test {
   void hear(const Message& message, const std::string& payload = "") {
     session.receive({"", message, payload}, now);
   }
-  /// In turns of a second, as long as it goes on.
+  /// Advances in steps of a second until the session ends.
   Next pass(std::chrono::seconds time) {
     Next next = session.advance(now);
     for (; time > 0s && next == Next::go_on; time -= 1s) {
@@ -84,7 +84,7 @@ struct WorkerSessionTest : testing::Test {
     *message.mutable_job() = job;
     hear(message);
   }
-  /// The solver takes a job and begins with its first target.
+  /// The solver takes a job and begins its first target.
   wire::Job beginJob() {
     const auto ready = mailbox.next(false);
     EXPECT_TRUE(ready && mailbox.begin(ready->job.id(), ready->job.targets(0).point()));

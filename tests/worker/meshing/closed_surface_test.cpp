@@ -29,7 +29,7 @@ void refuses(const TriangleSoup& soup, std::initializer_list<std::string> words)
   expectBadInput([&] { closed(soup); }, words);
 }
 
-/// A sphere of radius 1 whose triangles have corners of their own, each off by up to `gap` / 2.
+/// A sphere of radius 1 whose triangles have separate corners, each off by up to `gap` / 2.
 TriangleSoup tornSphere(double gap) {
   const TriangleSoup sphere = sphereSurface(1);
   std::mt19937 random(5);
@@ -46,9 +46,9 @@ TriangleSoup tornSphere(double gap) {
   return torn;
 }
 
-/// An octahedron in the cube of sides 2, its corners `off` the middles of these. Its first triangle
-/// begins with a corner at `first` on a diagonal of the cube, over one face; over the face behind
-/// is one at -`last`. `scale`: of all.
+/// An octahedron in the cube of edge 2; its corners are moved by `off` from the centres of the
+/// cube's sides. The first triangle begins with a corner at `first` on a diagonal of the cube,
+/// above one face; above the opposite face lies one at -`last`. Everything is scaled by `scale`.
 TriangleSoup spikedOctahedron(double off, double first, double last, double scale) {
   TriangleSoup soup;
   for (int axis = 0; axis < 3; ++axis)
@@ -71,7 +71,7 @@ TriangleSoup spikedOctahedron(double off, double first, double last, double scal
 
 TEST(ClosedSurface, SplitsTheNeighbourOfATriangleWithoutArea) {
   TriangleSoup soup = boxSurface({1, 1, 1}, 1);
-  // One edge of a side gets a corner in its middle, on one of its two triangles alone.
+  // One edge of a side gets a corner in its middle, but only in one of its two triangles.
   const Triangle divided = soup.triangles[0];
   const auto middle = static_cast<std::int32_t>(soup.points.size());
   soup.points.emplace_back((soup.points[divided[0]] + soup.points[divided[1]]) / 2);
@@ -106,7 +106,7 @@ TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   EXPECT_EQ(closed(soup).points.size(), box.points.size());
-  // As six digits leave them.
+  // Coordinates rounded to six digits.
   for (std::size_t n = 0; n < soup.points.size(); n += 2) soup.points[n][0] += 5e-7;
   const ClosedSurface surface = closed(soup);
   EXPECT_EQ(surface.points.size(), box.points.size());
@@ -214,11 +214,11 @@ TEST(ClosedSurface, RefusesInnerWalls) {
 }
 
 TEST(ClosedSurface, RefusesASelfIntersectingSurface) {
-  // Two boxes as one shell would be: joined by nothing, so one lies half in the other.
+  // Two boxes as one shell: they are not connected, so one lies half in the other.
   const TriangleSoup soup =
       together(boxSurface({1, 1, 1}), boxSurface({1, 1, 1}, 2, {0.3, 0.3, 0.3}));
   expectBadInput([&] { closed(soup, Bodies::only); }, {"organ.stl", "2 separate bodies"});
-  // A sphere one of whose corners was drawn through the other side.
+  // A sphere with one corner pulled through the opposite side.
   TriangleSoup drawn = sphereSurface(1);
   drawn.points[0] = -1.5 * drawn.points[0];
   refuses(drawn, {"the surface intersects itself", "pairs of its triangles", "the first at ("});
@@ -263,8 +263,8 @@ TEST(ClosedSurface, RefusesASurfaceThatEnclosesNothing) {
 }
 
 TEST(ClosedSurface, RefusesAOneSidedSurface) {
-  // A Klein bottle as the square with its sides identified, in no shape at all: only how the
-  // triangles hang together counts.
+  // A Klein bottle as a square with identified sides; only the connectivity of the triangles
+  // matters, not their shape.
   constexpr int n = 5;
   TriangleSoup soup;
   for (int i = 0; i < n * n; ++i)

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// A distorted box of ten-node tetrahedra in two parts, and files of it in formats of others.
+/// A distorted box of ten-node tetrahedra in two parts, and files of it in other formats.
 class MeshConversion : public ::testing::Test {
  protected:
   MeshConversion() {
@@ -34,7 +34,7 @@ class MeshConversion : public ::testing::Test {
 
   void SetUp() override { PALPATE_NEEDS(test::hasMeshio(), "python3-meshio"); }
 
-  /// Runs it in the directory.
+  /// Runs a command in the directory.
   void run(const std::string& command) const {
     const test::CommandResult ran =
         test::runCommand("cd " + directory.path().string() + " && " + command);
@@ -63,7 +63,8 @@ class MeshConversion : public ::testing::Test {
     return out;
   }
 
-  /// By meshio, with the parts in `region`, a vector field, and the points of xmin in `fixed`.
+  /// Writes the body with meshio: the parts as `region`, a vector field, and the points of xmin as
+  /// `fixed`.
   void writeByMeshio(const std::string& name, const std::string& arguments = "",
                      const std::string& labels = "int64") const {
     std::ofstream points = create("points"), cells = create("cells"), parts = create("parts");
@@ -95,7 +96,7 @@ class MeshConversion : public ::testing::Test {
     return parseGmsh(text, name);
   }
 
-  /// The same tetrahedra, in place and of positive volume, with mid-edge nodes in the middles: else
+  /// Expects the same tetrahedra with positive volume and mid-edge nodes in the middles; otherwise
   /// parseGmsh would have refused them as curved.
   void expectTheBody(const Mesh& mesh, double tolerance = 1e-12) const {
     ASSERT_EQ(mesh.tetrahedra.size(), body.tetrahedra.size());
@@ -108,7 +109,7 @@ class MeshConversion : public ::testing::Test {
     EXPECT_NEAR(measure(mesh).volume, 2, 1e-6);
   }
 
-  /// Whether the file that was written has tetrahedra of ten nodes.
+  /// Whether the written file has ten-node tetrahedra.
   bool hasTenNodesEach() const {
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
@@ -126,7 +127,7 @@ class MeshConversion : public ::testing::Test {
     EXPECT_EQ(mesh.element_groups.at(high).size(), part.size() - of_low.size());
   }
 
-  /// Vertices of the side x = 0 under this name.
+  /// Expects the vertices of side x = 0 under this name.
   void expectFixed(const Mesh& mesh, const std::string& name) const {
     ASSERT_THAT(mesh.node_groups, Contains(::testing::Key(name)));
     EXPECT_EQ(mesh.node_groups.at(name).size(), 9u);
@@ -135,7 +136,7 @@ class MeshConversion : public ::testing::Test {
 
   test::TemporaryDirectory directory;
   Mesh body;
-  std::vector<int> part;  ///< per tetrahedron, 3 or 8
+  std::vector<int> part;  ///< for each tetrahedron, 3 or 8
   std::vector<std::string> notes;
   std::string text;
 };
@@ -186,7 +187,7 @@ TEST_F(MeshConversion, ReadsMedNastranAndMeditWithTheirGroups) {
 TEST_F(MeshConversion, NamesThePackageOfAMissingMeshio) {
   writeByMeshio("body.bdf");
   create("meshio.py") << "raise ImportError('as if it were not there')\n";
-  // A Python of the person's own, which lacks more.
+  // The user's own Python, which lacks further packages.
   test::writeScript(directory / "python3", "echo numpy >&2\nexit 3");
   const test::FirstInPath own(directory.path());
   setenv("PYTHONPATH", directory.path().c_str(), 1);
@@ -202,7 +203,7 @@ TEST_F(MeshConversion, ReadsTheTenNodesOfAbaqusWithItsSets) {
     out << n + 11 << ", " << body.nodes[n][0] << ", " << body.nodes[n][1] << ", "
         << body.nodes[n][2] << "\n";
   for (const int wanted : {3, 8}) {
-    // In two blocks, as exporters do for each part; lines end after eight numbers.
+    // In two blocks, as exporters write each part; lines end after eight numbers.
     out << "*ELEMENT, TYPE=C3D10MH, ELSET=" << (wanted == 3 ? "liver" : "tumour") << "\n";
     for (std::size_t e = 0; e < part.size(); ++e) {
       if (part[e] != wanted) continue;
@@ -216,7 +217,7 @@ TEST_F(MeshConversion, ReadsTheTenNodesOfAbaqusWithItsSets) {
   out << "*ELSET, ELSET=first, GENERATE\n1, 5, 2\n*ELSET, ELSET=both\nliver, tumour\n*STEP\n";
   out.close();
   const Mesh mesh = convert("body.inp");
-  // First all of one part, then of the other.
+  // First all elements of one part, then those of the other.
   ASSERT_EQ(mesh.tetrahedra.size(), body.tetrahedra.size());
   EXPECT_EQ(mesh.element_groups.at("liver").size() + mesh.element_groups.at("tumour").size(),
             part.size());
@@ -295,7 +296,7 @@ TEST_F(MeshConversion, ReportsFebioSetsWithMissingMembers) {
 }
 
 TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
-  // Where TetGen's -o2 has the middles that we have by tetrahedron_edges.
+  // The positions in TetGen's -o2 of the mid-edge nodes in the order of tetrahedron_edges.
   constexpr std::array<int, 6> tetgen_order = {5, 3, 0, 1, 4, 2};
   for (const int first : {0, 1}) {
     SCOPED_TRACE(first);
@@ -323,14 +324,14 @@ TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
 }
 
 TEST_F(MeshConversion, ReadsTheOldestGmshFormatsWithTheGroupOfEachElement) {
-  // Of one entity, which later versions know by its groups alone.
+  // For entities that later versions know only by their groups.
   create("old.msh") << "$NOD\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$ENDNOD\n"
                        "$ELM\n2\n1 4 3 7 4 1 2 3 4\n2 4 8 7 4 2 3 4 5\n$ENDELM\n";
   const Mesh mesh = convert("old.msh");
   EXPECT_EQ(mesh.tetrahedra.size(), 2u);
   EXPECT_THAT(mesh.element_groups.at("volume 3"), ElementsAre(0));
   EXPECT_THAT(mesh.element_groups.at("volume 8"), ElementsAre(1));
-  // Names of version 2.0 have no dimension.
+  // Names in version 2.0 have no dimension.
   create("names.msh") << "$MeshFormat\n2 0 8\n$EndMeshFormat\n"
                          "$PhysicalNames\n1\n8 \"left lobe\"\n$EndPhysicalNames\n"
                          "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
@@ -340,7 +341,7 @@ TEST_F(MeshConversion, ReadsTheOldestGmshFormatsWithTheGroupOfEachElement) {
 
 TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
-  // One body of two has a name, and one of its sides: what meshio cannot read of version 4.1.
+  // One of two bodies has a name, and one of its sides: meshio cannot read that in version 4.1.
   create("two.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
                        "Box(2) = {1, 0, 0, 1, 1, 1};\nCoherence;\n"
                        "Physical Volume(\"left part\") = {1};\n"
@@ -439,7 +440,7 @@ TEST_F(MeshConversion, RefusesCurvedEdgesUnlessOnlyCornersAreRequested) {
   EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
 }
 
-/// One tetrahedron and more lines of an .inp.
+/// One tetrahedron for an .inp file, followed by further lines.
 constexpr const char* one_tetrahedron =
     "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
     "*ELEMENT, TYPE=C3D4, ELSET=Liver\n1, 1,2,3,4\n2, 2,5,3,4\n";
@@ -529,7 +530,7 @@ TEST_F(MeshConversion, ReportsAnUnwritableOutput) {
 }
 
 TEST_F(MeshConversion, TriangulatesNonConvexPolygons) {
-  // A prism whose ends are an L, seen from every corner of it.
+  // A prism with L-shaped ends, starting from each of its corners.
   for (int first = 0; first < 6; ++first) {
     std::ofstream out = create("prism.obj");
     for (const int z : {0, 1})
@@ -696,7 +697,7 @@ TEST_F(MeshConversion, SplitsPlyStripsIntoTriangles) {
   EXPECT_NEAR(surface.volume, 1.0 / 6, 1e-12);
 }
 
-/// Meshes of somebody's reports, and what is read of each.
+/// Meshes from reports, and the expected result of reading each.
 struct Reported {
   std::size_t tetrahedra;
   const char* group;

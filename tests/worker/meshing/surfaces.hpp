@@ -10,10 +10,10 @@
 #include "tests/support/command.hpp"
 #include "worker/meshing/closed_surface.hpp"
 
-/// Surfaces made in code, closed and facing outward, in the unit that the test says.
+/// Closed surfaces made in code, facing outward, in a unit chosen by the test.
 namespace palpate::test {
 
-/// Collects triangles, corners at one place being one.
+/// Collects triangles and merges coincident corners.
 class SurfaceMaker {
  public:
   void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -36,7 +36,7 @@ class SurfaceMaker {
   std::map<std::tuple<long long, long long, long long>, std::size_t> numbers_;
 };
 
-/// The cube [-1, 1]^3 with n x n quadrilaterals on each side, moved corner by corner.
+/// The cube [-1, 1]^3 with n x n quadrilaterals on each side, with all corners moved by `move`.
 template <class Move>
 TriangleSoup movedCube(int n, Move move) {
   SurfaceMaker made;
@@ -76,7 +76,7 @@ inline TriangleSoup sphereSurface(double radius, int n = 6,
   });
 }
 
-/// About the z axis.
+/// A torus around the z axis.
 inline TriangleSoup torusSurface(double ring, double tube, int n = 24, int m = 12) {
   SurfaceMaker made;
   const auto at = [&](int i, int k) {
@@ -90,7 +90,7 @@ inline TriangleSoup torusSurface(double ring, double tube, int n = 24, int m = 1
   return made.soup;
 }
 
-/// Both in one file.
+/// Both surfaces in one file.
 inline TriangleSoup together(TriangleSoup a, const TriangleSoup& b) {
   const auto first = static_cast<std::int32_t>(a.points.size());
   a.points.insert(a.points.end(), b.points.begin(), b.points.end());
@@ -104,7 +104,7 @@ inline TriangleSoup insideOut(TriangleSoup soup) {
   return soup;
 }
 
-/// ASCII, as CAD programs write it: every corner of every triangle by itself.
+/// ASCII, as CAD programs write it: every triangle has separate corners.
 inline void writeStl(const TriangleSoup& soup, const std::filesystem::path& file) {
   std::ofstream out(file);
   out.precision(9);
@@ -167,7 +167,7 @@ inline bool hasProgram(const std::string& name) {
 
 }  // namespace palpate::test
 
-/// Ends the running test as skipped, loudly.
+/// Skips the running test with a visible message.
 #define PALPATE_NEEDS(there, what)                  \
   if (!(there))                                     \
   GTEST_SKIP() << "NOT RUN: there is no " << (what) \

@@ -20,7 +20,7 @@ BodyModel box(DisplacementSpace displacement) {
                         {displacement, PressureSpace::none, Constraint::ln_det_F}, material);
 }
 
-/// What the loads do on a displacement field that the space holds.
+/// Work of the loads on a displacement field in the finite-element space.
 double work(const BodyModel& model, const Field& u) {
   double sum = 0;
   for (std::size_t node = 0; node < model.mesh.nodes.size(); ++node)

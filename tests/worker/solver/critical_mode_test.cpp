@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// A beam of 100 x 20 x 20 mm between two plates, straight where it would rather buckle.
+/// A beam of 100 x 20 x 20 mm between two plates, kept straight although it would buckle.
 class CriticalMode : public ::testing::Test {
  protected:
   CriticalMode() : system_(beam(), chooseKernels()), solver_(system_) {}

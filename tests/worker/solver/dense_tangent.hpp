@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// The whole symmetric matrix, its border included.
+/// The whole symmetric matrix, including its border.
 inline Eigen::MatrixXd dense(const System& system, const Tangent& tangent) {
   const int n = system.unknowns(), m = static_cast<int>(tangent.border.cols());
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + m, n + m);

@@ -12,8 +12,8 @@ namespace {
 
 using verification::neoHookean, verification::stabilized, verification::taylor_hood;
 
-/// A cube of 48 elements that stands on one side and leans on another, one element of which is
-/// stiffer: nearly all of its nodes may be fixed, or held by the tool.
+/// A cube of 48 elements that stands on one side and leans on another, with one stiffer element:
+/// nearly all of its nodes may be fixed or held by the tool.
 BodyModel withOneStiff(const Discretization& discretization, std::size_t stiff) {
   BodyModel body = test::freeBody(test::cubeMesh(0.1, 2), discretization, neoHookean(3000));
   body.materials.push_back(neoHookean(30000));
@@ -23,7 +23,8 @@ BodyModel withOneStiff(const Discretization& discretization, std::size_t stiff) 
   return body;
 }
 
-/// As many pressures as the tangent at rest has negative pivots: no more than have an equation.
+/// Expects as many pressures as the tangent at rest has negative pivots, so that each has an
+/// equation.
 void expectRegular(const BodyModel& body, std::size_t stiff) {
   const System system(body, chooseKernels());
   TangentSolver solver(system);

@@ -14,7 +14,8 @@ TEST(SmallestDetFAtNodes, FindsAMidEdgeNodePulledTowardsAnEndOfItsEdge) {
   addMidEdgeNodes(mesh);
   std::vector<double> u(3 * mesh.nodes.size(), 0.0);
   EXPECT_NEAR(smallestDetFAtNodes(mesh, u).det_F, 1, 1e-12);
-  // Moved by h, the slope along the edge is 1 - 4 h / length at the end that the middle comes near.
+  // After a move by h, the slope along the edge is 1 - 4 h / length at the end that the mid-edge
+  // node approaches.
   const std::int32_t element = 5, a = mesh.tetrahedra[element][0], b = mesh.tetrahedra[element][1];
   const std::int32_t middle = mesh.mid_edge_nodes[element][0];
   for (int i = 0; i < 3; ++i) u[3 * middle + i] = 0.2 * (mesh.nodes[b] - mesh.nodes[a])[i];

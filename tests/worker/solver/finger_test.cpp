@@ -1,5 +1,5 @@
-// A finger's equilibrium has an energy E(s, p) of its place and its displacement: what a worker
-// says about it against differences of it.
+// Compares the forces of a finger's equilibrium with differences of its energy E(s, p) in place and
+// displacement.
 
 #include "common/problem/finger.hpp"
 
@@ -63,7 +63,7 @@ class FingerOnABlob : public ::testing::Test {
       EXPECT_LT(
           ((on.force - back.force) / (2 * h) - here.drive_stiffness.row(i).transpose()).norm(),
           1e-6 * here.drive_stiffness.norm());
-      // To the jumps of the weights' curvature (finger_weights_test.cpp).
+      // Up to the jumps of the weights' curvature (finger_weights_test.cpp).
       EXPECT_LT(((on.drive - back.drive) / (2 * h) - here.drive_slope.col(i)).norm(),
                 1e-2 * here.drive_slope.norm());
       expectChange(here.stiffness_by_p, i, (up.stiffness - down.stiffness) / (2 * h), 1e-5);
@@ -88,7 +88,7 @@ TEST_F(FingerOnABlob, ForcesAreMinusTheGradientsOfOneEnergy) {
   }
 }
 
-/// A push to either side finds other fibres taut.
+/// Pushes to opposite sides make different fibres taut.
 TEST_F(FingerOnABlob, FiberStiffnessAtRestIsNearlyTheMeanOfBothSides) {
   constexpr double h = 1e-5;
   Scene scene = test::mooneyRivlinScene();
@@ -105,7 +105,7 @@ TEST_F(FingerOnABlob, FiberStiffnessAtRestIsNearlyTheMeanOfBothSides) {
     const double pull = -up.force[i] / h, push = down.force[i] / h;
     EXPECT_GT(std::max(pull, push), 1.7 * std::min(pull, push));
     EXPECT_NEAR(-rest.stiffness(i, i), (pull + push) / 2, 0.1 * (pull + push) / 2);
-    // The differences of tangents are that jump over their step.
+    // The differences of tangents are such jumps over their step.
     EXPECT_GT(rest.stiffness_by_p.norm() * pad_radius, 100 * rest.stiffness.norm());
   }
 }
@@ -137,7 +137,7 @@ TEST_F(FingerOnABlob, IsPushedOnlyUpToTheForceLimit) {
     return solver.reach(test::startAtRest(solver), target).outcome;
   };
   EXPECT_TRUE(reachWith(1.5 * force, pushed).converged());
-  // The stiffness at rest says that this will be too much: nothing is tried.
+  // The stiffness at rest predicts that this is too much, so no solve is tried.
   const Outcome predicted = reachWith(0.1 * force, pushed);
   EXPECT_EQ(predicted.failure().cause, Cause::beyond_force);
   EXPECT_EQ(predicted.cost.factorizations, 0);

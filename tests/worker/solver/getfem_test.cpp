@@ -1,6 +1,6 @@
-// Forces against those of GetFEM 5.4, the finite-element library of the 2010 paper, which shares
-// nothing with this project: the same mesh, the same nodes held, its own elements, laws in its
-// language for weak forms, and multipliers where a node is held.
+// Compares forces with those of GetFEM 5.4, the finite-element library of the 2010 paper, which
+// shares no code with this project. GetFEM has the same mesh and the same fixed nodes, its own
+// elements, laws in its language for weak forms, and multipliers at fixed nodes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Scene withElements(Scene scene, DisplacementSpace displacement, PressureSpace pr
   return scene;
 }
 
-/// On the blob made in code: a node of its end, or all within a patch, is moved.
+/// On the blob made in code, one node of its end or all nodes of a patch are displaced.
 struct GetfemCase {
   const char* name;
   Scene scene;
@@ -82,7 +82,7 @@ TEST(Getfem, FindsTheSameForces) {
   }
 }
 
-/// Mooney-Rivlin on the shipped liver, the node at the end of its left lobe pulled along x.
+/// Mooney-Rivlin on the shipped liver; the node at the end of its left lobe is pulled along x.
 class Liver : public ::testing::Test {
  protected:
   static Outcome pulled(PressureSpace pressure, Constraint constraint, double metres) {
@@ -100,8 +100,7 @@ class Liver : public ::testing::Test {
   static double force(PressureSpace pressure, Constraint constraint, double metres) {
     return pulled(pressure, constraint, metres).equilibrium().force.norm();
   }
-  /// Largest pressure, Pa. A tip that is pulled lowers the pressure under it, so this should stay
-  /// small.
+  /// Largest pressure, Pa. Pulling the tip lowers the pressure under it, so this should stay small.
   static double highestPressure(PressureSpace pressure) {
     return std::ranges::max(
         pulled(pressure, Constraint::det_F_minus_1, 0.01).configuration().fields.pressure);
@@ -130,7 +129,7 @@ TEST_F(Liver, HasAlmostTheSameForceUnderEitherConstraint) {
 }
 
 TEST_F(Liver, HasNoPressureAtRestBecauseMooneyRivlinIsIsochoric) {
-  // Written in I1 and I2 themselves the law would need 2 C10 + 4 C01 = 7.72 kPa to be at rest.
+  // Written in I1 and I2 themselves, the law would need 2 C10 + 4 C01 = 7.72 kPa at rest.
   for (const PressureSpace pressure : {PressureSpace::p1, PressureSpace::p1_stabilized}) {
     const Outcome rest = pulled(pressure, Constraint::det_F_minus_1, 0);
     EXPECT_EQ(rest.cost.newton_iterations, 0);

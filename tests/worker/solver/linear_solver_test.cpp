@@ -53,7 +53,7 @@ TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {
   EXPECT_LT((K * x - Eigen::Matrix3d::Identity()).norm(), 1e-14);
 }
 
-/// The couplings of n unknowns, a bit each.
+/// A pattern of n unknowns; each bit of `bits` is a coupling.
 SparsityPattern coupled(std::int32_t n, unsigned bits) {
   std::vector<std::vector<std::int32_t>> rows(at(n));
   for (std::int32_t row = 0; row < n; ++row) {
@@ -91,7 +91,7 @@ TEST(LinearSolver, HandlesAKnownNullSpace) {
   EXPECT_DOUBLE_EQ(x(2), 5);
 }
 
-/// A band of 20,000 unknowns, whose factor takes 24 MB, where 8 are left.
+/// A band of 20,000 unknowns, whose factors take 24 MB; only 8 MB are left.
 TEST(LinearSolverDeathTest, OutOfMemoryIsAnErrorAndNoAnswer) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
@@ -105,7 +105,7 @@ TEST(LinearSolverDeathTest, OutOfMemoryIsAnErrorAndNoAnswer) {
   std::vector<double> values(pattern.row.size(), 0.001);
   for (int row = 0; row < unknowns; ++row) values[at(pattern.entryOf(row, row))] = unknowns;
   const auto factorizeInLittle = [&] {
-    // OpenBLAS takes its own memory at its first product.
+    // OpenBLAS allocates its own memory at its first product.
     const auto small = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
     static_cast<void>(small->factorize(indefinite));
     const auto solver = LinearSolver::of(pattern, Precision::double_precision, false);

@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-/// A single node of a soft body, pushed far along its side: the straight way ends at a limit point.
+/// A single node of a soft body is pushed far along its side: the straight path ends at a limit
+/// point.
 class PathTest : public ::testing::Test {
  protected:
   PathTest()
@@ -39,7 +40,7 @@ TEST_F(PathTest, ALimitPointIsNamedWhereThePathTurnsBack) {
   EXPECT_LT(failure.step_reached, 1);
   EXPECT_NE(failure.negative_pivots, failure.expected_negative_pivots);
 
-  // Just before it the branch is still there, and the stiffness grows on the way to infinity.
+  // Just before the limit point the branch still exists, and the stiffness grows towards infinity.
   const double just_before = failure.step_reached - 0.01;
   const Reached near_limit = walk(solver_, *before.end, along(5.0 / 6 + just_before / 6), 4);
   ASSERT_TRUE(near_limit.outcome.converged());

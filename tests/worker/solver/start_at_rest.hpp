@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// Where every way of a solver begins. Error where the body finds no rest.
+/// The start of every path of a solver. Throws if the body has no rest state.
 inline Start startAtRest(TransitionSolver& solver) {
   Failure failure;
   auto rest = solver.startAtRest(failure);

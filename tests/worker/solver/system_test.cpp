@@ -23,7 +23,7 @@ struct Formulation {
   Material material;
 };
 
-/// Every element with every law that it takes, in every form that the volume may be kept.
+/// Every element with every law that it supports, and every form of the volume constraint.
 std::vector<Formulation> everyFormulation() {
   std::vector<Formulation> all;
   for (const Discretization& element : test::everyElement())
@@ -54,7 +54,7 @@ std::vector<Formulation> oneFormulationPerElement() {
   return all;
 }
 
-/// A small body, clamped at one end and held by a tool at the other, at a random admissible state.
+/// A small body, fixed at one end and held by a tool at the other, in a random admissible state.
 class SystemTest : public ::testing::Test {
  protected:
   static BodyModel clamped(const Formulation& formulation) {
@@ -99,7 +99,7 @@ class SystemTest : public ::testing::Test {
     return system_->moved(state_, nothing, 1, p_ + amount * Eigen::Vector3d::Unit(direction));
   }
 
-  /// Rows held by the tool are rows of a multiple of the identity.
+  /// Rows of tool nodes are rows of a multiple of the identity.
   Eigen::MatrixXd dense() const { return test::dense(*system_, tangent_); }
 
   bool isHeld(Eigen::Index unknown) const {
@@ -126,7 +126,7 @@ class SystemTest : public ::testing::Test {
   }
 
   void expectTangentIsTheDerivativeOfTheResidual(const std::string& name) const {
-    // Small, so that no fibre goes from slack to taut in between.
+    // Small, so that no fibre changes from slack to taut in between.
     constexpr double h = 1e-7;
     const Eigen::MatrixXd K = dense();
     const double tolerance = 1e-6 * K.cwiseAbs().maxCoeff();
@@ -205,7 +205,7 @@ TEST_F(SystemTest, LoadsAndSingleFixedComponentsKeepTheDerivatives) {
   }
 }
 
-/// A body of three laws, of which one has no pressure.
+/// A body of three laws, one of them without pressure.
 BodyModel layered(const Discretization& discretization) {
   BodyModel model = test::freeBody(test::distortedBoxMesh({0.1, 0.1, 0.05}, {2, 2, 1}),
                                    discretization, test::materialOf(LawName::mooney_rivlin));
@@ -233,7 +233,7 @@ TEST_F(SystemTest, HasPressuresOnlyInMixedMaterials) {
   const Discretization taylor_hood{DisplacementSpace::p2, PressureSpace::p1, Constraint::ln_det_F};
   const BodyModel model = layered(taylor_hood);
   std::set<std::int32_t> mixed;
-  std::set<std::pair<std::int32_t, std::uint16_t>> pressures;  // one of each material at a vertex
+  std::set<std::pair<std::int32_t, std::uint16_t>> pressures;  // one per material at a vertex
   for (std::size_t element = 6; element < model.mesh.tetrahedra.size(); ++element)
     for (const std::int32_t vertex : model.mesh.tetrahedra[element]) {
       mixed.insert(vertex);
@@ -246,7 +246,7 @@ TEST_F(SystemTest, HasPressuresOnlyInMixedMaterials) {
             static_cast<std::size_t>(model.mesh.vertices()) + pressures.size() - mixed.size());
 }
 
-/// A tool that holds all nodes of elements: the pressures among them alone have no equation.
+/// If a tool holds all nodes of some elements, the pressures inside have no equation.
 TEST_F(SystemTest, FixesPressuresWhoseNodesTheToolHolds) {
   const auto half = [](const Formulation& formulation) {
     BodyModel model = test::freeBody(test::distortedBoxMesh({0.1, 0.05, 0.05}, {3, 1, 1}),
@@ -431,12 +431,12 @@ Material youngMaterial(LawName law, double poisson) {
 }
 
 /// Homogeneous states are exact on any mesh (closed forms: docs/solver.md). The body is stretched
-/// along x with its sides free of stress; the resultant on the end face over its area is the
-/// nominal stress.
+/// along x with stress-free sides; the resultant on the end face divided by its area is the nominal
+/// stress.
 class HomogeneousState : public ::testing::Test {
  protected:
-  /// Nominal stress along x, Pa, in the diagonal deformation `stretches` at pressure `p`; all inner
-  /// and side forces must vanish.
+  /// Nominal stress along x, Pa, for the diagonal deformation `stretches` and pressure `p`; all
+  /// inner and side forces must vanish.
   static double nominalStress(const Discretization& discretization, const Material& material,
                               const Eigen::Vector3d& stretches, double p) {
     const Eigen::Vector3d size(0.2, 0.1, 0.1);
@@ -467,7 +467,7 @@ class HomogeneousState : public ::testing::Test {
     return end_force / (size[1] * size[2]);
   }
 
-  /// The elements with a pressure, or those without, and each form of the constraint.
+  /// The elements with or without a pressure, with each form of the constraint.
   static std::vector<Discretization> elements(bool with_pressure) {
     std::vector<Discretization> all;
     for (Discretization element : test::everyElement())
@@ -487,7 +487,7 @@ TEST_F(HomogeneousState, MooneyRivlinInUniaxialStretch) {
   for (const auto& row : table)
     for (const Discretization& element : elements(true)) {
       const double l = row.stretch, across = 1 / std::sqrt(l);
-      // The pressure that frees the sides: sigma_yy = 0.
+      // The pressure that makes the sides stress-free: sigma_yy = 0.
       const double c10 = 1300, c01 = 1280, I1 = l * l + 2 / l, I2 = 2 * l + 1 / (l * l);
       const double p = 2 * c10 * (1 / l - I1 / 3) + 2 * c01 * ((I1 - 1 / l) / l - 2 * I2 / 3);
       const double exact = 2 * (l - 1 / (l * l)) * (c10 + c01 / l);
@@ -526,7 +526,7 @@ TEST_F(HomogeneousState, ModifiedStVenantKirchhoffWithAndWithoutLambda) {
     for (const double l : {0.6, 0.8, 1.2, 1.5}) {
       const double g1 = (l * l - 1) / 2, g2 = (1 / l - 1) / 2, trace = g1 + 2 * g2;
       const double S1 = lambda * trace + 2 * mu * g1, S2 = lambda * trace + 2 * mu * g2;
-      const double p = S2 / l;  // frees the sides: S2 - p C22^-1 = 0
+      const double p = S2 / l;  // makes the sides stress-free: S2 - p C22^-1 = 0
       const double exact = l * (S1 - p / (l * l));
       const double across = 1 / std::sqrt(l);
       for (const Discretization& element : elements(true))

@@ -17,8 +17,7 @@
 namespace palpate {
 namespace {
 
-/// A body with a tool, its equations at two states near each other, and factors of the tangent at
-/// rest.
+/// A body with a tool, its equations at two nearby states, and factors of the tangent at rest.
 class TangentSolverTest : public ::testing::Test {
  protected:
   void touch(ToolKind kind) {
@@ -31,7 +30,7 @@ class TangentSolverTest : public ::testing::Test {
     solver_ = std::make_unique<TangentSolver>(*system_);
     tangentAt(0.0, at_rest_);
   }
-  /// Everything moved smoothly by up to `amplitude` metres.
+  /// The tangent after a smooth motion of up to `amplitude` metres.
   void tangentAt(double amplitude, Tangent& tangent) {
     State state = system_->restState();
     for (std::size_t node = 0; node < problem_.mesh.nodes.size(); ++node)

@@ -42,7 +42,7 @@ class TransitionTest : public ::testing::Test {
     EXPECT_TRUE(outcome.converged()) << describe(outcome.failure());
     return outcome.equilibrium();
   }
-  /// By differences of the energy and of the force.
+  /// Compares forces and stiffness with differences of energy and force.
   Equilibrium expectDerivativesOfOneEnergy(const Eigen::Vector3d& target, double tolerance = 1e-6) {
     constexpr double h = 1e-5;
     Equilibrium here = equilibriumAt(target);
@@ -238,7 +238,7 @@ TEST_F(TransitionTest, TheReactionIsTheLagrangeMultiplierOfThePaper) {
   const Eigen::Vector3d target(0.004, 0.01, -0.006);
   const Equilibrium eliminated = equilibriumAt(target);
 
-  // The same equations with the tool's displacement a an unknown and a = p a constraint with
+  // The same equations with the tool's displacement a as an unknown and a = p as a constraint with
   // multiplier l (Sec. 3 of the paper): r_f = 0, r_a + l = 0, a - p = 0. l is the force of the
   // tissue on the tool.
   const System& system = solver_->system();
@@ -339,7 +339,7 @@ TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
             static_cast<std::size_t>(problem_.mesh.vertices()));
 }
 
-/// Pressures of elements that move as a whole have no equation: nothing of them changes.
+/// Pressures of elements that move as a whole have no equation and stay unchanged.
 TEST_F(TransitionTest, ConvergesWhereTheToolHoldsWholeElements) {
   Scene scene = mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
@@ -351,7 +351,7 @@ TEST_F(TransitionTest, ConvergesWhereTheToolHoldsWholeElements) {
     if (element.pressure == PressureSpace::none) scene.regions[0].material.bulk = 40000;
     clamp(resolve(scene, test::cubeMesh(0.1, 4)));
     EXPECT_LT(reach(Eigen::Vector3d::Zero()).equilibrium().force.norm(), 1e-9);
-    // Of the others, whose tangent is singular for other reasons, only that they begin.
+    // The other elements have singular tangents for other reasons, so only their start is tested.
     if (!isInfSupStable(element)) continue;
     SCOPED_TRACE(test::nameOf(element));
     expectDerivativesOfOneEnergy(target, 1e-5);
@@ -368,7 +368,7 @@ TEST_F(TransitionTest, EqualOrderPressureConvergesAlthoughItsTangentIsSingular) 
   EXPECT_TRUE(here.force.allFinite());
 }
 
-/// Schedulers judge by it when a solve hangs.
+/// The scheduler uses this time to detect hung solves.
 TEST_F(TransitionTest, TheTimeOfASolveExcludesASuspendedProcess) {
   clamp(mooneyRivlinScene());
   std::atomic<bool> over = false;

@@ -16,7 +16,7 @@
 
 namespace palpate::verification {
 
-/// How a test's parameter is shown.
+/// How the parameter of a test is printed.
 void PrintTo(const Case& problem, std::ostream* out) {  // NOLINT(readability-identifier-naming)
   *out << problem.name;
 }
