@@ -1,12 +1,11 @@
-// How wrong the energy of a finger's area is between its sites: exact solutions at random places
-// and displacements against the dataset, and beside it what others would say: the nearest site
-// alone, which is the paper's way; the blend of the forces of the three nearest, by barycentric
-// coordinates; and the same energy from sites that are as far from each other everywhere, which are
-// fewer at rims. Prints one JSON object.
+// Error of the energy of a finger's area between its sites. Compares a dataset with exact solutions
+// at random places and displacements, and with alternatives: the nearest site alone (as in the
+// paper), a barycentric blend of the forces of the three nearest sites, and the same energy from
+// evenly spaced sites, which are fewer at edges. Prints one JSON object.
 //
-// Places are uniform over the surface that the sites answer for, displacements over what of the
-// ball presses within `cone` of the inward normal. Those whose exact force is beyond the scene's
-// max_force, or that have no solution by continuation from rest, are counted apart.
+// Places are uniform over the surface that the sites cover; displacements are uniform over the part
+// of the ball within `cone` of the inward normal. Probes whose exact force exceeds the scene's
+// max_force, or that have no solution by continuation from rest, are counted separately.
 
 #include <fmt/format.h>
 
@@ -46,7 +45,7 @@ struct Probe {
   Eigen::Vector3d place, displacement;
 };
 
-/// Uniform over the surface, and over the cone of each place.
+/// Uniform over the surface, and over the cone at each place.
 class Drawing {
  public:
   Drawing(const Mesh& mesh, double radius, double reach, double cone, unsigned seed)
@@ -83,7 +82,7 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// What single sites say.
+/// Answers of single sites.
 class SingleSites {
  public:
   explicit SingleSites(const std::vector<const SpaceTable*>& sites)
@@ -91,7 +90,8 @@ class SingleSites {
 
   Eigen::Vector3d nearest(const Probe& probe) { return forceOf(nearestOf(probe)[0], probe); }
 
-  /// Each of the three by its barycentric coordinate; those outside of their triangle as on it.
+  /// Weights the three sites by their barycentric coordinates; places outside their triangle are
+  /// projected to it.
   Eigen::Vector3d blended(const Probe& probe) {
     const std::array<std::size_t, 3> corners = nearestOf(probe);
     Eigen::Matrix<double, 3, 2> edges;
@@ -127,7 +127,7 @@ class SingleSites {
   std::vector<std::unique_ptr<PotentialField>> fields_;
 };
 
-/// Those of `sites` that a rule without rims would leave.
+/// The sites that remain if edges get no extra sites.
 std::vector<const SpaceTable*> evenly(const std::vector<const SpaceTable*>& sites, double radius) {
   const std::vector<Eigen::Vector3d> centers = centersOf(sites);
   const std::vector<double> distances(sites.size(), site_distance * radius);
@@ -138,7 +138,7 @@ std::vector<const SpaceTable*> evenly(const std::vector<const SpaceTable*>& site
   return chosen;
 }
 
-/// Errors of one way of answering.
+/// Errors of one method.
 struct Errors {
   std::vector<double> relative, over_error;
   int kept = 0, held = 0;
@@ -169,7 +169,7 @@ struct Errors {
 
 enum class Exact { found, too_strong, none };
 
-/// By continuation from rest, in steps of a lattice spacing; it ends where the device would.
+/// By continuation from rest in steps of a lattice spacing, up to the force limit.
 std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Problem& problem,
                                              const Probe& probe, double radius) {
   solver.placeFinger("probe", {probe.place, radius});
@@ -190,7 +190,7 @@ std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Pro
   return {Exact::found, reached.outcome.equilibrium().force};
 }
 
-/// Of one query, the fastest of some rounds over all of them.
+/// Time of one query: the fastest of several rounds over all queries.
 template <class Round>
 double microseconds(int rounds, std::size_t queries, Round round) {
   double fastest = std::numeric_limits<double>::infinity(), sum = 0;
@@ -204,7 +204,7 @@ double microseconds(int rounds, std::size_t queries, Round round) {
   return fastest;
 }
 
-/// At random places.
+/// Time at random places.
 double randomMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
   return microseconds(20, probes.size(), [&] {
     double sum = 0;
@@ -214,7 +214,7 @@ double randomMicroseconds(const AreaField& area, const std::vector<Probe>& probe
   });
 }
 
-/// Along strokes of 10 mm from each place, 0.1 mm a query, as a hand slides at 1 kHz.
+/// Time along strokes of 10 mm from each place, 0.1 mm per query, as a hand slides at 1 kHz.
 double slidingMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
   constexpr std::size_t steps = 100;
   const Eigen::Vector3d step(1e-4, 0, 0);
@@ -250,7 +250,7 @@ Json run(const Options& options) {
   while (static_cast<int>(of_area.relative.size()) < options.probes) {
     const Probe probe = drawing.draw();
     const AreaSample sample = area.evaluate(probe.place, probe.displacement);
-    if (!std::isfinite(sample.error_bound)) continue;  // no site near
+    if (!std::isfinite(sample.error_bound)) continue;  // no site is near
     if (fingerWeights(problem.mesh, problem.fixed, probe.place, radius).free_share <
         least_free_share)
       continue;

@@ -1,6 +1,6 @@
-// How long sealing and opening a dataset take: one of hundreds of small spaces, as a whole surface
-// makes, and one of ten large ones with all nodes of the body. The configurations are made up.
-// Prints one JSON object. Nothing here is checked: times belong to the machine.
+// Time to seal and open a dataset: one with hundreds of small spaces, as for a whole surface, and
+// one with ten large spaces that store all nodes. The configurations are made up. Prints one JSON
+// object. Checks nothing, because times depend on the machine.
 //
 //   palpate_dataset_bench
 
@@ -25,7 +25,7 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A cube of `cells`^3 cells, the first `n_spaces` movable surface nodes active.
+/// A cube of `cells`^3 cells whose first `n_spaces` movable surface nodes are active.
 Problem cubeProblem(int cells, std::size_t n_spaces, double spacing, const Storage& storage) {
   Scene scene = test::mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
@@ -39,7 +39,7 @@ Problem cubeProblem(int cells, std::size_t n_spaces, double spacing, const Stora
   return resolve(std::move(scene), std::move(mesh));
 }
 
-/// A dent around the active node, with some detail, so that it does not compress to nothing.
+/// A dent around the active node, detailed enough not to compress to nothing.
 NodalFields dent(const Problem& problem, std::size_t space, const Eigen::Vector3d& displacement) {
   NodalFields fields;
   const Eigen::Vector3d at = problem.mesh.nodes[problem.active[space].node];

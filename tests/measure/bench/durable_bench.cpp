@@ -1,9 +1,9 @@
-// How many results a scheduler makes durable in a second, what they cost it, and how far the disk
-// alone would come: a real `palpate-scheduler serve` on a port of this machine, and workers in this
-// process that speak the real protocol and answer at once, or after --solve-ms, with the results of
-// a linear body. In between, records of that size are appended and synced without any of that, in
-// groups as large as the scheduler's may be.
-// Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
+// How many results per second a scheduler makes durable, at which cost, and how many the disk alone
+// could take. Runs a real `palpate-scheduler serve` on a port of this machine, and workers in this
+// process that speak the real protocol and answer at once (or after --solve-ms) with the results of
+// a linear body. In between, records of the same size are appended and synced without a scheduler,
+// in groups as large as its largest.
+// Prints one JSON object. Checks nothing, because times depend on the machine and its disk.
 //
 //   palpate_durable_bench [--seconds 10] [--workers 4] [--solve-ms 0] [--cells 3] [--points 11500]
 //                         [--directory DIR] [--insecure]
@@ -36,8 +36,8 @@ double secondsSince(Clock::time_point start) {
 /// What a process has used and written so far.
 struct Usage {
   double processor_seconds = 0;
-  double written = 0;  ///< bytes, handed to the system
-  double to_disk = 0;  ///< bytes, in whole pages
+  double written = 0;  ///< bytes passed to the system
+  double to_disk = 0;  ///< bytes in whole pages
 
   Usage& operator+=(const Usage& other) {
     processor_seconds += other.processor_seconds;
@@ -53,7 +53,7 @@ struct Usage {
 
 Usage usageOf(pid_t pid) {
   const std::string proc = "/proc/" + std::to_string(pid);
-  // The name, in parentheses, may hold anything.
+  // The name in parentheses may contain any characters.
   const std::string stat = test::contentOf(proc + "/stat");
   std::istringstream fields(stat.substr(stat.rfind(')') + 2));
   std::string skipped;
@@ -70,7 +70,7 @@ Usage usageOf(pid_t pid) {
   return usage;
 }
 
-/// A file beside the journal, to which groups of so many bytes are appended and synced.
+/// A file beside the journal to which groups of this many bytes are appended and synced.
 class BareDisk {
  public:
   BareDisk(const std::filesystem::path& directory, std::size_t group_bytes)
@@ -151,7 +151,7 @@ void measure(const Options& options, const std::filesystem::path& directory) {
       if (entry.path().extension() == ".dat") sum += static_cast<double>(entry.file_size());
     return sum;
   };
-  // The first steps from rest are few; then there is always enough to do.
+  // There are few first steps from rest; after them there is always enough work.
   const auto began = Clock::now();
   while (acknowledged() < 500 && secondsSince(began) < 60) workFor(0.05);
   const std::size_t first = acknowledged();
@@ -162,7 +162,7 @@ void measure(const Options& options, const std::filesystem::path& directory) {
                                 static_cast<double>(settings.group_bytes) / record);
   const auto group_bytes = static_cast<std::size_t>(group * record);
 
-  // In turn, a second each: a disk that has taken much becomes slower for both.
+  // One second each in turn: after many writes a disk becomes slower for both.
   BareDisk disk(directory, group_bytes);
   Usage used, own_used;
   double seconds = 0, results = 0, journaled = 0;

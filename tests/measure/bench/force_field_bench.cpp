@@ -1,10 +1,10 @@
-// How long one query of a force field, or of all displacements of 2228 nodes, takes. Prints one
-// JSON object. Nothing here is checked: times belong to the machine. Per method and number of
+// Time of one query of a force field, or of all displacements of 2228 nodes. Prints one JSON
+// object. Checks nothing, because times depend on the machine. For each method and number of
 // configurations (a ball of 100 mm):
 //
-//   path_ns       a hand's path, 1 kHz samples of a smooth curve through many cells
-//   scattered_ns  random displacements, as little locality as there is in one space
-//   cold_ns       random displacements, each after the caches were emptied: the first touch
+//   path_ns       a hand's path: 1 kHz samples of a smooth curve through many cells
+//   scattered_ns  random displacements, with the least possible locality in one space
+//   cold_ns       random displacements, each after clearing the caches: the first touch
 //   prepare_ms    the constructor
 //
 //   force_field_bench [SECONDS_PER_NUMBER]
@@ -26,11 +26,11 @@ namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-/// What it returns only keeps the work alive.
+/// The returned value only keeps the compiler from removing the work.
 using Query = std::function<double(const Eigen::Vector3d&)>;
 
 constexpr double radius = 0.1;
-// Global radial functions take memory with the square and time with the cube of the points.
+// Memory of global radial functions grows with the square of the points, time with the cube.
 constexpr std::int32_t most_radial_points = 1500;
 
 double nanoseconds(Clock::duration duration) {
@@ -66,7 +66,7 @@ std::vector<Eigen::Vector3d> scattered(int count) {
 
 double checksum = 0;
 
-/// Median over repetitions of the mean time of a query.
+/// Median over repetitions of a query's mean time.
 double hotTime(const Query& query, const std::vector<Eigen::Vector3d>& points, double seconds) {
   std::vector<double> times;
   for (const Clock::time_point begin = Clock::now();
@@ -78,7 +78,7 @@ double hotTime(const Query& query, const std::vector<Eigen::Vector3d>& points, d
   return median(times);
 }
 
-/// Median of single queries, each after more memory was written than any cache holds.
+/// Median of single queries, each after writing more memory than any cache holds.
 double coldTime(const Query& query) {
   static std::vector<char> other(std::size_t{128} << 20);
   std::vector<double> times;
@@ -100,8 +100,8 @@ std::string methodResult(const std::string& method, const SpaceTable& space, dou
   const Clock::time_point start = Clock::now();
   const auto field = makeForceField(method, space);
   const double prepared = nanoseconds(Clock::now() - start);
-  // The virtual call is what a client pays too; the std::function around it costs about a
-  // nanosecond more.
+  // Clients pay for the virtual call too; the std::function around it costs about a nanosecond
+  // more.
   const Query query = [&](const Eigen::Vector3d& p) { return field->evaluate(p).force.x(); };
   return fmt::format(
       "{{\"method\":\"{}\",\"configurations\":{},\"path_ns\":{:.1f},\"scattered_ns\":{:.1f},\"cold_ns\":{:.0f},\"prepare_ms\":{:.1f}}}",

@@ -1,11 +1,11 @@
-// How long the force fields of a sealed dataset take for given displacements, one query at a time
-// in this process, what they answer, and the memory that each holds. Prints one JSON object.
-// scipy_bench times SciPy with the same points and displacements. Nothing here is checked: times
-// belong to the machine.
+// Query times of the force fields of a sealed dataset for given displacements, one query at a time
+// in this process, with their answers and the memory of each field. Prints one JSON object.
+// scipy_bench measures SciPy with the same points and displacements. Checks nothing, because times
+// depend on the machine.
 //
 //   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS
 //
-// DISPLACEMENTS: a line "x y z" each, metres.
+// DISPLACEMENTS: one line "x y z" each, metres.
 
 #include <malloc.h>
 
@@ -27,14 +27,14 @@ using Json = nlohmann::ordered_json;
 
 Json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-/// Of this thread, so that what else runs on the machine disturbs little.
+/// Processor time of this thread, which depends little on other programs.
 double cpuSeconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Median over passes through all displacements of the mean time of a query, in nanoseconds.
+/// Median, over passes through all displacements, of a query's mean time in nanoseconds.
 double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& displacements) {
   std::vector<double> times;
   double sum = 0;
@@ -45,11 +45,11 @@ double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& d
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
                    times.end());
-  // The sum is used, so the queries are made.
+  // Uses the sum, so that the compiler keeps the queries.
   return std::isfinite(sum) ? times[times.size() / 2] : 0;
 }
 
-/// Bytes that the program has asked for and not given back.
+/// Bytes that the program has allocated and not freed.
 std::size_t bytesInUse() {
   const struct mallinfo2 info = mallinfo2();
   return info.uordblks + info.hblkhd;

@@ -1,7 +1,7 @@
-// A haptic loop at its rate, with a scripted hand that presses and slides over all that can be
-// touched, alone or beside a thread that is as busy as a picture: the deformed shape of the whole
-// surface, 60 times a second. Prints one JSON object. Nothing here is checked: times belong to the
-// machine.
+// A haptic loop at its rate, with a scripted hand that presses and slides over the whole touchable
+// surface; with --busy beside a thread that is as busy as the picture: it computes the deformed
+// shape of the whole surface 60 times a second. Prints one JSON object. Checks nothing, because
+// times depend on the machine.
 //
 //   palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]
 
@@ -24,8 +24,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A hand on rails, half a second at each touchable triangle in turn: from outside along the
-/// normal, pressing to a quarter of the workspace radius, in a circle as wide as the triangle.
+/// A guided hand that spends half a second at each touchable triangle in turn: it approaches along
+/// the normal and presses to a quarter of the workspace radius, in a circle as wide as the
+/// triangle.
 class SweepingHand : public HapticDevice {
  public:
   SweepingHand(const HapticModel& model, double period) : model_(model), period_(period) {
@@ -66,7 +67,7 @@ class SweepingHand : public HapticDevice {
   std::uint64_t ticks_ = 0;
 };
 
-/// What the picture asks of the haptic thread and of a core.
+/// The load of the picture on the haptic thread and on a core.
 void drawShapes(HapticLoop& loop, const HapticModel& model, std::atomic<std::uint64_t>& frames) {
   using namespace std::chrono_literals;
   const std::size_t vertices = model.surface().vertices().size();

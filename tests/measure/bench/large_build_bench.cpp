@@ -1,7 +1,7 @@
-// What a build with very many results costs its scheduler: a state directory with so many small
-// results is made (journal and tables by the real code), then each part of a restart is measured in
-// a process of its own, the cost of a status and of a forecast, and sealing.
-// Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
+// Cost of a build with very many results for its scheduler. Makes a state directory with this many
+// small results (journal and tables by the real code), then measures each part of a restart in a
+// separate process, the cost of a status and of a forecast, and sealing.
+// Prints one JSON object. Checks nothing, because times depend on the machine and its disk.
 //
 //   palpate_large_build_bench [--results 100000] [--spaces 20] [--directory DIR] [--keep]
 //     [--without-seal]
@@ -41,8 +41,8 @@ struct Options {
   bool keep = false, without_seal = false;
 };
 
-/// A cube of 8 nodes or more, so many of its nodes active, and a lattice with about so many points
-/// around each.
+/// A cube of at least 8 nodes with the requested number of active nodes, and a lattice with about
+/// the requested number of points around each.
 Problem problemOf(const Options& options) {
   Scene scene;
   scene.name = "large";
@@ -59,12 +59,12 @@ Problem problemOf(const Options& options) {
       scene.active.push_back({.name = fmt::format("skin-{}", node), .node = node});
   const double each = options.results / static_cast<double>(scene.active.size());
   const double ratio = std::max(1.0, std::cbrt(each * 3 / (4 * M_PI)));
-  // A little off whole numbers, which spacings are taken for.
+  // Slightly off whole numbers, which spacings would be rounded to.
   scene.workspace = {0.05, 0.05 / ratio, 100, true};
   return resolve(std::move(scene), std::move(mesh));
 }
 
-/// What a worker would answer for a linear body, but for the bits of its fields: one branch,
+/// The answer of a worker for a linear body, except for the bits of its fields: one branch,
 /// everything converges.
 class LinearBody {
  public:
@@ -112,8 +112,8 @@ class LinearBody {
   NodalFields fields_;
 };
 
-/// Records what the plans ask for, in turns of all spaces, as workers would, until all is there but
-/// so many results.
+/// Records the results that the plans request, in turns of all spaces, until `but` results are
+/// missing.
 std::int64_t record(const Problem& problem, JobStore& store, std::vector<SpacePlan>& plans,
                     const std::vector<ResultKey>& asked, std::int64_t but) {
   LinearBody body(problem);
@@ -148,7 +148,7 @@ Json make(const Problem& problem, const std::filesystem::path& directory) {
   JobStore store(held, problem);
   std::vector<SpacePlan> plans = store.takeReplay().plans;
   constexpr std::int64_t held_back = 64;
-  // The first of each is asked for by the replay.
+  // The replay requests the first point of each space.
   std::vector<ResultKey> origins;
   for (std::uint32_t space = 0; space < plans.size(); ++space) origins.push_back({space, {}, {}});
   const std::int64_t results = record(problem, store, plans, origins, held_back);
@@ -159,7 +159,7 @@ Json make(const Problem& problem, const std::filesystem::path& directory) {
           {"seconds", secondsSince(began)}};
 }
 
-/// The results that were held back, so that it can be sealed.
+/// Records the results that were held back, so that the dataset can be sealed.
 Json complete(const Problem& problem, const std::filesystem::path& directory) {
   const StateDirectory held(directory);
   JobStore store(held, problem);
@@ -174,10 +174,10 @@ double megabytes(const char* what) {
   return 0;
 }
 
-/// The peak counts from here on.
+/// Restarts the measurement of peak memory.
 void forgetPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
-/// All bytes of the journal, and nothing done with them.
+/// Reads all bytes of the journal without using them.
 Json readPlainly(const std::filesystem::path& directory) {
   const auto began = Clock::now();
   std::vector<char> chunk(std::size_t{1} << 20);
@@ -215,7 +215,7 @@ Json replayAlone(const Problem& problem, const std::filesystem::path& directory)
           {"spare", found.replay.unclaimed.size()}};
 }
 
-/// The median of some.
+/// The median of several runs.
 double secondsOf(const std::function<void()>& what) {
   std::vector<double> seconds;
   for (int n = 0; n < 5; ++n) {
@@ -227,7 +227,7 @@ double secondsOf(const std::function<void()>& what) {
   return seconds[2];
 }
 
-/// All that a scheduler does before it listens, and what people ask of it then.
+/// All steps of a scheduler before it listens, and then the requests of people.
 Json restart(const Problem& problem, const std::filesystem::path& directory) {
   const auto began = Clock::now();
   Build build(problem, directory, began);
@@ -245,7 +245,7 @@ Json restart(const Problem& problem, const std::filesystem::path& directory) {
           {"forecast_seconds", forecast}};
 }
 
-/// A status and a forecast of plans in which nothing is known yet but the first steps.
+/// A status and a forecast for plans in which only the first steps are known.
 Json lookAhead(const Problem& problem) {
   LinearBody body(problem);
   std::vector<SpacePlan> plans;
@@ -274,7 +274,7 @@ Json seal(const Problem& problem, const std::filesystem::path& directory,
           {"peak_above_before_mb", megabytes("VmHWM") - before}};
 }
 
-/// Of this process so far, s: what it takes on a machine that others use too.
+/// Processor time of this process so far, s, which depends little on other programs.
 double processorSeconds() {
   struct rusage usage {};
   if (getrusage(RUSAGE_SELF, &usage) != 0) throw failure("getrusage: {}", errnoText());
@@ -284,7 +284,7 @@ double processorSeconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// In a process of its own, whose peak of memory is its own.
+/// Runs in a separate process with its own peak of memory.
 Json inChild(const std::function<Json()>& what) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) throw failure("pipe: {}", errnoText());

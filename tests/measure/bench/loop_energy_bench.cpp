@@ -1,8 +1,8 @@
-// The energy that the force fields of a sealed dataset create around random closed loops: paths of
-// smooth pieces inside of balls of 0.2 to 1 times the workspace radius, of each active node in
-// turn, at a fixed anchor. Prints one JSON object: for each method over all loops, and over those
-// on which every answer stood on solved and consistent corners ("covered"). "net_share" is the sum
-// of |net work| over the sum of the energy exchanged, "largest_share" that of the worst loop,
+// Energy that the force fields of a sealed dataset create around random closed loops: piecewise
+// smooth paths inside balls of 0.2 to 1 times the workspace radius, of each active node in turn, at
+// a fixed anchor. Prints one JSON object: for each method over all loops, and over those on which
+// every answer used only solved and consistent corners ("covered"). "net_share" is the sum of |net
+// work| over the sum of the energy exchanged, "largest_share" that of the worst loop;
 // "created_share" counts only loops that gave energy.
 //
 //   palpate_loop_energy_bench DATASET [LOOPS] [METHOD...]     (default: 10000 potential trilinear)

@@ -1,6 +1,6 @@
-// What one Newton iteration, a transition and a path cost, beside GetFEM, the finite-element
-// library of the 2010 paper, on the same machine in the same minutes. Prints one JSON object;
-// --help explains it. Nothing here is checked: times belong to the machine.
+// Cost of a Newton iteration, a transition and a path, compared with GetFEM, the finite-element
+// library of the 2010 paper, on the same machine in the same minutes. Prints one JSON object,
+// described in README.md. Checks nothing, because times depend on the machine.
 #include <fmt/format.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -36,19 +36,20 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   int rounds = 5;        ///< each: our iterations, then one run of GetFEM
-  int repetitions = 20;  ///< of our iteration in a round
+  int repetitions = 20;  ///< of our iteration in each round
   bool without_oracle = false;
   bool coarse_only = false;
-  bool laws = false;            ///< every law too
-  bool paths = false;           ///< GetFEM's 10 mm transition and 100 mm path too: minutes
-  std::filesystem::path scene;  ///< the iteration of this one alone
+  bool laws = false;            ///< measure every law too
+  bool paths = false;           ///< measure GetFEM's 10 mm transition and 100 mm path too, which
+                                ///< takes minutes
+  std::filesystem::path scene;  ///< measure only the iteration of this scene
 };
 
-/// Times of one thing, seconds.
+/// Times of one kind of work, seconds.
 class Samples {
  public:
   void add(double seconds) { seconds_.push_back(seconds); }
-  /// Runs `action` and takes its time.
+  /// Runs `action` and records its time.
   template <class Action>
   void time(Action&& action) {
     const auto start = Clock::now();
@@ -74,8 +75,8 @@ double peakMegabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024;  // ru_maxrss is in KiB
 }
 
-/// GFLOP/s of one dgemm of 1024 x 1024 matrices on one thread, the best of some: what the machine
-/// can do at most.
+/// GFLOP/s of one dgemm of 1024 x 1024 matrices on one thread, the best of several: the limit of
+/// the machine.
 double dgemmGflops() {
   constexpr int n = 1024;
   const std::vector<double> a(n * n, 1.5), b(n * n, 0.5);
@@ -89,7 +90,7 @@ double dgemmGflops() {
   return 2e-9 * n * n * n / samples.best();
 }
 
-/// What is solved, and which elements GetFEM is run with beside it: 0 none, 1 P1/P1, 2 P2/P1.
+/// A formulation, and the elements of GetFEM for comparison: 0 none, 1 P1/P1, 2 P2/P1.
 struct Formulation {
   std::string name;
   Scene scene;
@@ -122,7 +123,7 @@ std::vector<Formulation> elementFormulations() {
        2}};
 }
 
-/// Every law, of about the same stiffness.
+/// Every law, with about the same stiffness.
 std::vector<Formulation> lawFormulations() {
   constexpr double mu = 5160;
   Material compressible = {.law = LawName::neo_hookean, .mu = mu};
@@ -148,8 +149,9 @@ std::vector<Formulation> lawFormulations() {
                          .fibers = {Eigen::Vector3d::UnitX()}})}};
 }
 
-/// The equilibrium 10 mm from rest along x; where one transition does not get there (a quadratic
-/// element beside a single node, by the last bits of a machine's kernels) half as far, and so on.
+/// The equilibrium 10 mm from rest along x. If one transition does not reach it (a quadratic
+/// element beside a single node may fail by the last bits of the kernels), half that distance, and
+/// so on.
 State nearRest(const Problem& problem) {
   constexpr double least = 1e-4;
   TransitionSolver solver(problem, chooseKernels());
@@ -215,7 +217,7 @@ class IterationTimes {
   double flops_ = 0, factor_entries_ = 0;
 };
 
-/// Walks along x from rest, in equal transitions.
+/// Walks along x from rest in equal transitions.
 class PathTimes {
  public:
   PathTimes(double length, int transitions) : length_(length), transitions_(transitions) {}
@@ -282,12 +284,12 @@ class ConfigurationTimes {
   int failed_ = 0;
 };
 
-/// GetFEM with det F - 1, Mooney-Rivlin.
+/// GetFEM with the constraint det F - 1 and Mooney-Rivlin.
 class Oracle {
  public:
   Oracle(std::filesystem::path mesh, int order) : mesh_(std::move(mesh)), order_(order) {}
   void measureIteration() {
-    // A displacement of nothing: only its assembly and its linear solve are looked at.
+    // A nearly zero displacement: only the assembly and the linear solve are measured.
     const Json answer = run(1e-6, 1);
     assembly_.add(answer.at("assembly_s"));
     solve_.add(answer.at("solve_s"));
@@ -325,7 +327,7 @@ class Oracle {
     if (!path || !path->contains("seconds")) return std::nullopt;
     return path->at("seconds").get<double>();
   }
-  /// Long paths are more than GetFEM always finishes; that is an answer too.
+  /// GetFEM does not always complete long paths; that is a result too.
   Json path(double length, int steps) const {
     Json answer;
     try {
@@ -350,7 +352,8 @@ class Oracle {
   std::optional<Json> transition_, path_;
 };
 
-/// Everything about one mesh. `shipped`: it came with the project, and GetFEM is not asked.
+/// All measurements of one mesh. `shipped`: the mesh comes with the project and is not measured
+/// with GetFEM.
 Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipped, bool coarse,
                  const Options& options) {
   std::vector<Formulation> formulations = elementFormulations();
@@ -376,7 +379,7 @@ Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipp
       configurations[n].measure(problems[n]);
       transitions[n].measure(problems[n]);
       if (formulations[n].oracle_order == 1) paths[n].measure(problems[n]);
-      // A worker solves one formulation; later ones only add what the allocator keeps.
+      // A worker solves one formulation; later ones only add the memory that the allocator keeps.
       if (peak_megabytes == 0) peak_megabytes = peakMegabytes();
     }
     for (auto& [order, oracle] : oracles) oracle.measureIteration();
@@ -406,8 +409,8 @@ Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipp
   return result;
 }
 
-/// Where Newton begins on a way of 1 mm along x. A quadratic element beside a single node does not
-/// always get to its end, and the first iteration costs what any other does.
+/// The predicted state for a step of 1 mm along x. A quadratic element beside a single node may not
+/// reach its end, but the first iteration costs as much as any other.
 State predictedState(const Problem& problem) {
   TransitionSolver solver(problem, chooseKernels());
   Failure failure;
@@ -417,7 +420,7 @@ State predictedState(const Problem& problem) {
   return solver.system().moved(rest->state, rest->sensitivity * way, 1, way);
 }
 
-/// The iteration alone, of any scene: its first active node.
+/// Only the iteration, for any scene, at its first active node.
 Json measureScene(const Options& options) {
   const Problem problem = loadProblem(options.scene);
   IterationTimes iteration(predictedState(problem));

@@ -1,9 +1,8 @@
-// A page of `palpate share` in Chromium without a screen, 1280 x 800, drawn in software, while a
-// finger slides over the organ: ms until the organ is seen, pictures a second, and the processor
-// time that a picture takes of each of the browser's processes, which work side by side. With the
-// DATASET that the page was made of, random touches from all sides and to random depths too, held
-// against `palpate query`. Prints one JSON object. Nothing here is checked: times belong to the
-// machine.
+// A page of `palpate share` in headless Chromium, 1280 x 800, drawn in software, while a finger
+// slides over the organ: ms until the organ is visible, frames per second, and the processor time
+// per frame of each of the browser's processes, which run in parallel. With the DATASET of the
+// page, also compares random touches from all sides and at random depths with `palpate query`.
+// Prints one JSON object. Checks nothing, because times depend on the machine.
 //
 //   page_bench PAGE.html [PICTURES [DATASET.h5 [TOUCHES]]]
 
@@ -22,8 +21,8 @@
 namespace palpate {
 namespace {
 
-/// So many pictures, between each of which the finger moves. Each move as the browser hands it on,
-/// without the way through the protocol. Seconds.
+/// Draws this many frames and moves the finger between them. Moves are dispatched inside the page,
+/// without the protocol. Seconds.
 double slide(test::Browser& browser, std::pair<double, double> from, int pictures) {
   return browser.valueOf(fmt::format(
       "(async () => {{ const begin = performance.now();"
@@ -36,8 +35,8 @@ double slide(test::Browser& browser, std::pair<double, double> from, int picture
       pictures, from.first, from.second));
 }
 
-/// Presses at a pixel from a random side to a random depth at once, until the field has answered;
-/// null where the organ is not. The numbers are the same in every run.
+/// Presses at once at a pixel from a random side to a random depth, and waits for the answer of the
+/// field; null outside the organ. The random numbers are the same in every run.
 constexpr const char* press_somewhere = R"((async () => {
   const {page} = palpate, {hand, camera} = page;
   let state = page.benchState || 1;
@@ -74,7 +73,7 @@ std::string numbersOf(const nlohmann::json& vector) {
   return text;
 }
 
-/// What `palpate query` says, of touches that all have the same name: in their order.
+/// The answers of `palpate query` to touches of the same name, in order.
 std::vector<nlohmann::json> askedOfQuery(const std::filesystem::path& dataset,
                                          const std::string& name,
                                          const std::vector<nlohmann::json>& touches) {
@@ -102,7 +101,7 @@ Eigen::Vector3d forceOf(const nlohmann::json& said) {
   return {force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()};
 }
 
-/// Largest differences from what `palpate query` says in the same touches.
+/// The largest differences from `palpate query` for the same touches.
 nlohmann::json differencesFrom(test::Browser& browser, const std::filesystem::path& dataset,
                                int count) {
   std::map<std::string, std::vector<nlohmann::json>> touches;
@@ -142,7 +141,7 @@ int run(const std::filesystem::path& page, int pictures, const std::filesystem::
   const auto place = test::touchablePixel(browser);
   browser.mouse("mouseMoved", place.first, place.second);
   browser.mouse("mousePressed", place.first, place.second);
-  slide(browser, place, 120);  // the field is prepared where the finger is
+  slide(browser, place, 120);  // prepares the field around the finger
   const std::map<pid_t, double> begin = browser.processorSeconds();
   const int before = browser.valueOf("palpate.page.frames");
   const double seconds = slide(browser, place, pictures);

@@ -1,5 +1,5 @@
-// The paper's stability test: paths of 100 mm in 26 directions from ten active nodes, the body held
-// in two ways; and random ones. What counts is a valid path, or one that merely converges.
+// The paper's stability test: paths of 100 mm in 26 directions from ten active nodes, with the body
+// fixed in two ways; and random paths. Counts valid paths, or paths that merely converge.
 
 #include <fmt/format.h>
 
@@ -40,11 +40,11 @@ struct Options {
   int nodes = 10;
   int budget = TransitionOptions{}.max_factorizations;
   bool every_path = false;
-  // Parts of the survey.
+  // Selects parts of the survey.
   std::string axis = "both";
   int only_node = -1;
   int directions = 26;
-  // Other paths, and other ways to walk them.
+  // Other paths, and other step sizes.
   int random = 0, steps = 200;
   unsigned seed = 2010;
   bool fixed_steps = false;
@@ -76,7 +76,8 @@ ToolKind toolNamed(const std::string& word) {
   return static_cast<ToolKind>(std::find(words.begin(), words.end(), word) - words.begin());
 }
 
-/// Surface nodes far from what is held and from each other: each the farthest from all before.
+/// Surface nodes far from fixed nodes and from each other: each is the farthest from all earlier
+/// ones.
 std::vector<std::int32_t> spreadNodes(const Mesh& mesh, const std::vector<std::int32_t>& fixed,
                                       int count) {
   constexpr double clearance = 0.03;
@@ -113,7 +114,7 @@ Problem problemOf(const Options& options, int axis) {
   active.near = Eigen::Vector3d::Zero();
   scene.active = {active};
   Mesh mesh = readGmsh(options.mesh);
-  // Once for the fixed nodes, of which the active ones keep clear.
+  // First only for the fixed nodes, from which the active ones keep a distance.
   Scene first = scene;
   first.active[0].near = mesh.nodes[surfaceNodes(mesh).back()];
   const auto highest =
@@ -133,21 +134,22 @@ Problem problemOf(const Options& options, int axis) {
   return resolve(std::move(scene), std::move(mesh));
 }
 
-using Points = std::vector<Eigen::Vector3d>;  ///< displacements, m, from rest on
+using Points = std::vector<Eigen::Vector3d>;  ///< displacements from rest, m
 
-/// How far a path went, and as what.
+/// The end of a path, and its quality.
 struct Walked {
   bool complete = false;
-  int transitions = 0;  ///< that were completed
+  int transitions = 0;  ///< completed transitions
   int detours = 0;
   double min_det_F = 1;
-  /// Of every configuration; nothing where the count of negative pivots says nothing.
+  /// Whether all configurations have the right inertia; empty if the number of negative pivots is
+  /// meaningless.
   std::optional<bool> right_inertia;
-  Failure failure;  ///< of the transition after them
+  Failure failure;  ///< of the first transition that failed
   Cost cost;
 };
 
-/// Valid configurations: min det F > 0, and the inertia of a stable equilibrium.
+/// Walks through valid configurations: min det F > 0, and the inertia of a stable equilibrium.
 class ValidWalker {
  public:
   ValidWalker(const Problem& problem, const Options& options)
@@ -194,8 +196,8 @@ class ValidWalker {
   Start rest_;
 };
 
-/// What the paper counts: Newton from the configuration before, and what converges is gone on from,
-/// whatever its inertia, with inverted elements or not.
+/// The paper's criterion: Newton starts from the last configuration, and any converged state is
+/// continued, whatever its inertia and even with inverted elements.
 class ConvergingWalker {
  public:
   ConvergingWalker(const Problem& problem, const Options& options)
@@ -222,10 +224,10 @@ class ConvergingWalker {
   }
 
  private:
-  /// In halves where the whole does not converge, unless steps are fixed.
+  /// Halves steps that do not converge, unless steps are fixed.
   bool reach(State& state, const Eigen::Vector3d& target, Walked& walked) {
     const Eigen::Vector3d origin = state.displacement;
-    double at = 0, length = 1;  // fractions of the whole
+    double at = 0, length = 1;  // fractions of the whole step
     while (at < 1) {
       const double next = std::min(1.0, at + length);
       const NewtonResult newton =
@@ -251,7 +253,7 @@ class ConvergingWalker {
     return true;
   }
 
-  /// Newton without a line search, its first step moving the tool too, as a multiplier does.
+  /// Newton without a line search. The first step also moves the tool, as with a multiplier.
   NewtonResult converge(const State& from, const Eigen::Vector3d& displacement) {
     NewtonResult now;
     Tangent tangent;
@@ -299,7 +301,7 @@ class ConvergingWalker {
 
 struct Path {
   std::string node;
-  Eigen::Vector3d direction;  ///< of a random path to its end
+  Eigen::Vector3d direction;  ///< from the start of a random path to its end
   Points points;
 };
 
@@ -316,7 +318,7 @@ std::vector<Path> regularPaths(const Options& options) {
         path.points.push_back(target);
         all.push_back(std::move(path));
       }
-  // Some of them: evenly.
+  // A uniform selection of them.
   std::vector<Path> some;
   for (int n = 0; n < options.directions; ++n)
     some.push_back(all[n * all.size() / static_cast<std::size_t>(options.directions)]);
@@ -332,8 +334,8 @@ Eigen::Vector3d inBall(std::mt19937_64& generator, double radius) {
   }
 }
 
-/// Through places that are uniform in the ball, one after the other. The last bit of a leg is left
-/// out, so that every step has the same length.
+/// Passes through uniformly random places in the ball, one after the other. The remainder of a leg
+/// is dropped, so that all steps have the same length.
 Path randomPath(std::mt19937_64& generator, const Options& options) {
   Path path;
   Eigen::Vector3d at = Eigen::Vector3d::Zero(), place = at;
@@ -349,7 +351,7 @@ Path randomPath(std::mt19937_64& generator, const Options& options) {
   return path;
 }
 
-/// Of one active node: the same, whichever other parts are surveyed beside it.
+/// The paths of one active node. They do not depend on the other selected parts.
 std::vector<Path> pathsOf(const Options& options, int axis, std::size_t space) {
   if (options.random == 0) return regularPaths(options);
   std::seed_seq seed = {options.seed, static_cast<unsigned>(axis), static_cast<unsigned>(space)};
@@ -383,7 +385,7 @@ Json toJson(const Path& path, const Walked& walked) {
   return json;
 }
 
-/// Counts of all paths.
+/// Counts over all paths.
 class Tally {
  public:
   explicit Tally(const Options& options) : options_(options) {}

@@ -1,8 +1,7 @@
-// Processor time of one picture of a surface of 5,292 triangles, drawn as they are, and of one of
-// 972, which is drawn rounded as organs are: of this whole process with the threads that draw in
-// software (getrusage), in the default window on an Xvfb of its own. Prints one JSON object.
-// Nothing here is checked: times belong to the machine. The X server's own share, copying the
-// picture, is not in it.
+// Processor time of one frame with a surface of 5,292 triangles, drawn as they are, and with one of
+// 972, drawn rounded like organs. It covers this whole process with its software rendering threads
+// (getrusage), in the default window on a separate Xvfb, but not the X server's own share, which
+// copies the frame. Prints one JSON object. Checks nothing, because times depend on the machine.
 //
 //   picture_bench [PICTURES]
 
@@ -31,7 +30,7 @@ double processorSeconds() {
   return seconds(use.ru_utime) + seconds(use.ru_stime);
 }
 
-/// cells: along an edge of the cube that it was.
+/// cells: along an edge of the original cube.
 HapticModel blob(int cells) {
   const Mesh mesh = test::blobMesh(cells);
   const std::vector<std::int32_t>& top = mesh.node_groups.at("zmax");

@@ -1,7 +1,7 @@
-// How soon a crowd of workers is there: real sessions with sockets and keys of their own, all in
-// this process and without work, beside a real `palpate-scheduler serve` of a paused build. Then
-// that is killed and started again, and they come back by themselves.
-// Prints one JSON object. Nothing here is checked: times belong to the machine.
+// How fast thousands of workers connect: real sessions with their own sockets and keys, all in this
+// process and without work, to a real `palpate-scheduler serve` of a paused build. Then the
+// scheduler is killed and restarted, and the workers reconnect by themselves.
+// Prints one JSON object. Checks nothing, because times depend on the machine.
 //
 //   palpate_sockets_bench [--workers 3000] [--insecure]
 
@@ -31,7 +31,7 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The session and the socket of a worker; its solver is never needed.
+/// The session and the socket of a worker; the solver is never needed.
 class IdleWorker {
  public:
   IdleWorker(zmq::context_t& context, const std::string& endpoint,
@@ -43,7 +43,7 @@ class IdleWorker {
     options.host = "here";
     options.pid = 1;
     options.kernel_family = "baseline";
-    // As SchedulerLink makes it.
+    // As in SchedulerLink.
     if (keys) proveAsClient(socket_, *keys, endpoint);
     socket_.set(zmq::sockopt::routing_id, "w" + options.worker_id);
     if (const auto trouble = connectDealer(socket_, endpoint); !trouble.empty())
@@ -54,7 +54,7 @@ class IdleWorker {
     session_ = std::make_unique<WorkerSession>(*mailbox_, options, add, Clock::now());
   }
 
-  /// As SchedulerLink does it. True when the scheduler has let it in meanwhile.
+  /// As in SchedulerLink. Returns true if the scheduler has admitted the worker.
   bool turn() {
     bool welcome = false;
     while (const auto incoming = inbox_.next(socket_, false)) {
@@ -64,7 +64,7 @@ class IdleWorker {
     if (session_->advance(Clock::now()) != WorkerSession::Next::go_on)
       throw failure("a worker does not go on");
     for (const Letter& letter : outbox_.take())
-      // Before there is a connection nothing is taken; it is said again.
+      // Without a connection messages are dropped; the session repeats them.
       static_cast<void>(sendMessage(socket_, "", letter.message, letter.payload));
     return welcome;
   }
@@ -77,7 +77,7 @@ class IdleWorker {
   std::unique_ptr<WorkerSession> session_;
 };
 
-/// As many descriptors as the system lets this process and its child have.
+/// Raises the limit of descriptors for this process and its child as far as the system allows.
 void allowManyDescriptors() {
   struct rlimit limit {};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
@@ -118,7 +118,7 @@ class Crowd {
     began_ = Clock::now();
     for (int n = 0; n < workers; ++n) workers_.emplace_back(context, endpoint(), keys);
   }
-  /// Seconds since join() or killScheduler() until so large parts of them were welcomed.
+  /// Seconds from join() or killScheduler() until each of these shares of the workers is welcomed.
   std::vector<double> welcomed(const std::vector<double>& parts) {
     std::vector<bool> is_in(workers_.size(), false);
     std::size_t in = 0;
@@ -145,7 +145,7 @@ class Crowd {
   std::filesystem::path directory_;
   bool insecure_;
   std::optional<test::Process> scheduler_;
-  std::deque<IdleWorker> workers_;  ///< which stay where they are
+  std::deque<IdleWorker> workers_;  ///< at fixed addresses
   Clock::time_point began_;
 };
 
@@ -165,8 +165,8 @@ int run(int argc, char** argv) {
       "The build is paused, so the workers have no work.");
   CLI11_PARSE(app, argc, argv);
   allowManyDescriptors();
-  spdlog::set_level(spdlog::level::off);  // each worker has something to say
-  zmq::context_t context;                 // before its sockets, which have to go first
+  spdlog::set_level(spdlog::level::off);  // each worker would log something
+  zmq::context_t context;                 // before the sockets, which must be destroyed first
   context.set(zmq::ctxopt::max_sockets, workers + 100);
   const test::TemporaryDirectory directory;
   Crowd crowd(directory.path(), insecure);

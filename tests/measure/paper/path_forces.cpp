@@ -1,5 +1,5 @@
-// Exact solutions along paths, each from the one before it: what interpolations, other laws and
-// other elements are held against in tests/measure/paper.
+// Exact solutions along paths, each computed from the one before. tests/measure/paper compares
+// interpolations, other laws and other elements with them.
 
 #include <fmt/format.h>
 
@@ -32,8 +32,8 @@ struct Options {
 
 Json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-/// Of the whole body, now and at rest, m^3; of tetrahedra with the nodes moved by `u`. Quadratic
-/// edges count as straight.
+/// Volumes of the body, deformed and at rest, m^3: of tetrahedra whose nodes are moved by `u`.
+/// Quadratic edges count as straight.
 double volume(const Mesh& mesh, const std::vector<double>& u) {
   double sum = 0;
   for (const auto& corners : mesh.tetrahedra) {
@@ -59,7 +59,7 @@ Json toJson(const Outcome& outcome) {
           {"seconds", outcome.cost.seconds}};
 }
 
-/// Goes from rest through `points` until one is not reached.
+/// Walks from rest through `points` until one is not reached.
 Json walkThrough(TransitionSolver& solver, const Start& rest, const Options& options,
                  const Mesh& mesh, const Json& points) {
   const double at_rest = volume(mesh, {});

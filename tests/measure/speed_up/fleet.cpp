@@ -18,10 +18,10 @@ namespace palpate::speed_up {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-/// As worker/link/worker_session.cpp has them.
+/// As in worker/link/worker_session.cpp.
 constexpr std::uint32_t jobs_in_advance = 2;
 constexpr double ask_again_after = 10;
-/// Workers of a machine, which is what spot checks look at.
+/// Workers per machine, which spot checks distinguish.
 constexpr std::size_t cores = 16;
 
 double processorNow() {
@@ -30,10 +30,10 @@ double processorNow() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Of this thread, by what it was for.
+/// Processor time of this thread by kind of work.
 class Meter {
  public:
-  /// From now on.
+  /// Starts the measurement of this kind of work.
   void begin(Work work) {
     end();
     work_ = work;
@@ -61,8 +61,8 @@ Work workOf(const wire::Message& message) {
 
 struct WorkerState {
   std::string id;
-  std::deque<wire::Job> jobs;  ///< the first is in work, as soon as its start is here
-  int target = 0;              ///< of the first job: the next, or the one that is being solved
+  std::deque<wire::Job> jobs;  ///< the first is being solved, once its start has arrived
+  int target = 0;              ///< in the first job: the next target, or the one being solved
   bool solves = false;
   std::set<std::string, std::less<>> starts;
   double asked = 0;
@@ -97,12 +97,12 @@ class Fleet : private Transport {
   struct Event {
     enum class Kind : std::uint8_t { to_scheduler, to_worker, solved, beat, turn };
     double when = 0;
-    std::uint64_t number = 0;  ///< in the order in which they were planned
+    std::uint64_t number = 0;  ///< in the order of planning
     Kind kind = Kind::turn;
     std::size_t worker = 0;
     std::shared_ptr<wire::Message> message = {};      ///< to a worker
     std::string bytes = {};                           ///< to the scheduler
-    std::shared_ptr<const std::string> payload = {};  ///< to a worker, alive until it is read
+    std::shared_ptr<const std::string> payload = {};  ///< to a worker; kept until it is read
     const std::string* result_payload = nullptr;      ///< to the scheduler
     bool operator>(const Event& other) const {
       return std::tie(when, number) > std::tie(other.when, other.number);
@@ -115,7 +115,7 @@ class Fleet : private Transport {
     return all;
   }
   static Coordinator::Time timeOf(double seconds) {
-    // Not the epoch, where times before the beginning would be negative.
+    // Not the epoch, because times before the start would be negative.
     return Coordinator::Time(std::chrono::hours(1)) +
            std::chrono::duration_cast<Coordinator::Time::duration>(
                std::chrono::duration<double>(seconds));
@@ -176,7 +176,7 @@ class Fleet : private Transport {
         std::ranges::all_of(coordinator().plans(), &SpacePlan::complete))
       measured_.until_solved = busy_until_ - began_;
     next_turn_ = never;
-    // It looks at the clock with a millisecond's accuracy, as a socket is polled.
+    // It checks the clock with a millisecond's accuracy, like a polled socket.
     planTurn(inbox_.empty() ? std::max(busy_until_ + 1e-3, deadline) : busy_until_);
   }
 
@@ -205,7 +205,7 @@ class Fleet : private Transport {
 
   Sent send(const Outgoing& outgoing) override {
     meter_.begin(Work::send);
-    // What ZeroMQ is given; here nobody reads it.
+    // Serialised as for ZeroMQ, although nobody reads it here.
     const std::string bytes = outgoing.message.SerializeAsString();
     PALPATE_ASSERT(!bytes.empty(), "a message has a body");
     outbox_.push_back({.kind = Event::Kind::to_worker,
@@ -217,7 +217,7 @@ class Fleet : private Transport {
 
   // Workers.
 
-  /// Before the clock runs: nothing is handed out, and everybody asks for work.
+  /// Before the clock runs: nothing is handed out, and all workers request work.
   void join() {
     coordinator().pause(true);
     workers_.resize(settings_.workers);
@@ -233,7 +233,7 @@ class Fleet : private Transport {
       hello.set_pid(static_cast<std::uint32_t>(n + 1));
       hello.set_kernel_family(recording_.kernelFamily());
       say(n, message);
-      // Machines are not started in one moment.
+      // Machines do not start at the same moment.
       const double share = static_cast<double>(n) / static_cast<double>(workers_.size());
       plan({.when = 1 + share, .kind = Event::Kind::beat, .worker = n});
     }
@@ -341,10 +341,10 @@ class Fleet : private Transport {
   Build build_;
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t planned_ = 0;
-  std::deque<Event> inbox_;    ///< of the scheduler: arrived, and not read
-  std::vector<Event> outbox_;  ///< said in this turn, and not on the way yet
+  std::deque<Event> inbox_;    ///< messages to the scheduler that have arrived and are unread
+  std::vector<Event> outbox_;  ///< messages of this turn that are not sent yet
   std::vector<WorkerState> workers_;
-  std::map<std::string, std::size_t> number_of_;  ///< by id, which is its peer too
+  std::map<std::string, std::size_t> number_of_;  ///< by worker id, which is also its peer id
   double now_ = 0, began_ = 0, busy_until_ = 0, next_turn_ = never;
   Meter meter_;
   FleetRun measured_;

@@ -21,7 +21,8 @@ std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, const Recording& record
         const int begun = plan.stagesBegun();
         plan.record(chain[n], solve.outcome, fieldsOf(solve.result));
         const std::vector<Transition> next = plan.takeReady();
-        // The last one of a wave makes the next wave ready, others the next parent of their target.
+        // The last transition of a wave makes the next wave ready; others make the next parent of
+        // their target ready.
         std::vector<Transition>& goes_on = plan.stagesBegun() == begun ? chain : ready;
         goes_on.insert(goes_on.end(), next.begin(), next.end());
       }
@@ -82,8 +83,7 @@ class Schedule {
   }
 
  private:
-  /// A transition, which of its chain it is, and how many had to end one after the other before it
-  /// did.
+  /// A transition, its chain, and how many transitions had to end one after the other before it.
   struct Task {
     std::uint32_t space = 0;
     Transition transition = {};
@@ -91,12 +91,12 @@ class Schedule {
     int depth = 0;
     auto operator<=>(const Task&) const = default;
   };
-  using Rank = std::pair<std::int32_t, std::uint32_t>;  ///< parent, space; as Leases does it
+  using Rank = std::pair<std::int32_t, std::uint32_t>;  ///< parent, space; ordered as in Leases
   struct Progress {
     CompactPoints points;
     Frontier frontier;
     std::size_t waves = 0;  ///< begun
-    std::size_t open = 0;   ///< chains of the last one
+    std::size_t open = 0;   ///< chains in the last wave
   };
 
   void begin() {

@@ -1,7 +1,7 @@
-// How much faster a build gets by more workers: one that is recorded, done again by 1 to 10,000
-// simulated ones under the real scheduler, beside what the dependencies of its transitions allow
-// (the ideal) and the two bounds of that: all work divided by the workers, and the longest chain.
-// Prints one JSON object. docs/evaluation.md has the results.
+// Speed-up of a build with more workers. Repeats a recorded build with 1 to 10,000 simulated
+// workers under the real scheduler, and compares it with the limit from the dependencies of its
+// transitions (the ideal) and its two bounds: all work divided by the workers, and the longest
+// chain. Prints one JSON object. docs/performance.md has figures with an explanation.
 //
 //   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--cut-ms 250]
 //                          [--latency-ms 0.2] [--scheduler-us 100 | --measured] [--no-checks]
@@ -32,7 +32,7 @@ struct Options {
   std::filesystem::path directory = std::filesystem::temp_directory_path();
 };
 
-/// Nobody reads digits that mean nothing.
+/// Drops meaningless digits.
 double rounded(double value, int digits = 4) {
   return std::stod(fmt::format("{:.{}g}", value, digits));
 }
@@ -85,7 +85,7 @@ json measure(const Options& options) {
   json rows = json::array();
   for (const std::size_t workers : options.workers) {
     rows.push_back(rowOf(dependencies, options, workers, longest_chain.seconds));
-    std::cerr << rows.back().dump() << "\n";  // for who waits
+    std::cerr << rows.back().dump() << "\n";  // shows progress
   }
   return {{"scene", recording.problem().scene.name},
           {"spaces", recording.problem().active.size()},

@@ -9,7 +9,7 @@ Recording::Recording(const std::filesystem::path& directory)
   const JournalReader journal(directory);
   const auto take = [&](const ResultKey& key, wire::Result result, const Outcome& outcome) {
     kernel_family_ = result.kernel_family();
-    // What the scheduler added, and adds again.
+    // Fields added by the scheduler, which adds them again.
     result.clear_given_by();
     result.clear_steps();
     result.clear_start_parent();

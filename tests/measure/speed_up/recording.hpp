@@ -9,34 +9,34 @@
 
 namespace palpate::speed_up {
 
-/// A build that was done once: what every transition came to, and how long that took. Whoever
-/// builds it again asks for the same transitions, because a plan is a function of their outcomes.
+/// A completed build: the outcome and duration of every transition. Another build requests the same
+/// transitions, because a plan is a function of their outcomes.
 class Recording {
  public:
   struct Solve {
-    wire::Result result;  ///< as its worker said it
-    Outcome outcome;      ///< what that says
+    wire::Result result;  ///< as delivered by its worker
+    Outcome outcome;      ///< decoded from the result
     std::string payload;
-    double seconds = 0;  ///< of a worker
+    double seconds = 0;  ///< time of a worker
   };
 
-  /// Of a state directory in which nobody works. Error (bad input) when it is none.
+  /// Reads a state directory without a running scheduler. Throws (bad input) if it is none.
   explicit Recording(const std::filesystem::path& directory);
 
   const Problem& problem() const { return problem_; }
   const std::string& kernelFamily() const { return kernel_family_; }
   std::size_t size() const { return solves_.size(); }
-  /// Of all solves together.
+  /// Sum over all solves.
   double seconds() const { return seconds_; }
   double longest() const;
-  /// What is recorded as longer took that long: its process was stopped, or had no processor.
+  /// Limits recorded times: longer solves were suspended, or waited for a processor.
   void cutAt(double longest_seconds);
-  /// Makes all solves longer, or shorter, by one factor, so that they take so long on average: a
-  /// finer mesh, or the same without the other programs that ran when it was recorded.
+  /// Scales all solves by one factor to this mean time: for a finer mesh, or to remove the effect
+  /// of other programs during the recording.
   void scaleTo(double mean_seconds);
 
-  /// Error when the build did not come to that transition: it is not the recording of one that went
-  /// to its end, or of another version.
+  /// Throws if the build does not contain that transition: then the build is incomplete or of
+  /// another version.
   const Solve& find(const ResultKey& key) const;
 
  private:
