@@ -180,7 +180,7 @@ TEST(Architecture, EveryFolderWithCodeIsALibraryOrAProgram) {
   for (const std::string& file : productCode())
     if (!links.contains(folderOf(file))) homeless.insert(folderOf(file));
   EXPECT_THAT(homeless, ::testing::IsEmpty()) << "a room of its own: palpate_room(FOLDER USES ...)";
-  EXPECT_GE(links.size(), 10U) << "the CMakeLists.txt are not understood";
+  EXPECT_GE(links.size(), 10U) << "the CMakeLists.txt could not be parsed";
 }
 
 TEST(Architecture, IncludesOnlyPointDown) {
@@ -205,7 +205,7 @@ TEST(Architecture, NoProgramUsesAnother) {
     for (const std::string& used : uses)
       if (topOf(used) != topOf(folder) && topOf(used) != "common" && topOf(used) != "proto")
         wrong.insert(fmt::format("{} uses {}", folder, used));
-  EXPECT_THAT(wrong, ::testing::IsEmpty()) << "what two programs need belongs to common";
+  EXPECT_THAT(wrong, ::testing::IsEmpty()) << "code needed by two programs belongs to common";
 }
 
 TEST(Architecture, QueriesLinkNeitherPictureNorDevices) {

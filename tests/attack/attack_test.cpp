@@ -176,7 +176,7 @@ struct AttackTest : testing::Test {
           m.longest.count(), m.memory, m.memory_before, m.steps, m.noticed);
     }
     EXPECT_GT(m.steps, 0);
-    EXPECT_TRUE(m.reached) << "nothing reached it";
+    EXPECT_TRUE(m.reached) << "the attack did not reach the scheduler";
     EXPECT_GE(m.attacked, 0.8 * m.quiet) << "honest work";
     EXPECT_LE(m.wait, 200ms) << "the status";
     EXPECT_LE(m.memory, 200) << "MB";
@@ -259,7 +259,7 @@ TEST_F(AttackTest, EndlessHellos) {
       answers += enemy->read();
     };
   });
-  EXPECT_GT(answers, 0) << "nothing reached it";
+  EXPECT_GT(answers, 0) << "the attackers received no answer";
 }
 
 TEST_F(AttackTest, MeaninglessSmallMessages) {

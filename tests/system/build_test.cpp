@@ -209,7 +209,8 @@ TEST_F(SystemTest, SimultaneousSignalsCountAsOneAndLetWorkersFinish) {
     EXPECT_EQ(build->stop(number), 130) << build->output();
     EXPECT_THAT(build->output(), HasSubstr("The same command continues from there"));
     EXPECT_FALSE(workers.empty());
-    for (const pid_t worker : workers) EXPECT_NE(kill(worker, 0), 0) << "it was not waited for";
+    for (const pid_t worker : workers)
+      EXPECT_NE(kill(worker, 0), 0) << "the test did not wait for it";
   }
 }
 
@@ -234,7 +235,7 @@ TEST_F(SystemTest, AServiceManagerIsToldReadinessAndProgress) {
     return all.find(word) != std::string::npos;
   };
   EXPECT_TRUE(test::eventually([&] { return hears("READY=1"); })) << all;
-  EXPECT_FALSE(test::endpointAnnouncedIn(directory / "state").empty()) << "it listens by then";
+  EXPECT_FALSE(test::endpointAnnouncedIn(directory / "state").empty()) << "it already listens";
   EXPECT_TRUE(test::eventually([&] { return hears("STATUS=0/514 points"); })) << all;
   EXPECT_EQ(scheduler->stop(SIGTERM), 130) << scheduler->output();
   EXPECT_TRUE(hears("STOPPING=1")) << all;

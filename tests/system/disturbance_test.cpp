@@ -199,7 +199,7 @@ struct DisturbanceTest : test::SmallBuild {
         disturbances += chosen.disturb(dice);
         done_at = Clock::now();
       } else if (Clock::now() - done_at > patience) {
-        ADD_FAILURE() << "a build that nobody disturbs any more does not end\n"
+        ADD_FAILURE() << "the build does not end after its last disturbance\n"
                       << builds.front()->story();
       }
     }

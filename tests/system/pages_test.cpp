@@ -76,7 +76,7 @@ TEST_F(PagesTest, MetricsAreValidForPrometheus) {
       "python3 -c 'import urllib.request; print(urllib.request.urlopen(\"http://" + address +
       "/metrics\").read().decode(), end=\"\")' | promtool check metrics");
   EXPECT_EQ(check.exit_code, 0) << check.output;
-  EXPECT_EQ(check.output, "") << "nor does it have anything to remark";
+  EXPECT_EQ(check.output, "") << "and it has no remarks";
   EXPECT_THAT(test::httpGet(portOf("metrics"), "/"), testing::StartsWith("HTTP/1.1 404"))
       << "metrics alone";
 }
@@ -143,7 +143,7 @@ TEST_F(PagesTest, TheDashboardExplainsAPoint) {
 /// A machine may report any host name.
 TEST_F(PagesTest, NamesOfMachinesCannotBecomeScripts) {
   if (!isInstalled("chromium")) GTEST_SKIP() << "NOT TESTED: chromium is not installed";
-  if (geteuid() != 0) GTEST_SKIP() << "NOT TESTED: only root gives a machine another name";
+  if (geteuid() != 0) GTEST_SKIP() << "NOT TESTED: only root can change the host name";
   begin({"--dashboard"});
   const std::string name = "<img src=x onerror=document.title=7>";
   work = std::make_unique<test::Process>(

@@ -101,7 +101,7 @@ std::string atOneMoment(const std::filesystem::path& file) {
     const bool same = before == after;
     before = std::move(after);
     return same;
-  })) << "the disk never rested";
+  })) << "the file changed during every reading";
   close(descriptor);
   return before;
 }

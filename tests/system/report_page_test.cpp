@@ -82,7 +82,7 @@ TEST_F(ReportPageTest, ShowsEveryFigureOfActiveNodes) {
   // Speed, two figures of errors along the way, loops, nodes, two maps of the organ; and slices,
   // axes and ways of both active nodes.
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('figure').length"), 7 + 2 * 3);
-  EXPECT_EQ(browser.valueOf("document.getElementById('other')"), nullptr) << "names are no markup";
+  EXPECT_EQ(browser.valueOf("document.getElementById('other')"), nullptr) << "names are escaped";
   EXPECT_THAT(browser.valueOf("saved[0].name").get<std::string>(),
               testing::MatchesRegex("[A-Za-z-]+-figure-1a"));
   // Discs of active nodes and colours of slices.
@@ -90,7 +90,7 @@ TEST_F(ReportPageTest, ShowsEveryFigureOfActiveNodes) {
   EXPECT_GT(browser.valueOf("document.querySelectorAll('#figure-8 svg g path').length"), 10);
 
   browser.show({.width = 390, .height = 800, .scale = 2, .is_phone = true});
-  EXPECT_THAT(browser.valueOf(faults_of_page), IsEmpty()) << "in a phone";
+  EXPECT_THAT(browser.valueOf(faults_of_page), IsEmpty()) << "on a phone";
 }
 
 TEST_F(ReportPageTest, SavesADrawingAndItsNumbers) {

@@ -181,7 +181,7 @@ TEST_F(SlurmTest, ABuildEndsDespiteALostNodeAndExpiredJobs) {
   };
   ASSERT_TRUE(test::eventually([&] { return !scheduler->running() || isUp(); }))
       << scheduler->output();
-  EXPECT_TRUE(scheduler->running()) << "the build was over before: give it more to do";
+  EXPECT_TRUE(scheduler->running()) << "the build ended too early: make it larger";
 
   expectFinished(*scheduler);
   EXPECT_EQ(all->wait(), 0) << all->output();
@@ -224,8 +224,8 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
     return std::ranges::count(all, '\n') == 8 && all.find("RUNNING") == std::string::npos;
   };
   auto first = held("10.77.0.1");
-  EXPECT_TRUE(test::says(*first, "8 queued (8 JobHeldUser)")) << first->output();
-  EXPECT_TRUE(eightAreHeld()) << "in arrays of three at most, which is all this Slurm takes";
+  EXPECT_TRUE(test::says(*first, "8 are queued (8 JobHeldUser)")) << first->output();
+  EXPECT_TRUE(eightAreHeld()) << "in arrays of at most three, the limit of this Slurm";
   first->stop(SIGKILL);
 
   // For a fleet, the address to which the scheduler moved.
@@ -233,7 +233,7 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
   EXPECT_TRUE(test::says(*second, "8 jobs connect to another endpoint")) << second->output();
   EXPECT_TRUE(test::says(*second, "8 queued (8 JobHeldUser)")) << second->output();
   EXPECT_TRUE(eightAreHeld()) << jobs();
-  EXPECT_LE(jobsThatWere(), 16) << "nothing comes on top of what is held";
+  EXPECT_LE(jobsThatWere(), 16) << "no jobs are added to the held ones";
   second->stop(SIGKILL);
 
   // The rest is computed without the fleet, while the Slurm controller is down.
@@ -281,8 +281,8 @@ TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsExcludedAndTheOtherBuilds) {
                    "exec " PALPATE_BIN_DIR "/palpate-worker \"$@\"\n");
   auto scheduler = serveWide();
   auto all = fleet({"--connect", endpointIn("state"), "--most", "4"}, program);
-  EXPECT_TRUE(test::says(*all, "The next job is submitted alone")) << "by then it may be all nodes";
-  EXPECT_TRUE(test::says(*all, "node there is excluded")) << all->output();
+  EXPECT_TRUE(test::says(*all, "No more are asked for")) << "by then all nodes may fail";
+  EXPECT_TRUE(test::says(*all, "node there is left out")) << all->output();
   EXPECT_THAT(all->output(), HasSubstr("cannot open shared object file"));
   EXPECT_TRUE(test::says(*all, "2 workers running, 2 queued")) << all->output();
   const int before = jobsThatWere();

@@ -101,7 +101,7 @@ TEST_F(ViewTest, AClosedPipeKeepsTheRecording) {
       "cd '" + directory.path().string() + "' && " +
       PALPATE_BIN_DIR
       "/palpate-viewer view cube.h5 --headless --fast --duration 1 --record run.h5 | true");
-  EXPECT_EQ(run.exit_code, 0) << "of true, which reads nothing: " << run.output;
+  EXPECT_EQ(run.exit_code, 0) << "the exit code of true, which reads nothing: " << run.output;
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 

@@ -44,7 +44,7 @@ TEST_F(LoadedModelsTest, PreparesPressuresDuringTheRun) {
   test::PressedBody(test::cubeMesh(0.1, 4), {{112}, {113}}).seal(file);
   LoadedModels loaded({file}, {.methods = {"trilinear"}, .pressures = true});
   loaded.prepareFirst();
-  EXPECT_FALSE(loaded.first().pressures().isPrepared()) << "the picture does not wait for them";
+  EXPECT_FALSE(loaded.first().pressures().isPrepared()) << "the picture does not wait for the rest";
   loaded.prepareTheRest();
   while (!loaded.first().pressures().isPrepared())
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -77,7 +77,7 @@ TEST_F(LoadedModelsTest, StopsPreparingWhenTheUserLeaves) {
   }));
   EXPECT_GT(asked, 0);
   for (const HapticModel* model : loaded.pointers()) EXPECT_FALSE(model->isPrepared(0));
-  EXPECT_TRUE(loaded.prepareFirst()) << "another may still want them";
+  EXPECT_TRUE(loaded.prepareFirst()) << "another caller may still need them";
   for (const HapticModel* model : loaded.pointers()) EXPECT_TRUE(model->isPrepared(0));
 }
 

@@ -61,8 +61,8 @@ TEST(DisplacementInput, RecognisesMillimetresGivenAsMetres) {
   EXPECT_TRUE(looksLikeMillimetres({13, 7, -21}, 0.1));
   EXPECT_TRUE(looksLikeMillimetres({0, 0.5, 0}, 0.1));
   EXPECT_FALSE(looksLikeMillimetres({0.013, 0.007, -0.021}, 0.1));
-  EXPECT_FALSE(looksLikeMillimetres({0.2, 0, 0}, 0.1)) << "beyond the rim, as one may ask";
-  EXPECT_FALSE(looksLikeMillimetres({1300, 0, 0}, 0.1)) << "nor is it that in millimetres";
+  EXPECT_FALSE(looksLikeMillimetres({0.2, 0, 0}, 0.1)) << "outside the ball, which is allowed";
+  EXPECT_FALSE(looksLikeMillimetres({1300, 0, 0}, 0.1)) << "nor in millimetres";
 }
 
 TEST(DisplacementInput, WarnsOfMillimetresOnceAndContinues) {

@@ -179,7 +179,7 @@ TEST_F(SealedDataset, ReturnsTheSurfaceOfSolvedPoints) {
   const Dataset dataset(file);
   EXPECT_EQ(dataset.surfaceNodes(), surfaceNodes(sample.problem.mesh));
   EXPECT_EQ(dataset.storedNodes(), dataset.surfaceNodes());
-  EXPECT_EQ(dataset.surfaceNodes().size(), 26u) << "the middle of the cube is not seen";
+  EXPECT_EQ(dataset.surfaceNodes().size(), 26u) << "the middle of the cube is not on the surface";
   for (std::size_t s = 0; s < 2; ++s) {
     const std::vector<float> all = dataset.surfaceFields(s).displacement;
     ASSERT_EQ(all.size(), 33 * 26 * 3u);

@@ -253,10 +253,10 @@ TEST_F(Hdf5WriterTest, EveryRowIsWrittenOrSkippedOnce) {
   EXPECT_THROW(more.skip(), std::logic_error);
   more.finish();
   RowWriter whole(writer, "/whole", Element::float64, {1}, "m");
-  EXPECT_THROW(whole.skip(), std::logic_error) << "it would not read as no number";
+  EXPECT_THROW(whole.skip(), std::logic_error) << "it would not read as NaN";
   EXPECT_THROW(RowWriter(writer, "/c", Element::float64, {1, 2}, "m", RowLayout::compressed),
                std::logic_error)
-      << "readers take it for a table";
+      << "readers would take it for a table";
 }
 
 TEST_F(Hdf5WriterTest, AnArrayIsWrittenAsAWholeUnderItsFullPath) {

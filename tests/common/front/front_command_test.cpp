@@ -65,7 +65,7 @@ TEST_F(FrontCommand, AsksTheSchedulerToCheckADirectoryAndTheWorkerToCheckAScene)
   EXPECT_EQ(palpate("solve " + state).output, "palpate-worker:solve " + state + "\n");
   EXPECT_EQ(test::runCommand("cd " + directory.path().string() + " && ./palpate check").output,
             "palpate-worker:check\n")
-      << "the verb itself is no directory";
+      << "the verb itself is not a directory";
 }
 
 TEST_F(FrontCommand, WorksThroughALinkElsewhere) {

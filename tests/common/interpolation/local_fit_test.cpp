@@ -108,11 +108,12 @@ TEST(LocalFits, JudgeThirdDerivativesByTheStiffnessesAround) {
   const LocalFits fits(unit, finger_fit);
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third);
   around.own.stiffness_by_p *= 1.9;
-  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third) << "better than nothing";
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third) << "better than no fit";
   around.own.stiffness_by_p *= 1.1;
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::curvature);
   around.own.stiffness_by_p.setZero();
-  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third) << "nothing is explained";
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third)
+      << "the fit explains nothing";
 }
 
 TEST(LocalFits, JudgeCurvaturesByTheSlopesAround) {

@@ -160,7 +160,7 @@ TEST_F(KeyFolderTest, RefusesANameThatWouldAdmitAnotherKey) {
   for (const std::string& name : {"node\n" + other.hex() + " operator", std::string("node # 1")})
     expectBadInput([&] { folder.allow({key, roles("worker"), name}); }, {"not a name"});
   folder.allow({key, roles("worker"), ""});
-  EXPECT_FALSE(folder.withdraw("")) << "no name is not a name";
+  EXPECT_FALSE(folder.withdraw("")) << "an empty name is invalid";
   EXPECT_EQ(folder.allowed().size(), 1U);
 }
 

@@ -50,7 +50,7 @@ TEST(SelfIntersections, DoNotOccurWhereRoundingBendsFlatSides) {
     const Eigen::Matrix3d turned = Eigen::Quaterniond(rotation.normalized()).toRotationMatrix();
     for (Eigen::Vector3d& node : mesh.nodes)
       node = turned * node + turn * turn * Eigen::Vector3d(1, -1, 1);
-    EXPECT_EQ(cutsIn(mesh), 0) << "turned at random, number " << turn;
+    EXPECT_EQ(cutsIn(mesh), 0) << "random rotation " << turn;
   }
 }
 

@@ -159,11 +159,11 @@ TEST_F(Problem, RefusesAPatchThatLeavesNoFreedomToKeepAVolume) {
     scene.discretization.pressure = PressureSpace::p1;
     refuses({"active \"top\"", "cannot keep its volume", "make radius smaller", "bulk"});
     scene.regions[0].material.bulk = 40000;
-    EXPECT_NO_THROW(resolved()) << "the volume may give";
+    EXPECT_NO_THROW(resolved()) << "the volume may change";
     scene.regions[0].material.bulk.reset();
   }
   scene.discretization = {DisplacementSpace::p1, PressureSpace::p1_stabilized};
-  EXPECT_NO_THROW(resolved()) << "the stabilisation lets it";
+  EXPECT_NO_THROW(resolved()) << "the stabilisation allows it";
 }
 
 TEST_F(Problem, AcceptsAPatchThatCoversWholeElements) {

@@ -99,7 +99,7 @@ TEST_F(ProblemWarnings, NameParametersThatAreNegligiblySmall) {
 TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawLosesStability) {
   material() = {.law = LawName::yeoh, .c10 = 1500, .c20 = -5000};
   scene.workspace.radius = 0.03;
-  EXPECT_THAT(warnings(), IsEmpty()) << "15 % of the way to what is held";
+  EXPECT_THAT(warnings(), IsEmpty()) << "15 % of the distance to the fixed nodes";
   scene.workspace.radius = 0.06;
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("unstable beyond a shear of 0.22")));
   material().c30 = 12000;
@@ -169,7 +169,7 @@ TEST(FingerWarnings, ReportFingersThatAreTooSmallOrReachAroundALobe) {
                    .tool = ToolKind::finger,
                    .surface = SurfaceSelection{.groups = {"zmax"}}}};
   const auto on = [&](const Mesh& mesh) { return warningsOf(resolve(scene, mesh)); };
-  EXPECT_THAT(on(test::cubeMesh(0.1, 10)), IsEmpty()) << "fingers side by side are no twins";
+  EXPECT_THAT(on(test::cubeMesh(0.1, 10)), IsEmpty()) << "neighbouring fingers are not duplicates";
   EXPECT_THAT(on(test::boxMesh({0.1, 0.1, 0.005}, {20, 20, 1})),
               ElementsAre(AllOf(HasSubstr("skin-"), HasSubstr("thin lobe"))));
   EXPECT_THAT(on(test::cubeMesh(0.1, 3)),

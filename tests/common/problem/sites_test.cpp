@@ -198,7 +198,7 @@ TEST(SiteDistance, IsSmallerIfAFingerIndentsDeeply) {
   Scene scene;
   scene.regions[0].material = {.law = LawName::neo_hookean, .mu = 5000};
   scene.workspace = {.radius = 0.03, .spacing = 0.015, .max_force = 3.3};
-  EXPECT_EQ(siteDistance(scene, 0.02), site_distance) << "the force ends that before";
+  EXPECT_EQ(siteDistance(scene, 0.02), site_distance) << "the force limit is reached earlier";
   scene.regions.push_back(scene.regions[0]);
   scene.regions[1].material.mu = 1200;
   EXPECT_NEAR(siteDistance(scene, 0.02), 0.7 * site_distance, 1e-12) << "1.5 radii";

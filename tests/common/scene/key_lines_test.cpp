@@ -18,7 +18,7 @@ TEST(KeyLines, AnErrorHasTheLineOfTheInnermostTable) {
   };
   try {
     refuse();
-    FAIL() << "nothing was thrown";
+    FAIL() << "no exception";
   } catch (const SceneError& error) {
     EXPECT_EQ(error.line(), 7);
     EXPECT_EQ(error.exitCode(), ExitCode::usage);

@@ -313,7 +313,7 @@ TEST(Scene, IsLimitedByItsDevice) {
   EXPECT_EQ(larger.device->wanted_radius, 0.1);
   EXPECT_FALSE(larger.device->wanted_max_force);
   const Scene again = parse(resolvedToml(larger));
-  EXPECT_TRUE(again == larger) << "what was wanted is forgotten";
+  EXPECT_TRUE(again == larger) << "the requested values are forgotten";
   EXPECT_FALSE(again.device->wanted_radius);
   EXPECT_EQ(again.workspace.radius, 0.075);
 }

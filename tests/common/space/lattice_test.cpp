@@ -89,7 +89,7 @@ const PushedPart lower_half = {Eigen::Vector3d::UnitZ(), 0};
 TEST(Lattice, PartOfTheBallHasItsPointsAndTheOrigin) {
   const Lattice whole(0.03, 0.01), half(0.03, 0.01, 1, lower_half);
   EXPECT_EQ(whole.size(), 123);
-  EXPECT_EQ(half.size(), (123 - 29) / 2 + 29) << "what lies in the plane belongs to it";
+  EXPECT_EQ(half.size(), (123 - 29) / 2 + 29) << "points in the plane belong to it";
   EXPECT_EQ(half.point(0), (LatticePoint{0, 0, 0}));
   for (std::int32_t n = 0; n < half.size(); ++n) {
     EXPECT_LE(half.point(n)[2], 0);
@@ -108,7 +108,8 @@ TEST(Lattice, PartOfTheBallIsAsDeepAsTheBallAndAsWideAsGiven) {
   const PushedPart narrow = {Eigen::Vector3d::UnitZ(), 0, 0.01};
   const Lattice lattice(0.03, 0.01, 1, narrow);
   EXPECT_TRUE(lattice.indexOf({0, 0, -3}));
-  EXPECT_TRUE(lattice.indexOf({1, 1, -2})) << "1.4 cm aside, where half a spacing more is allowed";
+  EXPECT_TRUE(lattice.indexOf({1, 1, -2}))
+      << "1.4 cm sideways; half a spacing more would be allowed";
   EXPECT_FALSE(lattice.indexOf({2, 0, 0}));
   EXPECT_FALSE(lattice.indexOf({2, 0, -2}));
 }
@@ -117,8 +118,7 @@ TEST(Lattice, PartOfTheBallPullsAsFarAsGiven) {
   const PushedPart wide = {Eigen::Vector3d::UnitZ(), 0.8};
   const Lattice lattice(0.03, 0.01, 1, wide);
   EXPECT_TRUE(lattice.indexOf({1, 0, 1}));
-  EXPECT_FALSE(lattice.indexOf({0, 0, 3}))
-      << "3 cm up, where 2.4 cm and half a spacing are allowed";
+  EXPECT_FALSE(lattice.indexOf({0, 0, 3})) << "3 cm up; only 2.4 cm and half a spacing are allowed";
   EXPECT_EQ(Lattice(0.03, 0.01, 1, PushedPart{}).size(), 123);
 }
 

@@ -57,7 +57,7 @@ struct CurveTest : testing::Test {
       outcome.trouble = handshakes.trouble();
       if (outcome.incoming || !outcome.trouble.empty()) return outcome;
     }
-    ADD_FAILURE() << "neither a message nor why not";
+    ADD_FAILURE() << "neither a message nor a reason";
     return outcome;
   }
   void expectTrouble(const std::optional<KeyFolder>& keys, const std::string& words) {

@@ -25,7 +25,7 @@ TEST(AskedScheduler, OneThatDoesNotListenYetIsReportedAsRunning) {
   }
   {
     const StateDirectory next(directory.path());
-    EXPECT_THROW(schedulerOf(asked), NotListening) << "the last one is not asked in its place";
+    EXPECT_THROW(schedulerOf(asked), NotListening) << "the last one is not queried instead";
   }
   EXPECT_FALSE(schedulerOf(asked));
 }

@@ -88,7 +88,8 @@ TEST_F(RecordedBuildTest, SealsTheResultsSoFarAtAnyTime) {
     solved = now;
   }
   EXPECT_GT(solved, 0);
-  EXPECT_EQ(Dataset(out).contentId(), world.sealedContent()) << "whoever seals a complete build";
+  EXPECT_EQ(Dataset(out).contentId(), world.sealedContent())
+      << "whichever command seals a complete build";
 }
 
 TEST_F(RecordedBuildTest, HasNothingToSealBeforeTheFirstResult) {
@@ -175,7 +176,7 @@ TEST_F(RecordedBuildTest, ALiarFoundWhileTheJournalIsReadIsLeftOutToo) {
   completeWithDamage();
   const auto recorded =
       readWhileTablesChange("INSERT INTO kept_out VALUES ('machine', x'', 'here', x'', 'a test')");
-  EXPECT_EQ(recorded->kernelFamily(), "") << "nobody else gave a result";
+  EXPECT_EQ(recorded->kernelFamily(), "") << "no other worker delivered a result";
   EXPECT_FALSE(recorded->complete());
 }
 

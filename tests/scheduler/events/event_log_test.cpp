@@ -140,7 +140,7 @@ TEST_F(EventLogTest, AFullDiskLosesEventsAndCountsThem) {
   ASSERT_NE(told, kept.end());
   const int lost = std::stoi(told->substr(told->rfind(':') + 1));
   EXPECT_GT(lost, 100);
-  EXPECT_EQ(static_cast<int>(kept.size()) - 1 + lost, last + 1) << "each is kept or counted";
+  EXPECT_EQ(static_cast<int>(kept.size()) - 1 + lost, last + 1) << "each event is kept or counted";
   EXPECT_THAT(kept.back(), HasSubstr(":200}"));
   EXPECT_EQ(umount(directory.path().c_str()), 0);
 }

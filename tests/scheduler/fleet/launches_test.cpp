@@ -91,7 +91,7 @@ TEST_F(LaunchesTest, ContinueWhenOneEndsWellOrLate) {
   fail(Launches::most_in_a_row - 1, "c");
   end("c", How::from_outside);
   fail(1, "c");
-  EXPECT_TRUE(see().held) << "who was cancelled proves nothing";
+  EXPECT_TRUE(see().held) << "a cancelled job proves nothing";
 }
 
 TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsExcluded) {
@@ -111,7 +111,7 @@ TEST_F(LaunchesTest, ANodeThatFailsJobsWhileOthersWorkIsExcluded) {
 TEST_F(LaunchesTest, AFailingNodeIsExcludedOnceAnotherIsKnownToWork) {
   running = {{"1", "good", Launches::early - 1s}};
   fail(16, "bad");
-  EXPECT_TRUE(see().held) << "by now it may be all of them";
+  EXPECT_TRUE(see().held) << "by now all nodes may fail";
   running[0].age += 2s;
   now += 2s;
   const Launches::Change change = see();

@@ -93,7 +93,7 @@ TEST(SlurmJobs, EndedJobsAreListedByOutcomeInOrder) {
   EXPECT_EQ(jobs.ended[1].how, How::from_outside) << "told to end before it listened";
   EXPECT_EQ(jobs.ended[2].how, How::failed);
   EXPECT_EQ(jobs.ended[2].words, "JobLaunchFailure, signal 53");
-  EXPECT_EQ(jobs.ended[3].how, How::from_outside) << "exit code 130: its time was up";
+  EXPECT_EQ(jobs.ended[3].how, How::from_outside) << "exit code 130: its time limit";
   EXPECT_EQ(jobs.ended[4].how, How::from_outside);
   EXPECT_EQ(jobs.ended[5].how, How::well);
 }

@@ -46,7 +46,7 @@ PointRecord foundOf(double seed, bool finger = false, Tag tag = Tag::expandable)
 
 void expectKept(const PointRecord& kept, const PointRecord& found) {
   test::expectSame(kept, found);
-  EXPECT_EQ(kept.cost.seconds, 0) << "the time of a worker is no part of a dataset";
+  EXPECT_EQ(kept.cost.seconds, 0) << "a worker's time is not part of a dataset";
 }
 
 FailedAttempt attemptAt(std::int32_t target, std::int32_t parent, Cause cause) {

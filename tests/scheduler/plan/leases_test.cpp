@@ -151,7 +151,7 @@ TEST_F(LeasesTest, BlameMayComeLaterThanTheLoss) {
   EXPECT_TRUE(leases.stuck());
   leases.finish(way(0, 1, 0));
   EXPECT_TRUE(leases.blame({.named = way(0, 1, 0), .next = {}}).empty())
-      << "what is finished is blamed on nobody";
+      << "a finished target blames nobody";
 }
 
 TEST_F(LeasesTest, AFatalTargetWithoutHeartbeatIsFoundOnceItIsAlone) {
@@ -211,7 +211,7 @@ TEST_F(LeasesTest, CountsHeldTargetsHoweverALeaseEnds) {
   EXPECT_EQ(leases.leasedTo("b"), 2u);
   EXPECT_EQ(leases.leasedTo("nobody"), 0u);
   leases.finish(way(0, 1, 0));
-  EXPECT_EQ(leases.leasedTo("a"), 1u) << "finished by whoever";
+  EXPECT_EQ(leases.leasedTo("a"), 1u) << "finished by any worker";
   leases.giveBackLast("b");
   EXPECT_EQ(leases.leasedTo("b"), 1u);
   leases.giveBack("a");
@@ -223,10 +223,10 @@ TEST_F(LeasesTest, ReportsIfOnlyChecksAreLeftOrNobodySolves) {
   const auto anybody = [](const ResultKey&) { return true; };
   leases.add(way(0, 1, 0));
   leases.addCheck(way(0, 2, 0));
-  EXPECT_FALSE(leases.onlyChecksLeft()) << "something else waits";
+  EXPECT_FALSE(leases.onlyChecksLeft()) << "another target waits";
   handOut("a");
   ASSERT_TRUE(leases.handOutCheck("b", anybody));
-  EXPECT_FALSE(leases.onlyChecksLeft()) << "somebody solves something else";
+  EXPECT_FALSE(leases.onlyChecksLeft()) << "a worker solves another target";
   leases.finish(way(0, 1, 0));
   EXPECT_TRUE(leases.onlyChecksLeft());
   EXPECT_FALSE(leases.stuck()) << "the check is being solved";

@@ -155,7 +155,7 @@ TEST(Refinement, HalvesAFingersCellsOnceAtADoubtfulJump) {
   const Scene scene = adaptiveScene(0.03);
   const StepEnergy energy;
   SpaceTable space = solvedStart(scene, energy);
-  ASSERT_FALSE(inconsistentEdges(space).empty()) << "one may take it for a jump";
+  ASSERT_FALSE(inconsistentEdges(space).empty()) << "it looks like a jump";
   const auto splits_there = [](const Refinement& next) {
     return std::ranges::any_of(next.splits,
                                [](const LatticeCell& cell) { return cell.lowest[0] == 0; });
@@ -262,7 +262,7 @@ TEST(Refinement, ForAFingerHalvesCellsOnceWhereAnswersEnd) {
       const bool at_the_end = hasFailedCorner(space, cell);
       halved_beside_the_end |= cell.level == 0 && at_the_end;
       halved_twice_elsewhere |= cell.level > 0;
-      EXPECT_FALSE(cell.level > 0 && at_the_end) << "traces what has no answers";
+      EXPECT_FALSE(cell.level > 0 && at_the_end) << "traces the edge of the answers";
     }
     space = refined(space, next, energy);
   }
@@ -291,7 +291,8 @@ TEST(Refinement, ForAFingerHalvesCellsAtRestUntilCornersAreKnown) {
     space = refined(space, next, energy);
   }
   failBeyond(space);
-  EXPECT_EQ(finest, 3) << "cells of 30 mm / 8 hold what is known; a fourth halving is not needed";
+  EXPECT_EQ(finest, 3)
+      << "cells of 30 mm / 8 resolve the known points; no fourth halving is needed";
   EXPECT_TRUE(nextRefinement(space, scene).empty());
 }
 

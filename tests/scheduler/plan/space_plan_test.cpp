@@ -111,7 +111,7 @@ TEST_F(SpacePlanTest, AProbeThatCannotBeSolvedSaysWhy) {
     EXPECT_EQ(probe.record.tag, Tag::failed);
     EXPECT_EQ(probe.record.cause, Cause::step_budget);
   }
-  EXPECT_THAT(table.attempts, IsEmpty()) << "those of probes are not of points";
+  EXPECT_THAT(table.attempts, IsEmpty()) << "probes are not counted as points";
 }
 
 TEST_F(SpacePlanTest, ProbesFillTheBallEvenlyAndNeverLieOnAPlaneOfCells) {

@@ -60,7 +60,7 @@ TEST_F(AllotmentTest, AnOverdueWorkerGetsNothingUntilItDeliversOrAPauseEnds) {
   now += 2s;
   allotment.noteOverdue(worker, now);
   EXPECT_EQ(allotment.limitOf(worker, now), 0u);
-  EXPECT_EQ(allotment.limitOf(worker, now + 30s), 2u) << "as a newcomer";
+  EXPECT_EQ(allotment.limitOf(worker, now + 30s), 2u) << "like a new worker";
   deliver(worker, 1, 10ms);
   EXPECT_EQ(allotment.limitOf(worker, now), 2u);
 }

@@ -66,7 +66,7 @@ TEST_F(ChronicleTest, LogsFailedAttemptsAsStatusCountsThem) {
     failed += count;
     EXPECT_THAT(events("failed_attempt"), Contains(HasSubstr("\"cause\":\"" + cause + "\"")));
   }
-  ASSERT_GT(failed, 0) << "the table has transitions that fail";
+  ASSERT_GT(failed, 0) << "some transitions of the table fail";
   EXPECT_THAT(events("failed_attempt"), SizeIs(failed));
   EXPECT_THAT(events("failed_attempt"),
               Each(AllOf(HasSubstr(R"("space":")"), HasSubstr(R"("point":[)"),

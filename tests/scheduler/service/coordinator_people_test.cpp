@@ -40,7 +40,8 @@ TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndResumesLater) {
   ASSERT_EQ(world.take("a", Message::kDrain).size(), 1u);
   world.deliver("a", jobs[0]);
   world.pass(25ms);
-  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u)
+      << "results of running solves are still accepted";
   world.request("a", 1);
   EXPECT_TRUE(world.takeJobs("a").empty());
   world.restart();
@@ -55,7 +56,8 @@ TEST_F(CoordinatorTest, HandsOutNothingWhilePausedAndKeepsItsWorkers) {
   setPaused(world, true);
   world.deliver("a", jobs[0]);
   world.pass(25ms);
-  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u)
+      << "results of running solves are still accepted";
   world.request("a", 1);
   world.pass(1s);
   EXPECT_TRUE(world.takeJobs("a").empty());

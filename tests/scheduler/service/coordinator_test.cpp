@@ -105,7 +105,7 @@ TEST_F(CoordinatorTest, ResultsShareASyncWhileMoreAreWaiting) {
   EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
   world.sleep(5ms);
   world.settle(false);
-  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "not for ever";
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "not forever";
 }
 
 TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
@@ -120,7 +120,7 @@ TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
 TEST_F(CoordinatorTest, FinishesTheBuildAndTellsTheWorkersToLeave) {
   world.join("a", 2);
   world.finish({"a"});
-  EXPECT_TRUE(world.take("a", Message::kDrain).empty()) << "they may be needed to mend damage";
+  EXPECT_TRUE(world.take("a", Message::kDrain).empty()) << "they may be needed to repair damage";
   world.coordinator().dismiss();
   world.settle();
   const auto drains = world.take("a", Message::kDrain);
@@ -194,7 +194,7 @@ TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
              originFields());
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   EXPECT_EQ(world.counter("duplicate_results"), 1);
-  EXPECT_EQ(world.counter("divergent_results"), 0) << "other seconds are no divergence";
+  EXPECT_EQ(world.counter("divergent_results"), 0) << "different seconds are not a divergence";
   world.restart();
   EXPECT_EQ(world.coordinator().found(), 2u);
 }
@@ -278,7 +278,7 @@ TEST_F(CoordinatorTest, DropsInvalidResults) {
   EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
   world.send("a", originResult(), fields);
   world.pass(25ms);
-  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "the right one is still welcome";
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "a valid result is still accepted";
 }
 
 /// Regression: the largest accepted cause was below limit_point, so such results were dropped,

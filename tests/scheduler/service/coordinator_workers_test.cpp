@@ -84,7 +84,7 @@ TEST_F(CoordinatorTest, AWorkerThatSupportsTheBuildsKernelsIsAskedToUseThem) {
   const auto asked = world.take("newer", Message::kUseKernels);
   ASSERT_EQ(asked.size(), 1u);
   EXPECT_EQ(asked[0].use_kernels().kernel_family(), "baseline");
-  EXPECT_EQ(world.coordinator().workers(), 1u) << "before it has taken them it does not work";
+  EXPECT_EQ(world.coordinator().workers(), 1u) << "it does not work before it uses them";
   world.join("newer", 1);
   EXPECT_EQ(world.coordinator().workers(), 2u);
 }
@@ -375,7 +375,7 @@ TEST_F(SetAsideTest, AReconnectedWorkersDeathCountsOnceOnItsLastTarget) {
     world.send("next", hello);
     world.send("next", test::goodbyeOf());
   }
-  EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 0) << "four are not five";
+  EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 0) << "four deaths are not five";
 }
 
 }  // namespace

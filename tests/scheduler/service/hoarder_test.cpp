@@ -153,7 +153,7 @@ TEST_F(HoarderTest, ASlowWorkerGetsWorkAgainOnceItDelivers) {
     work("a", 1);
     if (!world.takeJobs("slow").empty()) return;
   }
-  EXPECT_TRUE(world.coordinator().complete()) << "or it would have been given some";
+  EXPECT_TRUE(world.coordinator().complete()) << "otherwise it would have received work";
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ struct LiarWorld : test::BuildWorld {
       build().keepOut(coordinator().liars());
       restart();
     }
-    FAIL() << "liars without end";
+    FAIL() << "more liars than expected";
   }
 };
 
@@ -246,7 +246,7 @@ TEST_F(LiarTest, ASolveInSeveralStepsIsCheckedInAsMany) {
               [&](const ResultKey&, const wire::Result& result, const Outcome&) {
                 in_steps += result.steps() > 1;
               });
-  EXPECT_GT(in_steps, 10) << "or nothing was tried";
+  EXPECT_GT(in_steps, 10) << "otherwise nothing was tested";
 }
 
 /// The checked result may be recorded again: after a restart between the verdict and the exclusion,
@@ -386,12 +386,12 @@ TEST_F(LiarTest, NinetyNinePercentOfBuildsWithALiarAreRepairedOrRefused) {
     with_lies += told > 0;
     const bool kept_out = world.coordinator().status(world.now).kept_out_size() > 0;
     found += kept_out;
-    EXPECT_LE(kept_out, told > 0) << "seed " << seed << ": nobody honest is kept out";
+    EXPECT_LE(kept_out, told > 0) << "seed " << seed << ": no honest worker is excluded";
     spoiled += world.coordinator().complete() && world.sealedContent() != honest;
   }
   std::cout << fmt::format("{} builds, {} with lies, {} liars found, {} datasets spoiled\n", builds,
                            with_lies, found, spoiled);
-  EXPECT_GE(with_lies, builds / 3) << "or nothing was tried";
+  EXPECT_GE(with_lies, builds / 3) << "otherwise nothing was tested";
   EXPECT_LE(100 * spoiled, with_lies);
 }
 

@@ -199,7 +199,7 @@ TEST_F(KeyedServerTest, EachRoleMaySendOnlyItsMessages) {
             std::string::npos);
   EXPECT_NE(answerTo(observer, test::helloOf("o")).refused().reason().find("needs worker"),
             std::string::npos);
-  EXPECT_EQ(build.coordinator().workers(), 1U) << "an observer is none";
+  EXPECT_EQ(build.coordinator().workers(), 1U) << "an observer is not a worker";
   EXPECT_FALSE(build.coordinator().stopping());
   EXPECT_TRUE(answerTo(operator_, statusRequest()).has_status_reply());
   EXPECT_TRUE(answerTo(operator_, stopRequest()).has_stop_reply());

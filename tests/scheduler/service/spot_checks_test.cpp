@@ -44,8 +44,8 @@ TEST_F(SpotChecksTest, OneInAHundredIsPickedForAnyWorker) {
     same += it == isPicked(again, n);
     alike += it && isPicked(others, n);
   }
-  EXPECT_EQ(same, 20000) << "a restart picks the same";
-  EXPECT_LT(alike, 20) << "without the secret nobody can tell";
+  EXPECT_EQ(same, 20000) << "a restart picks the same results";
+  EXPECT_LT(alike, 20) << "nobody can predict it without the secret";
 }
 
 TEST_F(SpotChecksTest, AllArePickedIfAllAreRequested) {
@@ -65,9 +65,9 @@ TEST_F(SpotChecksTest, OneInAHundredIsPickedForAnyResults) {
     if (n % 10 == 1) odd += isPicked(checks, n, {.oddness = 1.0 + n});
     if (n % 10 > 1) usual += isPicked(checks, n);
   }
-  EXPECT_NEAR(failed, 50, 20) << "neither takes from the other";
+  EXPECT_NEAR(failed, 50, 20) << "neither kind reduces the other";
   EXPECT_NEAR(odd, 50, 20);
-  EXPECT_NEAR(usual, 100, 40) << "what looks as usual is not left out";
+  EXPECT_NEAR(usual, 100, 40) << "ordinary results are picked too";
 }
 
 TEST_F(SpotChecksTest, TheFirstSuspectsOfFewResultsArePicked) {
@@ -133,7 +133,7 @@ TEST_F(SpotChecksTest, NoWorkerIsAskedTwice) {
   EXPECT_EQ(checks.apart(key, who("b", "one")), Apart::same_machine);
   EXPECT_EQ(checks.apart(key, who("b", "two")), Apart::other_machine);
   EXPECT_EQ(checks.apart(key, who("b", "one", "key")), Apart::other_key)
-      << "another's machine of that name";
+      << "a machine of the same name with another key";
   EXPECT_FALSE(checks.contradicts(key, {who("a"), "x"}));
   EXPECT_TRUE(checks.contradicts(key, {who("a"), "y"}));
   EXPECT_FALSE(checks.contradicts(key, {who("b"), "y"}));
@@ -219,7 +219,7 @@ TEST(KeptOutBy, ExcludesAKeyAfterTwoLyingMachines) {
       << "one of many on their machines";
   EXPECT_EQ(kindOf({{who("b", "two"), who("c", "three")}, {who("a", "one")}}, before),
             Kind::machine)
-      << "it has none";
+      << "it has no key";
 }
 
 /// Otherwise a liar with an honest helper under one key could return under other host names

@@ -38,7 +38,7 @@ TEST_F(WorkerRegistryTest, AWorkerWithoutAnIdOrKernelsMayNotJoin) {
 }
 
 TEST_F(WorkerRegistryTest, AWorkerOfAnotherVersionOrCommitMayNotJoin) {
-  EXPECT_EQ(registry.objectionTo(hello("a"), {}), "") << "it knows no commit";
+  EXPECT_EQ(registry.objectionTo(hello("a"), {}), "") << "its commit is unknown";
   wire::Hello named = hello("a");
   named.set_version(buildName());
   EXPECT_EQ(registry.objectionTo(named, {}), "");
@@ -48,7 +48,7 @@ TEST_F(WorkerRegistryTest, AWorkerOfAnotherVersionOrCommitMayNotJoin) {
   EXPECT_TRUE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (1a2b3c4)"));
   EXPECT_FALSE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (9f8e7d6)"));
   EXPECT_FALSE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0 (1a2b3c4+changed)"));
-  EXPECT_TRUE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0")) << "made from sources without git";
+  EXPECT_TRUE(isSameBuild("0.1.0 (1a2b3c4)", "0.1.0")) << "built without git";
   EXPECT_FALSE(isSameBuild("0.1.0", "0.2.0"));
 }
 

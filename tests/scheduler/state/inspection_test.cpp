@@ -137,17 +137,17 @@ TEST_F(InspectionTest, ReadsAllThatAKilledSchedulerLeftAndChangesNothing) {
   fs::rename(directory / "killed", state);
   const auto before = files();
   ASSERT_GT(before.at("state.db-wal").size(), 0u);
-  EXPECT_GT(look().lost_results, 1000000u) << "which the log alone says";
+  EXPECT_GT(look().lost_results, 1000000u) << "which only the log says";
   EXPECT_EQ(files(), before);
   fs::remove(database.string() + "-shm");
   test::expectError(ExitCode::failed, [&] { look(); }, {"state.db-shm"});
   std::ofstream(database.string() + "-shm");
-  EXPECT_GT(look().lost_results, 1000000u) << "as the error says how";
+  EXPECT_GT(look().lost_results, 1000000u) << "because the error explains how";
 }
 
 TEST_F(InspectionTest, ReadsAReadOnlyDirectory) {
   const auto read = test::readsUnwritable(state, directory, [&] { return look().whole(); });
-  if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody does not get to " << state;
+  if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody cannot reach " << state;
   EXPECT_TRUE(*read);
 }
 
@@ -308,8 +308,8 @@ TEST_F(InspectionTest, ReportsThatASchedulerRunsThere) {
   alter("UPDATE meta SET value = 1000000 WHERE key = 'recorded'");
   const Inspection found = look();
   EXPECT_EQ(found.scheduler, std::to_string(getpid()));
-  EXPECT_TRUE(found.whole()) << "its tables are those of another moment";
-  EXPECT_THAT(describe(found, state), HasSubstr("is running there"));
+  EXPECT_TRUE(found.whole()) << "its tables are from another moment";
+  EXPECT_THAT(describe(found, state), HasSubstr("works there"));
 }
 
 TEST_F(InspectionTest, RefusesADirectoryWithoutState) {
@@ -355,7 +355,7 @@ TEST_F(InspectionTest, AKilledRepairResumes) {
     putTablesAside(held);
   }
   EXPECT_EQ(look().tables, TableState::missing);
-  EXPECT_TRUE(look().problem) << "from the tables that were put aside";
+  EXPECT_TRUE(look().problem) << "from the tables that were moved aside";
   expectWholeAfterRepair();
   EXPECT_EQ(look().tables, TableState::whole);
 }

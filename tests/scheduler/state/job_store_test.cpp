@@ -170,7 +170,7 @@ TEST_F(JobStoreTest, AnImpossibleWordInTheTablesIsDamage) {
     return std::filesystem::remove(state / "state.db.damaged");
   };
   damage("INSERT INTO kept_out VALUES ('nobody', x'01', 'node1', x'02', 'it lied')");
-  EXPECT_TRUE(putAside()) << "who was kept out is needed";
+  EXPECT_TRUE(putAside()) << "the exclusions are needed";
   damage("INSERT INTO servers VALUES ('0a', 'node1', 1, 'avx2', 'asleep', 0, 0)");
   EXPECT_TRUE(putAside());
 }
@@ -366,7 +366,7 @@ TEST_F(JobStoreTest, CanBeReadInAReadOnlyDirectory) {
     return problemId(decodeProblem(StoredTables(state).build().problem)) == problemId(problem) &&
            found().where.size() == 3 && !StateDirectory::liveAddress(state);
   });
-  if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody does not get to " << state;
+  if (!read) GTEST_SKIP() << "NOT TESTED: the user nobody cannot reach " << state;
   EXPECT_TRUE(*read);
 }
 
@@ -457,7 +457,7 @@ TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   const StateDirectory held(directory / "state");
   JobStore store(held, problem);
   EXPECT_FALSE(store.damaged());
-  EXPECT_EQ(store.found(), 1u) << "nobody was told that the other is recorded";
+  EXPECT_EQ(store.found(), 1u) << "the other result was not acknowledged";
   EXPECT_EQ(store.find({0, {}, {}})->payload, test::solve(problem, 0, {}, {}).second);
 }
 

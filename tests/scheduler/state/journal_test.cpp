@@ -115,7 +115,7 @@ TEST_F(JournalTest, CutAtAnyLengthItKeepsWholeRecordsAndContinues) {
   const std::string whole = bytesIn(first);
   for (std::size_t length = 0; length < whole.size(); ++length) {
     putInto(first, whole.substr(0, length));
-    EXPECT_TRUE(scan().gaps.empty()) << "what a crash leaves is no damage";
+    EXPECT_TRUE(scan().gaps.empty()) << "leftovers of a crash are not damage";
     Journal journal = open();
     EXPECT_EQ(fs::file_size(first), length < first_record ? 0 : first_record);
     journal.append("third", "");

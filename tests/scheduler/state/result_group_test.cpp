@@ -34,7 +34,7 @@ TEST_F(ResultGroupTest, RecordsNothingBeforeItIsCommitted) {
 TEST_F(ResultGroupTest, CommittedResultsAreRecordedAndTheGroupIsEmpty) {
   const ResultKey first = addOrigin(0, now), second = addOrigin(1, now + 5ms);
   group.find(first)->senders = {"a", "b"};
-  EXPECT_EQ(group.since(), now) << "the oldest decides when the group is due";
+  EXPECT_EQ(group.since(), now) << "the oldest result decides when the group is due";
   const ResultGroup::Members durable = group.commit();
   ASSERT_EQ(durable.size(), 2u);
   EXPECT_EQ(durable.at(first).senders.size(), 2u);

@@ -68,7 +68,7 @@ TEST_F(StatusBoardTest, AnExpensiveStatusIsMadeLessOften) {
   std::this_thread::sleep_for(1200ms);
   static_cast<void>(board.ask(0ms));
   offer();
-  EXPECT_EQ(made, 1) << "its time is a hundredth of that between two";
+  EXPECT_EQ(made, 1) << "it takes a hundredth of the interval";
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST_F(CContact, MatchesTheContactModelToTheLastBit) {
     }
     EXPECT_GT(touching, ticks);
     EXPECT_LT(touching, 3 * ticks);
-    EXPECT_GE(steps, 2) << "not a number, and a release";
+    EXPECT_GE(steps, 2) << "not finite, and a release";
   }
 }
 

@@ -59,7 +59,7 @@ TEST(MouseDevice, HasNoPositionBetweenTwoAppearances) {
   for (int n = 0; n < 3; ++n) {
     const DeviceReading reading = mouse.read();
     EXPECT_EQ(reading.status, DeviceStatus::fresh);
-    EXPECT_EQ(reading.position, Eigen::Vector3d(1, 0, 0)) << "and it stands still there";
+    EXPECT_EQ(reading.position, Eigen::Vector3d(1, 0, 0)) << "and it is at rest there";
   }
 }
 

@@ -178,7 +178,7 @@ TEST(NetworkDevice, HasRealTimeThreadsOnRequest) {
   const std::string refused = device.askForRealTime();
   if (!refused.empty()) GTEST_SKIP() << refused;
   EXPECT_TRUE(eventually([] { return test::threadsWith(device_priority) == 3; }))
-      << "its own, and two of ZeroMQ, which begin when they come to run";
+      << "its own and two of ZeroMQ, which start with a delay";
 }
 
 TEST(NetworkDevice, RefusesAnInvalidEndpoint) {
@@ -386,7 +386,7 @@ TEST_F(DeviceServerTest, RefusesInvalidForces) {
   EXPECT_EQ(server.state().forces, 0U);
   EXPECT_TRUE(tray.force().isZero());
   number = 3;
-  EXPECT_TRUE(pushes(-500, -2)) << "the most of the device";
+  EXPECT_TRUE(pushes(-500, -2)) << "the limit of the device";
 }
 
 TEST_F(DeviceServerTest, IgnoresForcesDelayedByTheNetwork) {

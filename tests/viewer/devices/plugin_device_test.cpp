@@ -57,7 +57,7 @@ TEST(PluginDevice, MovesOnTheRequestedCircleAndYieldsToForce) {
 
 TEST(PluginDevice, HasARealTimeThreadOnRequest) {
   PluginDevice device(circle());
-  EXPECT_EQ(test::threadsWith(device_priority), 0) << "unless it is asked for";
+  EXPECT_EQ(test::threadsWith(device_priority), 0) << "unless requested";
   const std::string refused = device.askForRealTime();
   if (!refused.empty()) GTEST_SKIP() << refused;
   EXPECT_EQ(test::threadsWith(device_priority), 1);

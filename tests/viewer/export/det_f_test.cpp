@@ -94,7 +94,7 @@ TEST(DetF, IsTheSmallestAtTheSolversPointsOfAQuadraticElement) {
     EXPECT_NEAR(found[element], smallest, 1e-6);
     spread = std::max(spread, largest - smallest);
   }
-  EXPECT_GT(spread, 0.3) << "det F must change in an element for this to say something";
+  EXPECT_GT(spread, 0.3) << "det F must vary within an element for this test";
 }
 
 }  // namespace

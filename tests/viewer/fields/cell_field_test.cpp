@@ -46,7 +46,7 @@ TEST_P(EveryBlendedField, IsTriLinearWhereBranchesMeetAndSmoothElsewhere) {
   if (GetParam() == "trilinear")
     EXPECT_GE(sample.error_bound, 5);
   else
-    EXPECT_TRUE(std::isnan(sample.error_bound)) << "it never knows one";
+    EXPECT_TRUE(std::isnan(sample.error_bound)) << "tri-linear never has one";
   EXPECT_LT(field->evaluate(touching).coverage, 1);
   EXPECT_LE((field->evaluate(away).force - unbroken->evaluate(away).force).norm(), 1e-3);
   EXPECT_EQ(field->evaluate(Vector3d(-0.007, 0.0021, 0)).force,

@@ -89,7 +89,7 @@ TEST(DisplacementField, ReturnsTheStoredShapesAtLatticePoints) {
 TEST(DisplacementField, KeepsAsManyModesAsStoredShapesNeedForItsAccuracy) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
   const double allowed = DisplacementField::largest_shape_error * radius;
-  EXPECT_EQ(fieldOf(space, curvedMotion()).modeCount(), 3) << "all nodes move alike";
+  EXPECT_EQ(fieldOf(space, curvedMotion()).modeCount(), 3) << "all nodes move equally";
   for (const double noise : {0.4, 20.0}) {
     std::vector<float> rows = rowsOf(space, curvedMotion());
     std::mt19937 random(1);

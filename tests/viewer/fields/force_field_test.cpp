@@ -164,7 +164,7 @@ TEST_P(EveryField, CoverageIsTheShareOfSolvedCorners) {
   const auto expectCoverage = [&](const Vector3d& p, double share) {
     const double coverage = field->evaluate(p).coverage;
     if (GetParam() == "tricubic")
-      EXPECT_LE(coverage, share + 1e-12) << "it stands on more than the corners";
+      EXPECT_LE(coverage, share + 1e-12) << "it uses more points than the corners";
     else
       EXPECT_NEAR(coverage, share, 1e-12);
   };

@@ -214,7 +214,7 @@ TEST_F(HapticLoopTest, KeepsALostDeviceHaltedAndResumesItAfterZero) {
   ScriptedHand hand([&watched](std::uint64_t tick) {
     DeviceReading reading = fresh(pressAndSlide(1e-3 * static_cast<double>(tick)));
     if (tick < 400 || tick >= 420) return reading;
-    EXPECT_EQ(watched->resumes, 1) << "at the start alone";
+    EXPECT_EQ(watched->resumes, 1) << "only at the start";
     EXPECT_TRUE(tick != 419 || waitFor([&] { return watched->halts > 0; }));
     return DeviceReading{};
   });

@@ -63,7 +63,7 @@ TEST_F(HapticTickTest, ReleasesWithoutAFaultWhenTheHandIsAway) {
   ASSERT_GT(force, 0.1);
   tick.run();
   EXPECT_FALSE(tick.state().touch.touching);
-  EXPECT_GT(tick.state().force.norm(), 0.5 * force) << "a hand feels no kick";
+  EXPECT_GT(tick.state().force.norm(), 0.5 * force) << "no kick for the hand";
   for (int n = 0; n < 100; ++n) tick.run();
   EXPECT_EQ(tick.state().force.norm(), 0);
   EXPECT_EQ(tick.state().guards, 0U);

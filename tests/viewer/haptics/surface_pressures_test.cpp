@@ -127,7 +127,7 @@ TEST(Strength, IsThe95thPercentileOfTheAbsoluteValue) {
   pressures.assign(50, std::nanf(""));
   EXPECT_EQ(strengthOf(pressures), 0);
   pressures.push_back(-3);
-  EXPECT_EQ(strengthOf(pressures), 3) << "of those that have one";
+  EXPECT_EQ(strengthOf(pressures), 3) << "of the vertices that have a pressure";
 }
 
 TEST_F(SurfacePressuresTest, PreparationResumesWhereItWasStopped) {

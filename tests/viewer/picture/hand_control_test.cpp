@@ -36,7 +36,7 @@ TEST(HandControl, GivesADragOnTheBodyToTheHandAndLeavesTheCamera) {
   EXPECT_TRUE(run.state().touch.touching);
   EXPECT_GT(run.state().force.norm(), 0.1);
   EXPECT_EQ((run.camera.position() - eye).norm(), 0);
-  EXPECT_FALSE(control.marks().ring) << "what is pressed needs none";
+  EXPECT_FALSE(control.marks().ring) << "a pressed body needs no ring";
   EXPECT_FALSE(control.marks().hint.empty());
 }
 

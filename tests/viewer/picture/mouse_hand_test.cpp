@@ -52,7 +52,7 @@ TEST_F(MouseHandTest, IsAwayIfNothingIsPointedAt) {
   run.act({.pointer = {0.7, 0.45}}, 3);
   EXPECT_FALSE(run.hand.place());
   EXPECT_EQ(run.state().reading.status, DeviceStatus::away);
-  EXPECT_EQ(run.state().guards, 0U) << "which is no fault";
+  EXPECT_EQ(run.state().guards, 0U) << "which is not a fault";
 }
 
 TEST_F(MouseHandTest, PressesAlongTheNormalWhileTheButtonIsHeldAndComesOutAgain) {
@@ -107,7 +107,7 @@ TEST_F(MouseHandTest, FollowsThePointerOverTheSkin) {
   EXPECT_NEAR((run.hand.place()->position - there).norm(), 0, 1e-6);
   const Eigen::Vector3d pressed = there - 0.01 * run.hand.place()->normal;
   EXPECT_NEAR((run.state().tool - pressed).norm(), 0, 1e-4) << "as deep as before";
-  EXPECT_LT((run.state().touch.anchor_position - there).norm(), 0.008) << "but for friction";
+  EXPECT_LT((run.state().touch.anchor_position - there).norm(), 0.008) << "except for friction";
 }
 
 TEST_F(MouseHandTest, StaysWhereItWasWhenThePointerLeavesTheBody) {
@@ -220,7 +220,7 @@ TEST_F(MouseHandTest, LeavesTheDragThatEndsAPressByKeysToTheCamera) {
   ASSERT_TRUE(act(60));
   const Eigen::Vector3d eye = run.camera.position();
   input.motion = {.right = 0.005, .at = {0.7, 0.45}, .left = true};
-  EXPECT_TRUE(act(40)) << "a click on a panel is none on the body";
+  EXPECT_TRUE(act(40)) << "a click on a panel is not one on the body";
   EXPECT_EQ(run.camera.position(), eye);
   input.motion.left = false;
   act(1);
@@ -245,7 +245,7 @@ TEST_F(MouseHandTest, PullsGluedTissue) {
   EXPECT_GT(pulled.norm(), 0.002);
   EXPECT_LT(run.state().force.dot(pulled), 0);
   run.act({.pointer = {0.7, 0.4}, .button = true}, 30);
-  EXPECT_LT(run.state().touch.displacement.norm(), 0.03) << "no farther than was computed";
+  EXPECT_LT(run.state().touch.displacement.norm(), 0.03) << "not beyond the computed region";
   run.act({.pointer = moved}, 30);
   EXPECT_FALSE(run.state().touch.touching);
   EXPECT_LT(run.state().force.norm(), 1e-9);
@@ -298,8 +298,7 @@ TEST_F(MouseHandTest, HasADifferentHintInEachState) {
   act({.strokes = {1, 0}}, 2);
   act({.take = true}, 30);
   EXPECT_FALSE(hints.contains(""));
-  EXPECT_EQ(hints.size(), 6U)
-      << "nothing, pointed at, pressed, lost inside; a ring, pressed by keys";
+  EXPECT_EQ(hints.size(), 6U) << "idle, pointed at, pressed, inside; a ring, pressed by keys";
 }
 
 }  // namespace

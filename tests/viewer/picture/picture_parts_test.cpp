@@ -66,7 +66,7 @@ TEST(ForceHistory, KeepsFiveSecondsAndRestartsWhenTimeDoes) {
     history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0), 0);
   EXPECT_NEAR(history.samples().front().time, 5, 1e-9);
   EXPECT_NEAR(history.samples().back().time, 10, 1e-9);
-  EXPECT_NEAR(history.largest(), 0.6, 1e-6) << "the 9 N are too long ago";
+  EXPECT_NEAR(history.largest(), 0.6, 1e-6) << "the 9 N were too long ago";
   const std::size_t size = history.samples().size();
   history.add(10, Eigen::Vector3d::Zero(), 0);
   EXPECT_EQ(history.samples().size(), size) << "the same tick twice";

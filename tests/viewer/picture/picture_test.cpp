@@ -209,7 +209,7 @@ TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
   const Image both = picture.grab();
   const int left = find(both, isTissue, 494).count;
   EXPECT_GT(left, 2000);
-  EXPECT_GT(find(both, isTissue).count - left, 2000) << "the one beside it";
+  EXPECT_GT(find(both, isTissue).count - left, 2000) << "the other body";
   test::Person(screen.name(), "Palpate").press("b");
   state.model = 1;
   for (int n = 0; n < 3; ++n) picture.draw(state, {});
@@ -246,8 +246,8 @@ TEST_F(PictureTest, ShowsAnotherDatasetInTheSameTouchAlongside) {
   const HapticModel same = test::tenNodeModel(), another = test::cubeModel();
   const auto [left, right] = bluesAfterB(same);
   EXPECT_GT(left, 20) << "the arrow of the touched dataset";
-  EXPECT_NEAR(right, left, 0.2 * left) << "and of the one beside it";
-  EXPECT_EQ(bluesAfterB(another).second, 0) << "another body is not touched";
+  EXPECT_NEAR(right, left, 0.2 * left) << "and the other dataset's";
+  EXPECT_EQ(bluesAfterB(another).second, 0) << "the other body is not touched";
 }
 
 TEST_F(PictureTest, WantsToCloseWhenItsWindowIsClosed) {
@@ -368,7 +368,7 @@ TEST_F(PictureTest, ShowsTheRequestedColours) {
   const auto legend = [&](const Image& image) { return find(image, isLegend, 40, 622).count; };
   EXPECT_GT(legend(displacement), 10);
   EXPECT_GT(legend(error), 10);
-  EXPECT_EQ(legend(tissue), 0) << "nothing is shown that would need one";
+  EXPECT_EQ(legend(tissue), 0) << "nothing shown needs a legend";
   EXPECT_EQ(find(tissue, isYellow, 980, 400).count, 0);
   EXPECT_GT(differences(displacement, error, 980, 622), 5000);
 }
@@ -430,7 +430,7 @@ TEST_F(PressurePictureTest, HasOneScaleForTwoDatasetsSideBySide) {
   const auto left = [&](const HapticModel& other) {
     return find(coloured({&body, &other}, state, "ccb"), isPurple, 494).count;
   };
-  EXPECT_LT(left(harder), 0.5 * left(same)) << "pale beside what has eight times the pressure";
+  EXPECT_LT(left(harder), 0.5 * left(same)) << "pale compared with eight times the pressure";
 }
 
 TEST_F(PictureTest, ShowsAToolInsideTheBodyThroughIt) {

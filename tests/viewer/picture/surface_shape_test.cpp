@@ -46,7 +46,7 @@ TEST(SurfaceShape, HasTheNormalsOfTheDeformedSurface) {
     const auto column = static_cast<Eigen::Index>(n);
     EXPECT_NEAR((shape.normals().col(column) - expected).norm(), 0, 1e-5);
     EXPECT_NEAR(shape.positions()(2, column), 0.3F * shape.positions()(0, column), 1e-7)
-        << "what is flat stays flat between vertices too";
+        << "flat parts stay flat between vertices";
   }
 }
 
@@ -73,7 +73,7 @@ TEST(SurfaceShape, ColoursLengthsOverTissueAsTheLegendDoes) {
   expectColour(bytesAt(shape, 5), displacementColour(1, tissueColour(1)));
   const Bytes rest = bytesAt(shape, 12);
   shape.colourTissue();
-  EXPECT_EQ(bytesAt(shape, 12), rest) << "what is at rest is tissue";
+  EXPECT_EQ(bytesAt(shape, 12), rest) << "places at rest show tissue";
   EXPECT_EQ(rest[3], 255) << "and wet";
 }
 
@@ -111,7 +111,7 @@ TEST(SurfaceShape, ColoursPressuresOnBothSidesOfZeroAsTheLegendDoes) {
   expectColour(bytesAt(shape, 24), pressureColour(1));
   const Bytes none = bytesAt(shape, 8);
   shape.colourTissue();
-  EXPECT_EQ(bytesAt(shape, 8), none) << "what has no pressure is tissue";
+  EXPECT_EQ(bytesAt(shape, 8), none) << "places without a pressure show tissue";
 }
 
 /// Between vertices the mean, as for mid-edge nodes of quadratic elements.

@@ -24,7 +24,7 @@ HapticState touchedWith(double force, double bound) {
 TEST(TouchWords, CallAForceUncertainWhenAHandCouldNoticeTheError) {
   EXPECT_FALSE(isUncertain(touchedWith(1, 0.9 * noticeable_force_error).touch));
   EXPECT_TRUE(isUncertain(touchedWith(1, 1.1 * noticeable_force_error).touch));
-  EXPECT_FALSE(isUncertain(touchedWith(0.001, 0.0002).touch)) << "nothing that a hand feels";
+  EXPECT_FALSE(isUncertain(touchedWith(0.001, 0.0002).touch)) << "an error that no hand feels";
   EXPECT_FALSE(isUncertain(touchedWith(1, std::numeric_limits<double>::quiet_NaN()).touch));
   EXPECT_FALSE(isUncertain(Touch()));
 }

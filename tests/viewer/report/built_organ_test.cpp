@@ -113,7 +113,7 @@ void expectTruth(const Part& part, std::size_t fewest) {
   EXPECT_LE(probes.area.relative.median, part.median) << "sites are far apart, or cells coarse";
   EXPECT_GE(probes.area.bound_holds, 0.98);
   EXPECT_GE(probes.area.bound_over_error.median, 4)
-      << "else the next organ has places where it fails";
+      << "otherwise it fails at some places of other organs";
   EXPECT_LE(probes.area.bound_over_error.median, 12);
 
   const std::vector<Push> pushes = organ.pushes(12);

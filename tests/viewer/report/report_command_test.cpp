@@ -317,7 +317,7 @@ TEST_F(ReportCommand, MeasuresAFingerWithItsProbes) {
   EXPECT_GE(probes["area"]["bound_holds"], 0.9);
   const nlohmann::json page = drawings();
   EXPECT_EQ(page["areas_alone"], true);
-  EXPECT_EQ(page["pictures"].size(), 0U) << "of single sites, which nobody feels";
+  EXPECT_EQ(page["pictures"].size(), 0U) << "single sites, which nobody feels";
   const nlohmann::json& drawn = page["areas"].at(0);
   for (const char* which : {"median", "largest"})
     EXPECT_EQ(3 * drawn[which].size(), page["body"]["triangles"].size());

@@ -67,7 +67,7 @@ TEST_F(ShareCommandTest, ThePageContainsTheErrorThatAHandNotices) {
 }
 
 TEST_F(ShareCommandTest, WithoutEmscriptenItSaysWhatToInstall) {
-  if (hasPageField()) GTEST_SKIP() << "built with Emscripten";
+  if (hasPageField()) GTEST_SKIP() << "requires a build without Emscripten";
   seal("cube");
   test::expectError(ExitCode::failed, [&] { told(); },
                     {"Emscripten", "apt install emscripten", "build palpate"});

@@ -63,7 +63,7 @@ TEST_F(BuildCosts, CountFailuresAsDearerAndNotAsTheEnd) {
       cost({way({{1, true}, {1, false}}, WayEnd::failed), way({{1, true}, {1, true}})});
   EXPECT_NEAR(failed.least.seconds, solved.least.seconds * (7 + 1.5 * 26) / 33, 1e-9);
   EXPECT_NEAR(failed.reached, (7 + 26 * 0.625) / 33.0, 1e-12)
-      << "a half of those that fail have a neighbour that was reached, and half of these follow";
+      << "half of the failing points have a solved neighbour, and half of these are solved";
 }
 
 TEST_F(BuildCosts, ExtrapolateBeyondTrialSolvesThatWereCut) {

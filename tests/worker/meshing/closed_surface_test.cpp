@@ -190,7 +190,7 @@ TEST(ClosedSurface, FillsCavitiesNarrowerThanAnEdgeOfTheElements) {
   for (const double x : {-40., -35., -30., -25.})
     soup = together(soup, insideOut(sphereSurface(0.5, 1, {x, 3, 0})));
   const ClosedSurface coarse = closed(soup);
-  EXPECT_EQ(coarse.cavities.size(), 1u) << "one of 40 is none of them";
+  EXPECT_EQ(coarse.cavities.size(), 1u) << "a cavity of width 40 is not narrow";
   EXPECT_EQ(coarse.triangles.size(),
             sphereSurface(50, 8).triangles.size() + sphereSurface(20, 6).triangles.size());
   EXPECT_THAT(coarse.notes, Contains(HasSubstr("4 cavities narrower than")));

@@ -647,7 +647,7 @@ TEST_F(MeshConversion, ReadsAbaqusRangesInBothDirections) {
   EXPECT_EQ(fixed("5, 1, -1"), 5u);
   EXPECT_EQ(fixed("5, 1, -2"), 3u);
   create("comma.inp") << one_tetrahedron << "*NSET, NSET=FIX,\n1, 2, 3\n";
-  EXPECT_EQ(convert("comma.inp").node_groups.at("FIX").size(), 3u) << "a comma too many";
+  EXPECT_EQ(convert("comma.inp").node_groups.at("FIX").size(), 3u) << "an extra comma";
   expectBadInput([&] { fixed("4, 1, 1"); }, {"range.inp:12: GENERATE from 4 to 1 by 1"});
 }
 

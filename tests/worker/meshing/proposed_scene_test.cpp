@@ -103,7 +103,7 @@ TEST(ProposedScene, FixesTheGroupWhoseNameSaysSo) {
   mesh.node_groups["Fixed nodes"].resize(2);
   EXPECT_EQ(sceneOf(mesh).fixed.groups, std::vector<std::string>{"base"}) << "two hold nothing";
   mesh.node_groups["base"] = surfaceNodes(mesh);
-  EXPECT_THAT(sceneOf(mesh).fixed.groups, IsEmpty()) << "all of the surface is no base";
+  EXPECT_THAT(sceneOf(mesh).fixed.groups, IsEmpty()) << "the whole surface is not a base";
 }
 
 TEST(ProposedScene, FixesTheBroaderEndOfTheLongestAxis) {

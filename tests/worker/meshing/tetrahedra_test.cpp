@@ -153,7 +153,7 @@ TEST_F(FilledSurface, DoesNotDependOnTheUsersGmshSettings) {
 TEST(EdgeLength, GivesTheRequestedNumberOfNodes) {
   EXPECT_GT(edgeFor(1, 6, 100), edgeFor(1, 6, 1000));
   const double h = edgeFor(1, 6, 1e9);
-  EXPECT_NEAR(std::numbers::sqrt2 / (h * h * h) / 1e9, 1, 0.01) << "inside there are nearly all";
+  EXPECT_NEAR(std::numbers::sqrt2 / (h * h * h) / 1e9, 1, 0.01) << "nearly all nodes are inside";
 }
 
 }  // namespace

@@ -268,7 +268,7 @@ TEST_F(SystemTest, FixesPressuresWhoseNodesTheToolHolds) {
     system_->releaseTool();
     system_->chooseTool(0);
     system_->assemble(state_, residual_, tangent_);
-    EXPECT_EQ(dense(), K) << formulation.name << ": the same when it is chosen again";
+    EXPECT_EQ(dense(), K) << formulation.name << ": the same when chosen again";
   }
 }
 

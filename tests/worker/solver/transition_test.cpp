@@ -311,7 +311,7 @@ TEST_F(TransitionTest, ADisplacementThatOverflowsIsReportedAsNotFinite) {
   clamp(mooneyRivlinScene());
   const Reached nowhere = solver_->reach(rest_, {1e300, 0, 0});
   EXPECT_EQ(nowhere.outcome.failure().cause, Cause::not_finite);
-  EXPECT_FALSE(nowhere.end) << "there is nothing to go on from";
+  EXPECT_FALSE(nowhere.end) << "there is no state to continue from";
 }
 
 TEST_F(TransitionTest, AnExhaustedNewtonNamesTheSpentBudget) {
