@@ -74,12 +74,12 @@ class Container(unittest.TestCase):
         self.assertGreater(len(libraries()), 20)
         self.assertEqual(not_in(runtime_packages()), {})
 
-    def testAPackageThatIsForgottenIsMissed(self):
+    def testAForgottenPackageIsFound(self):
         for forgotten in "libzmq5", "libmumps-seq-5.5", "libsqlite3-0", "libhdf5-103-1", "libtomlplusplus3":
             rest = [package for package in runtime_packages() if package != forgotten]
             self.assertIn(forgotten, not_in(rest).values())
 
-    def testEverythingThatIsCopiedIsThereAndEverythingThatIsBuiltIsCopied(self):
+    def testCopiedFilesExistAndBuiltFilesAreCopied(self):
         copied = [word for line in stages()[0] if line.startswith("COPY ") for word in line.split()[1:-1]]
         for path in copied:
             self.assertTrue(os.path.exists(os.path.join(ROOT, path)), path)
@@ -90,7 +90,7 @@ class Container(unittest.TestCase):
         needed = re.findall(r"^include\((\S+/\S+)\)", text, re.M)  # not with OPTIONAL
         self.assertEqual([path for path in needed if path.split("/")[0] not in copied and path not in copied], [])
 
-    def testWhatIsCopiedCanBeConfigured(self):
+    def testCopiedSourcesCanBeConfigured(self):
         with tempfile.TemporaryDirectory() as folder:
             for line in stages()[0]:
                 if line.startswith("COPY "):
@@ -103,8 +103,8 @@ class Container(unittest.TestCase):
                                   check=False)
             self.assertEqual(done.returncode, 0, done.stdout[-1000:] + done.stderr)
 
-    def testTheProgramsOfTheComponentAreThoseOfTheManifests(self):
-        """Checks what `cmake --install --component service` installs."""
+    def testTheComponentHasTheProgramsOfTheManifests(self):
+        """What `cmake --install --component service` brings."""
         cache = os.path.join(os.path.dirname(PROGRAMS), "CMakeCache.txt")
         if not os.path.exists(cache):
             self.skipTest(f"no build folder at {os.path.dirname(PROGRAMS)}: what is installed was NOT looked at")

@@ -29,7 +29,7 @@ GALLERY = {"liver": "liver-surface.toml", "skin": "skin.toml", "kidney": "kidney
 
 
 class Gallery(unittest.TestCase):
-    def testEverySceneIsOneBodyOfSoundElementsThatIsHeldAndTouchedAtManyPlaces(self):
+    def testEverySceneIsOneSoundFixedBodyTouchedAtManyPlaces(self):
         scenes = {}
         for name, file in GALLERY.items():
             with self.subTest(name):
@@ -90,7 +90,7 @@ class Gallery(unittest.TestCase):
 
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
 class GalleryRun(unittest.TestCase):
-    def testItMakesWhatItsIndexLinksAndSaysWhatItCouldNotMake(self):
+    def testItMakesAllLinkedFilesAndReportsMissingOnes(self):
         if not shutil.which("xvfb-run"):
             self.skipTest("NOT TESTED: xvfb-run is not installed (Debian: xvfb)")
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -136,16 +136,16 @@ class GalleryPromise(unittest.TestCase):
         self.assertGreaterEqual(probes["area"]["within_target"], kept)
         self.assertGreaterEqual(probes["area"]["bound_holds"], bound)
 
-    def testOfTheSkinHolds(self):
+    def testSkinIsAccurate(self):
         self.holds("skin", 0.83, 0.90)
 
-    def testOfTheKidneyHolds(self):
+    def testKidneyIsAccurate(self):
         self.holds("kidney", 0.95, 0.93)
 
-    def testOfTheMuscleHolds(self):
+    def testMuscleIsAccurate(self):
         self.holds("muscle", 0.90, 0.95)
 
-    def testOfTheDomeHolds(self):
+    def testDomeIsAccurate(self):
         self.holds("dome", 0.90, 0.90)
 
 

@@ -59,7 +59,7 @@ MISTAKES = {
 
 
 class Kubernetes(unittest.TestCase):
-    def testTheManifestsAreOfTheirSchemasAndFitTogether(self):
+    def testTheManifestsMatchTheirSchemasAndEachOther(self):
         self.assertEqual(manifests.faults(liver(), ROOT), [])
         self.assertEqual(len(liver()), 7)
 
@@ -70,7 +70,7 @@ class Kubernetes(unittest.TestCase):
                 make(manifests.of_kind(objects, kind)[0])
                 self.assertIn(part, "\n".join(manifests.faults(objects, ROOT)))
 
-    def testCommandsOfTheManualAreAboutWhatThereIs(self):
+    def testCommandsOfTheManualNameExistingObjects(self):
         objects = liver()
         names = {manifests.named(entry) for entry in objects}
         setting_up, later = typed()

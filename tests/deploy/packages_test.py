@@ -38,7 +38,7 @@ class Packages(unittest.TestCase):
         if re.search("lib[at]san", output("ldd", BIN / "palpate")):
             self.skipTest("programs with a sanitizer are not packaged")
 
-    def testTheyHoldWhatTheirNamesSayAndNeedNoMpi(self):
+    def testContentsMatchNamesAndNeedNoMpi(self):
         self.needs("dpkg-deb", "dpkg-shlibdeps")
         output("cpack", "-B", self.folder, cwd=BIN.parent)
         packages = {path.name.split("_")[0]: path for path in self.folder.glob("*.deb")}
@@ -67,7 +67,7 @@ class Packages(unittest.TestCase):
         output("dpkg-deb", "-e", packages["libpalpate0"], self.folder / "control")
         self.assertIn("ldconfig", (self.folder / "control/triggers").read_text(encoding="utf-8"))
 
-    def testThereIsAManualPageOfEveryVerb(self):
+    def testEveryVerbHasAManualPage(self):
         self.needs("help2man")
         output(ROOT / "deploy/manual_pages", BIN, self.folder)
         pages = {path.name: gzip.open(path, "rt", encoding="utf-8").read() for path in self.folder.glob("*/*.1.gz")}
@@ -94,7 +94,7 @@ class Packages(unittest.TestCase):
         (self.folder / "liver.h5").touch()
         self.assertEqual(completed("query", "li"), ["liver.h5"])
 
-    def testVersionsSayWhatWasBuiltFromWhat(self):
+    def testVersionsNameTheSourcesOfABuild(self):
         text = output(BIN / "palpate", "--version")
         self.assertRegex(text, r"^palpate [0-9.]+\ncommit \S+, \w+( with [a-z ]+ sanitizer)?\n")
         for library in ("GNU", "Eigen", "MUMPS", "OpenBLAS", "HDF5", "SQLite", "ZeroMQ", "Protobuf"):
@@ -118,7 +118,7 @@ class Links(html.parser.HTMLParser):
 
 
 class Site(unittest.TestCase):
-    def testEveryLinkOfTheSiteLeadsSomewhereAndNoPageLoadsFromElsewhere(self):
+    def testLinksOfTheSiteAreValidAndPagesLoadNothingExternal(self):
         if shutil.which("mkdocs") is None:
             self.skipTest("mkdocs is not installed: the site is NOT tested")
         with tempfile.TemporaryDirectory() as gallery:

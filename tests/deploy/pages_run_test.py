@@ -236,14 +236,14 @@ class PagesInPython(unittest.TestCase):
     def blocks(self, page):
         return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
 
-    def testReadsDatasetsAsTheManualOfTheFormatDoes(self):
+    def testReadDatasetsAsDocumented(self):
         blocks = self.blocks("docs/dataset.md")
         self.assertEqual(len(blocks), 3)
         said = [self.run_here(sys.executable, "-c", block, "liver.h5") for block in blocks]
         self.assertIn("deformed surface nodes:", said[0])
         self.assertIn("largest displacement:", said[1])
 
-    def testReadsWhatWasExportedAsItsManualDoes(self):
+    def testReadExportedFilesAsDocumented(self):
         with (self.folder / "liver.toml").open("a", encoding="utf-8") as scene:
             scene.write('\n[storage]\ndisplacement = "all"\n')  # det F needs the volume
         self.run_here(BIN / "palpate", "build", "liver.toml", "-o", "stored.h5", "-q")
@@ -266,7 +266,7 @@ class PagesInPython(unittest.TestCase):
 class Pages(unittest.TestCase):
     maxDiff = None
 
-    def testHaveCommandsThatDoWhatTheySay(self):
+    def testHaveCommandsThatWork(self):
         if palpate is None:
             self.skipTest(missing)
         for program in ("gmsh", "tetgen", "Xvfb", "unshare", "cc"):

@@ -23,7 +23,7 @@ if palpate is not None:
 
 
 class PythonQueries(WithDatasets):
-    def testAnswersAreThoseOfTheProgramToTheLastBit(self):
+    def testAnswersMatchTheProgramToTheLastBit(self):
         displacements = np.random.default_rng(5).uniform(-0.015, 0.015, (20, 3))
         with palpate.Dataset(self.file) as dataset:
             answers = dataset.query(displacements, active="tip")
@@ -54,14 +54,14 @@ class PythonQueries(WithDatasets):
             dataset.query(displacements[0], active=0, out=answers)
         self.assertEqual(dataset.query(np.empty((0, 3)), active=0).force.shape, (0, 3))
 
-    def testWhatLiesOutsideOrIsNotFiniteIsMarkedAndNoError(self):
+    def testPlacesOutsideAndNaNAreMarkedAndNotErrors(self):
         answers = palpate.Dataset(self.file).query([[0, 0, -0.01], [0, 0, 1], [np.nan, 0, 0]], active="tip")
         self.assertEqual(answers.inside.tolist(), [True, False, False])
         self.assertTrue(np.isfinite(answers.force).all() and np.isfinite(answers.stiffness).all())
         self.assertGreater(answers.force[0, 2], 0)  # the tissue pushes back
         self.assertEqual(answers.force[2].tolist(), [0, 0, 0])
 
-    def testTheBodyIsThatOfTheFile(self):
+    def testTheBodyMatchesTheFile(self):
         dataset = palpate.Dataset(self.file, methods=["tricubic"])
         self.assertEqual(dataset.methods, ("tricubic",))
         self.assertEqual([space.name for space in dataset.spaces], ["tip", "rim"])
@@ -75,7 +75,7 @@ class PythonQueries(WithDatasets):
         shape = dataset.shape((0, 0, -0.01), active="tip")
         np.testing.assert_allclose(shape[tip.vertex], (0, 0, -0.01), atol=1e-5)
 
-    def testAFileIsOpenedWhileH5pyReadsOthers(self):
+    def testAFileCanBeOpenedWhileH5pyReadsOthers(self):
         stop, read = threading.Event(), []
 
         def reads():
@@ -91,7 +91,7 @@ class PythonQueries(WithDatasets):
         reader.join()
         self.assertGreater(len(set(read)), 0)
 
-    def testManyThreadsAskAtOnceAndWhileItAnswersOthersRun(self):
+    def testManyThreadsCanAskAtOnceWhileOthersRun(self):
         dataset = palpate.Dataset(self.file)
         displacements = np.random.default_rng(8).uniform(-0.01, 0.01, (400000, 3))
         expected = dataset.query(displacements, active=0).force
@@ -116,7 +116,7 @@ class PythonQueries(WithDatasets):
             sys.setswitchinterval(interval)
             other.join()
 
-    def testItStaysOpenUntilEveryCallThatIsInItHasEnded(self):
+    def testItStaysOpenUntilItsLastCallHasEnded(self):
         dataset = palpate.Dataset(self.file)
         again, expected = copy.copy(dataset), dataset.query([0, 0, -0.01], active=0).force
         ask = palpate._library.functions["query_many"]
@@ -131,7 +131,7 @@ class PythonQueries(WithDatasets):
         with self.assertRaisesRegex(palpate.Error, "was closed"):
             dataset.query([0, 0, -0.01], active=0)
 
-    def testWhatIsAnsweredTwiceIsEqualAlsoWhereNothingIsKnown(self):
+    def testRepeatedAnswersAreEqualEvenIfUnknown(self):
         one, other = palpate.Dataset(self.file), palpate.Dataset(self.file)
         p = [[0, 0, -0.01], [0, 0, 1]]
         for method in ("potential", "trilinear"):  # its energy is NaN
@@ -150,7 +150,7 @@ class PythonQueries(WithDatasets):
             self.assertNotEqual(away, touches[0])
             self.assertEqual(guard.limit(tool, touches[0]), same.limit(tool, touches[0]))
 
-    def testAFileIsOpenedWhileOthersImport(self):
+    def testAFileCanBeOpenedWhileOthersImport(self):
         class Meanwhile(str):
             def startswith(self, *words):
                 modules["another"] = None
@@ -160,14 +160,14 @@ class PythonQueries(WithDatasets):
         with unittest.mock.patch.object(palpate.dataset, "sys", unittest.mock.Mock(modules=modules)):
             self.assertEqual(palpate.Dataset(self.file).name, "nodes")
 
-    def testErrorsGoToOtherProcesses(self):
+    def testErrorsCanBePickled(self):
         with self.assertRaises(palpate.Error) as caught:
             palpate.Dataset(self.folder / "absent.h5")
         received = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((str(received), received.status), (str(caught.exception), caught.exception.status))
         self.assertIn("absent.h5: there is no such dataset", str(received))
 
-    def testADatasetGoesToOtherProcessesByItsPathAndAContactStays(self):
+    def testADatasetIsPickledByItsPathAndAContactIsNot(self):
         with contextlib.chdir(self.file.parent):
             dataset = palpate.Dataset(self.file.name, ["trilinear"])
         received = pickle.loads(pickle.dumps(dataset))
@@ -188,7 +188,7 @@ class PythonQueries(WithDatasets):
         with self.assertRaisesRegex(palpate.Error, "moved.h5: was replaced"):
             pickle.loads(sent)
 
-    def testWrongQuestionsNameWhatIsWrongAndWhatThereIs(self):
+    def testInvalidQueriesNameTheErrorAndValidChoices(self):
         dataset = palpate.Dataset(self.file)
         for ask, text in ((lambda: dataset.query([0, 0, 0]), "name the active node; there are: tip, rim"),
                           (lambda: dataset.query([0, 0, 0], active="nose"), "no active node 'nose'; there are: tip, rim"),
@@ -219,7 +219,7 @@ class PythonFingers(WithDatasets):
         super().setUpClass()
         cls.finger = cls.build("finger", FINGER, 0.01, 0.005)
 
-    def testAFingerIsAskedAnywhereByOneOrManyPlaces(self):
+    def testAFingerAnswersAtOneOrManyPlaces(self):
         dataset = palpate.Dataset(self.finger)
         self.assertEqual([area.name for area in dataset.areas], ["finger"])
         p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.104), (0.045, 0.052, 0.1)])
@@ -255,7 +255,7 @@ class PythonContacts(WithDatasets):
     def pressing(self, tip, depths):
         return tip.rest_position + np.outer(depths, (0, 0, -1))
 
-    def testAToolPressesIsPushedBackAndLetsGo(self):
+    def testAToolPressesIsPushedBackAndReleases(self):
         dataset = palpate.Dataset(self.file)
         tip = dataset.spaces[0]
         with palpate.Contact(dataset) as contact:
@@ -272,7 +272,7 @@ class PythonContacts(WithDatasets):
             self.assertLess(shape[tip.vertex, 2], -0.004)
             self.assertFalse(contact.shape(touches[0]).any())
 
-    def testOptionsAreThoseOfTheSceneUntilTheyAreChanged(self):
+    def testOptionsAreThoseOfTheSceneByDefault(self):
         dataset = palpate.Dataset(self.file)
         options = palpate.Contact.defaults(dataset)
         self.assertEqual(options.mode, palpate.ContactMode.UNILATERAL)
@@ -289,7 +289,7 @@ class PythonContacts(WithDatasets):
         with self.assertRaisesRegex(palpate.Error, "friction"):
             palpate.Contact(dataset, options)
 
-    def testAGuardLimitsWhatADeviceIsGiven(self):
+    def testAGuardLimitsTheForceOfADevice(self):
         dataset = palpate.Dataset(self.file)
         options = palpate.Guard.defaults("touch", period=0.001)
         options.max_force = 0.05
@@ -312,7 +312,7 @@ class PythonContacts(WithDatasets):
 
 
 class PythonArrays(WithDatasets):
-    def testArraysAreThoseOfTheFile(self):
+    def testArraysMatchTheFile(self):
         with palpate.Arrays(self.file) as arrays, h5py.File(self.file) as f:
             self.assertEqual(list(arrays), ["tip", "rim"])
             rim, rows = arrays["rim"], slice(*f["spaces/first_point"][1:3])
@@ -345,12 +345,12 @@ class PythonArrays(WithDatasets):
             a, b = exact["tip"], rounded["tip"]
             np.testing.assert_allclose(b.displacement(b.solved), a.displacement(a.solved), atol=0.02 / 60000)
 
-    def testWordsForTagsAndCausesAreThoseOfTheProgram(self):
+    def testTagsAndCausesHaveTheProgramsWords(self):
         page = (ROOT / "docs/failures.md").read_text(encoding="utf-8")
         listed = {int(number): word for number, word in re.findall(r"^\| ([0-9]+) \| `([a-z_]+)` \|", page, re.M)}
         self.assertEqual(dict(enumerate(palpate.arrays.CAUSES[1:], 1)), listed)
 
-    def testAFileThatWasLeftOpenForWritingIsNotCalledDamaged(self):
+    def testAFileLeftOpenForWritingIsNotCalledDamaged(self):
         left = shutil.copy(self.file, self.folder / "left.h5")
         leave = "import h5py, os, sys; f = h5py.File(sys.argv[1], 'r+'); f.flush(); os._exit(0)"
         subprocess.run([sys.executable, "-c", leave, left], check=True)
@@ -386,7 +386,7 @@ class PythonArrays(WithDatasets):
 
 
 class PythonPackage(WithDatasets):
-    def testWithoutALibraryItSaysWhatToDo(self):
+    def testAMissingLibraryIsReportedWithTheRemedy(self):
         for library, text in ((self.folder / "absent.so", "cannot load libpalpate: .*absent.so.*Install libpalpate0"),
                               (self.folder / "block.msh", "block.msh: (file too short|invalid ELF header)"),
                               ("libm.so.6", "older than this package: .*palpate_")):
@@ -398,7 +398,7 @@ class PythonPackage(WithDatasets):
         done = self.run_python("-c", "import palpate", PALPATE_LIBRARY=str(other))
         self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*arm.so.*Install libpalpate0")
 
-    def testWithoutNumPyOrH5pyTheyAreNamed(self):
+    def testAMissingNumPyOrH5pyIsNamed(self):
         done = self.run_python("-c", "import sys; sys.modules['numpy'] = None; import palpate")
         self.assertIn("ImportError: palpate needs NumPy: install python3-numpy", done.stderr)
         done = self.run_python("-c", "import sys, palpate; sys.modules['h5py'] = None; palpate.Arrays(sys.argv[1])", self.file)
@@ -413,7 +413,7 @@ class PythonPackage(WithDatasets):
         done = self.run_python("-c", "import palpate; print(palpate._library.library_file)", **environment)
         self.assertEqual(done.stdout.strip(), str(tree / "lib/x86_64-linux-gnu/libpalpate.so.0"), done.stderr)
 
-    def testEverythingPublicIsDescribedAndHasTypes(self):
+    def testPublicNamesHaveDocstringsAndTypes(self):
         for name in palpate.__all__:
             thing = getattr(palpate, name)
             self.assertTrue(thing.__doc__, name)
@@ -433,7 +433,7 @@ class PythonPackage(WithDatasets):
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def testTheManualRunsAsItStands(self):
+    def testTheManualRunsUnchanged(self):
         manual = (ROOT / "docs/python.md").read_text(encoding="utf-8")
         programs = re.findall(r"```python\n(.*?)```", manual, re.S)
         self.assertGreater(len(programs), 3)

@@ -48,18 +48,12 @@ class FirstPages(unittest.TestCase):
             for file in made:
                 self.assertGreater(pathlib.Path(folder, file).stat().st_size, 500, file)
 
-    def testTheTutorialLeadsFromASurfaceToAPlotAsItStands(self):
-        self.assertEqual((ROOT / "docs/tutorial.md").read_text(encoding="utf-8").count("--nodes 500"), 1)
-        self.follow(("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
-                     "curve.csv", "side.h5"), "tutorial.md")
+    def testTheTutorialRunsFromASurfaceToAPlot(self):
+        page = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+        self.follow(page, ("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
+                           "curve.csv", "side.h5"))
 
-    def testAStiffLumpIsFoundAndAnOwnLoopSlidesOverItAsTheyStand(self):
-        self.follow(("lump.h5", "lump.png", "loop.txt", "loop.png"), "tutorial-lump.md", "tutorial-loop.md")
-
-    def testTwoMaterialsMakeAFigureAsTheyStand(self):
-        self.follow(("neo.h5", "exp.h5", "two.png"), "tutorial-python.md")
-
-    def testItsStepsInPythonFindTheLibraryAfterTheDemo(self):
+    def testItsPythonStepsFindTheLibraryAfterTheDemo(self):
         built = re.search(r"cmake --build .*--target (.*)\)", (ROOT / "deploy/demo").read_text(encoding="utf-8"))
         self.assertIn("palpate_library", built[1].split(), "deploy/python looks for build/*/lib/libpalpate.so.0")
 

@@ -90,15 +90,15 @@ class Inclusion(unittest.TestCase):
         self.assertLess(aside, 0.002)
         self.assertLess(abs(felt.depth - depth), 0.005)
 
-    def testTheShippedOneIsFound(self):
+    def testTheShippedInclusionIsFound(self):
         shutil.copy(SCENES / "skin" / "skin.msh", self.folder)
         self.hold(self.felt(self.skin()))
 
-    def testOneAtAPlaceThatNothingWasTunedOnIsFound(self):
+    def testAnInclusionAtAnUntunedPlaceIsFound(self):
         self.make("--inclusion", "-0.014", "0.007", "0.012", "0.005")
         self.hold(self.felt(self.skin()))
 
-    def testNoneIsFoundWhereThereIsNone(self):
+    def testNoInclusionIsFoundInHealthySkin(self):
         self.make("--none")
         without = re.sub(r'(?s)\[\[region\]\][^\[]*group = "inclusion".*?(?=\[\[region)', "", self.skin())
         felt = self.felt(without)

@@ -55,29 +55,29 @@ class Paper(unittest.TestCase):
 
     # Measurements are kept
 
-    def testWhatWasMeasuredIsNotMeasuredAgain(self):
+    def testAMeasurementIsNotRepeated(self):
         made = []
         for _ in range(2):
             self.assertEqual(self.record().measure("a number", lambda: made.append(1) or 7, "of this").value, 7)
         self.assertEqual(len(made), 1)
 
-    def testAnotherInputIsMeasuredAgain(self):
+    def testAnotherInputIsMeasuredSeparately(self):
         made = [self.record().measure("a number", lambda: word, word).value for word in ("of this", "of that")]
         self.assertEqual(made, ["of this", "of that"])
 
-    def testAMeasurementThatAKillCutIsMadeAgain(self):
+    def testAMeasurementCutByAKillIsRepeated(self):
         self.record().measure("a number", lambda: 7)
         (file,) = (self.folder / "measurements").iterdir()
         file.write_text(file.read_text()[:20])
         self.assertEqual(self.record().measure("a number", lambda: 8).value, 8)
 
-    def testACommandIsRunAgainWhenAFileThatItReadsHasChanged(self):
+    def testACommandIsRepeatedIfItsInputFileChanges(self):
         file = self.folder / "input.json"
         for text in ("1", "2"):
             file.write_text(text)
             self.assertEqual(self.record().run("cat", ["cat", file]).value, int(text))
 
-    def testACommandIsRunAgainWhenTheMeshOfItsSceneHasChanged(self):
+    def testACommandIsRepeatedIfTheMeshOfItsSceneChanges(self):
         scene, mesh = self.folder / "scene.toml", self.folder / "body.msh"
         scene.write_text(f'mesh = "{mesh.name}"\n')
         count = ["sh", "-c", 'wc -c < "$(dirname "$0")/body.msh"', scene]
@@ -85,7 +85,7 @@ class Paper(unittest.TestCase):
             mesh.write_text(text)
             self.assertEqual(self.record().run("count", count).value, len(text))
 
-    def testWhatACommandReadIsKeptForWhoeverRunsItAgain(self):
+    def testTheInputOfACommandIsKeptForRepetition(self):
         measured = self.record().run("cat", ["cat"], "[1, 2]")
         command, _, file = measured.command.partition(" < ")
         self.assertEqual((command, pathlib.Path(os.path.join(HERE.parents[2], file)).read_text()), ("cat", "[1, 2]"))
@@ -102,17 +102,17 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         process = pathlib.Path("/proc") / (self.folder / "pid").read_text().strip()
         waited(lambda: not process.exists() or "State:\tZ" in (process / "status").read_text())
 
-    def testACommandThatFailsIsNoMeasurement(self):
+    def testAFailedCommandIsNotAMeasurement(self):
         with self.assertRaisesRegex(Incomplete, "ls .*/nowhere ended with 2: .*No such file"):
             self.record().run("ls", ["ls", "/nowhere"])
         self.assertEqual(list(self.folder.glob("measurements/*")), [])
 
-    def testAProgramThatIsMissingIsNamedWithWhatToDo(self):
+    def testAMissingProgramIsNamedWithTheRemedy(self):
         record = Record(self.folder, self.folder / "release", say=self.said.append)
         with self.assertRaisesRegex(NotMeasured, "no .*release/bench/palpate_newton_bench: build the targets all and benchmarks"):
             record.run("newton", [record.bench / "palpate_newton_bench"])
 
-    def testANumberIsToldWithItsCommandMachineAndCommit(self):
+    def testANumberHasItsCommandMachineAndCommit(self):
         record = self.record()
         record.number("one", 1.5, "N", record.run("echo", ["echo", "1.5"]))
         record.not_measured("other", "no such package")
@@ -123,7 +123,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertTrue(number["machine"]["processor"] and number["commit"])
         self.assertEqual(kept["not_measured"], {"test/other": "no such package"})
 
-    def testANumberOfSeveralMeasurementsIsToldWithAllOfTheirCommandsAndCommits(self):
+    def testANumberOfSeveralMeasurementsHasAllTheirSources(self):
         of = lambda command, commit, at: Measured(1, command, "machine", commit, at)
         all_of = Measured.of_all([of("one", "c1", "2026-01-02"), of("two", "c2", "2026-01-03"), of("one", "c1", "2026-01-01")])
         self.assertEqual((all_of.command, all_of.commit, all_of.at), ("one; two", "c1; c2", "2026-01-03"))
@@ -132,7 +132,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         elsewhere = Measured(1, "two", "another machine", "c1", "2026-01-02")
         self.assertEqual(Measured.of_all([of("one", "c1", "2026-01-02"), elsewhere]).machine, ["machine", "another machine"])
 
-    def testATargetMadeOnSeveralMachinesOrOfSeveralCommitsSaysSo(self):
+    def testATargetOfSeveralMachinesOrCommitsSaysSo(self):
         self.record().measure("a number", lambda: 7)
         record = self.record()
         record.commit = "another"
@@ -142,7 +142,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         sources = json.loads((self.folder / "results.json").read_text())["sources"]["test"]
         self.assertEqual(sources, sorted(f"{record.machine['processor']}, {commit}" for commit in (self.record().commit, "another")))
 
-    def testATargetThatIsMadeAloneLeavesTheNumbersOfOthers(self):
+    def testATargetMadeAloneKeepsTheNumbersOfOthers(self):
         record = self.record()
         record.number("one", 1, "N", record.run("echo", ["echo", "1"]))
         record.save()
@@ -152,7 +152,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         other.save()
         self.assertEqual(sorted(json.loads((self.folder / "results.json").read_text())["numbers"]), ["other/two", "test/one"])
 
-    def testATargetThatIsNotMadeLeavesItsEarlierNumbersWhoseFigureIsStillThere(self):
+    def testAMissingTargetKeepsEarlierNumbersOfExistingFigures(self):
         record = self.record()
         for number in "one", "two":
             record.number(number, 1, "N", record.run("echo", ["echo", "1"]))
@@ -167,7 +167,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(kept["not_measured"], {"test/all": "no time"})
         self.assertEqual(len(kept["sources"]["test"]), 2)
 
-    def testWhatThereIsNoTimeForIsNamedAndWhatWasMeasuredIsThere(self):
+    def testTargetsWithoutTimeAreNamedAndTheRestIsKept(self):
         self.record().measure("a number", lambda: 7)
         record = Record(self.folder, hours=0, say=self.said.append)
         self.assertEqual(record.measure("a number", lambda: 8).value, 7)
@@ -191,30 +191,30 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.setClock(seconds=1000.0, jobs=1)
         self.assertGreater(self.built(again=True)["seconds"], 1000)
 
-    def testABuildWhoseResultsAreGoneTakesNoTimeOfTheOneBefore(self):
+    def testABuildWithoutItsResultsStartsItsTimeAtZero(self):
         self.built()
         self.setClock(seconds=1000.0, jobs=1)
         shutil.rmtree(self.folder / "datasets" / "seven.h5.state")
         self.assertLess(self.built(again=True)["seconds"], 1000)
 
-    def testABuildThatOthersBeganBeginsAnew(self):
+    def testABuildBegunByOthersStartsFromScratch(self):
         self.built()
         for begun in ({"seconds": 1000.0, "jobs": 2}, {"seconds": 1000.0, "jobs": None}):
             self.setClock(**begun)
             self.assertLess(self.built(again=True)["seconds"], 1000)
 
-    def testABuildOfAnotherSceneBeginsAnew(self):
+    def testABuildOfAnotherSceneStartsFromScratch(self):
         self.built()
         self.setClock(seconds=1000.0, jobs=1)
         other = organs.scene(organs.organ(500), "linear", radius=0.002, divisions=1)
         self.assertLess(self.built(scene=other)["seconds"], 1000)
 
-    def testTheTimeOfLocalWorkersIsNotThatOfOthers(self):
+    def testTimesOfLocalAndOtherWorkersAreSeparate(self):
         self.built()
         with self.assertRaisesRegex(NotMeasured, "was not begun"):
             self.built(listen="tcp://127.0.0.1:*", hours=0)
 
-    def testMeasurementsThatRunTogetherAreInOrderAndAFailureEndsTheRest(self):
+    def testParallelMeasurementsAreOrderedAndAFailureEndsTheRest(self):
         record = Record(self.folder, jobs=2, say=self.said.append)
         numbers = record.together([functools.partial(record.measure, f"number {n}", lambda n=n: n) for n in range(20)])
         self.assertEqual([number.value for number in numbers], list(range(20)))
@@ -224,7 +224,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             record.together([fail, *[lambda: begun.append(time.sleep(0.2))] * 20])
         self.assertLess(len(begun), 20)
 
-    def testAPackageThatIsMissingIsNamed(self):
+    def testAMissingPackageIsNamed(self):
         with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):
             needed("no_such_package_anywhere")
 
@@ -239,7 +239,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         with self.assertRaisesRegex(Incomplete, "there are no data"):
             figure.save_figure(self.record(), "empty", ["p (m)"], [], lambda page: None)
 
-    def testAFigureHasItsDataBesideItAndIsTheSameBytesAgain(self):
+    def testAFigureIsReproducibleAndStoredWithItsData(self):
         drawn = []
         for _ in range(2):
             figure.save_figure(self.record(), "line", ["p (m)", "force (N)"], [[0.0, 1.0], [0.1, 2.0]],
@@ -248,18 +248,18 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(drawn[0], drawn[1])
         self.assertEqual((self.folder / "figures" / "line.csv").read_text(), "p (m),force (N)\n0,1\n0.1,2\n")
 
-    def testATableSaysWhatIsNotMeasured(self):
+    def testATableMarksMissingMeasurements(self):
         figure.save_table(self.record(), "table", ["method", "error (N)"], [["ours", 0.25], ["other", None]])
         self.assertEqual((self.folder / "figures" / "table.md").read_text(),
                          "| method | error (N) |\n| --- | --- |\n| ours | 0.25 |\n| other | not measured |\n")
 
-    def testARowWithoutANumberAndANumberThatIsNoneAreFaultsOfATable(self):
+    def testTablesRefuseRowsWithoutNumbersAndInvalidNumbers(self):
         rows = [["ours", "here", 0.25], ["other", "there", None], ["third", "there", float("nan")]]
         figure.save_table(self.record(), "table", ["method", "where", "error (N)"], rows)
         figure.save_table(self.record(), "words", ["method", "source"], [["ours", "a page"]])
         self.assertEqual(figure.faults(self.folder / "figures"), ["table.csv: other, there, ", "table.csv: third, there, nan"])
 
-    def testWhatASurveyLacksIsNamedAndItsFigureNotDrawn(self):
+    def testAnIncompleteSurveyIsNamedAndNotDrawn(self):
         with self.assertRaisesRegex(Incomplete, "not all of the paper's surveys"):
             surveys.how_far(self.withoutTime())
         table = (self.folder / "figures" / "paths.md").read_text()
@@ -267,7 +267,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertIn("| Mooney-Rivlin | finger, 20 mm | regular | 20 mm, adaptive | not measured |", table)
         self.assertFalse((self.folder / "figures" / "paths-way.svg").exists())
 
-    def testASurveyThatFailsCostsNoOtherOne(self):
+    def testAFailedSurveyDoesNotAffectOthers(self):
         record = Record(self.folder, nodes=(500,), laws=("mr",), say=self.said.append)
         record.target = "paths"
         there = surveys.Reached([0.1] * 4, 0.1, 4, 4, 4, collections.Counter(), Measured(None, "", {}, "", ""))
@@ -284,12 +284,12 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(["| 100 |" in line for line in table], [not fails(survey) for survey in surveys.surveys(record)])
         self.assertTrue((self.folder / "figures" / "paths-way.svg").exists())
 
-    def testALatticeThatIsNotMeasuredIsARowOfFig7(self):
+    def testALatticeWithoutMeasurementIsARowOfFig7(self):
         for row in newton_iteration.ROWS:
             for divisions in organs.LATTICES:
                 self.assertEqual(len(builds.measured_row(self.withoutTime(), row, divisions)), len(builds.COLUMNS))
 
-    def testTheSizeOfAllNodesIsMissedWhereItIsAskedForAlone(self):
+    def testOnlyARequestedSizeOfAllNodesIsReportedMissing(self):
         rows = [builds.measured_row(self.withoutTime(), row, divisions) for row in newton_iteration.ROWS for divisions in organs.LATTICES]
         builds.save_table(self.withoutTime(), rows)
         head, _, *lines = [line.split(" | ") for line in (self.folder / "figures" / "figure7-table.md").read_text().splitlines()]
@@ -297,7 +297,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(cells, ["not measured" if builds.wants_all_nodes(row, divisions) else "-"
                                  for row in newton_iteration.ROWS for divisions in organs.LATTICES])
 
-    def testOfWhatIsNotMeasuredTablesNameEveryRow(self):
+    def testTablesNameEveryRowThatIsNotMeasured(self):
         newton_iteration.table1(self.withoutTime())
         claims.claims(self.withoutTime())
         surveys.limits(self.withoutTime())
@@ -305,7 +305,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             table = (self.folder / "figures" / f"{name}.md").read_text()
             self.assertEqual(len([line for line in table.splitlines()[2:] if "not measured" in line]), len(rows))
 
-    def testErrorsAlongPathsAreDrawnOfWholeCasesAlone(self):
+    def testErrorsAlongPathsAreDrawnForCompleteCasesOnly(self):
         record = self.withoutTime()
         with self.assertRaisesRegex(Incomplete, "there are no data"):
             interpolation.figure8(record)
@@ -316,20 +316,20 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         record.target = "test"
         return record
 
-    def testOneLawCanBeAskedFor(self):
+    def testASingleLawCanBeRequested(self):
         record = Record(self.folder, laws=("mr",), say=self.said.append)
         asked = [survey.law for survey in surveys.surveys(record)] + [row.law for row in builds.cases(record)]
         asked += [case.law for case in interpolation.cases(record)]
         self.assertEqual(set(asked), {"mr"})
 
-    def testLatticesAreBuiltByOneAndTwoWorkersQuadraticOnesByTheLocalOnesAlone(self):
+    def testQuadraticLatticesAreBuiltByLocalWorkersOnly(self):
         linear, quadratic = (next(row for row in newton_iteration.ROWS if row.order == order) for order in (1, 2))
         asked = [builds.numbers_of_workers(self.record(), row) for row in (linear, quadratic)]
         self.assertEqual(asked, [[2, 1], [2]])
 
     # The paper's experiments
 
-    def testAnotherOrganIsNoFinerMeshOfThisOne(self):
+    def testAnotherOrganIsNotAFinerMeshOfThisOne(self):
         here, other = organs.Organ("liver-493", None, "", (), "reference"), organs.Organ("liver-2000", None, "", (), "shipped")
         finer = organs.Organ("liver-5984", None, "", (), "reference")
         for organs_there, kept in (({2000: other, 6000: finer}, ["liver-5984"]), ({2000: finer, 6000: finer}, ["liver-5984"])):
@@ -354,7 +354,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             self.assertAlmostEqual(sum(x * x for x in path[0]) ** 0.5, 0.001)
             self.assertAlmostEqual(sum(x * x for x in path[-1]) ** 0.5, 0.1)
 
-    def testRandomPathsStayInTheBallStepByStepAndAreTheSameAgain(self):
+    def testRandomPathsStayInTheBallAndAreReproducible(self):
         paths = references.random_paths(20)
         self.assertEqual(paths, references.random_paths(20))
         for path in paths:
@@ -363,7 +363,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
                 self.assertAlmostEqual(sum((a - b) ** 2 for a, b in zip(after, before)) ** 0.5, 0.001)
                 self.assertLessEqual(sum(x * x for x in after) ** 0.5, 0.1 + 1e-12)
 
-    def testAPlaceIsCoveredWhenAllPointsAroundAreSolved(self):
+    def testAPlaceIsCoveredIfAllPointsAroundItAreSolved(self):
         numpy, h5py = needed("numpy"), needed("h5py")
         ijk = numpy.array([(i, j, k) for i in range(-2, 3) for j in range(-2, 3) for k in range(-2, 3)])
         tag = numpy.ones(len(ijk), dtype=numpy.uint8)
@@ -383,7 +383,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(inside["trilinear"].tolist(), [True, True, False, True])
         self.assertEqual(inside["tricubic"].tolist(), [True, True, False, False])
 
-    def testPointsWithoutAWeightNeedNotBeThere(self):
+    def testPointsWithoutAWeightMayBeMissing(self):
         numpy, h5py = needed("numpy"), needed("h5py")
         ijk = numpy.array([(i, j, 0) for i in range(-2, 3) for j in range(-2, 3)])
         with h5py.File(self.folder / "plane.h5", "w") as file:
@@ -403,7 +403,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
 
     # The command
 
-    def testATargetThatIsUnknownIsRefusedWithTheNamesThereAre(self):
+    def testAnUnknownTargetIsRefusedWithTheValidNames(self):
         done = subprocess.run([HERE / "run", "figure99"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 2)
         self.assertIn("no target figure99; there are table1,", done.stderr)
@@ -413,7 +413,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(done.returncode, 1)
         self.assertIn("build the targets all and benchmarks", done.stderr)
 
-    def testFiguresOfAnEarlierRunAreSaidToBeSo(self):
+    def testFiguresOfAnEarlierRunAreMarked(self):
         for file in "bin/palpate", "bench/palpate_path_forces", "kept/figures/figure6.svg":
             path = self.folder / file
             path.parent.mkdir(parents=True)
@@ -424,7 +424,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertRegex(done.stdout, "not begun in the hours that were given; of an earlier run: figure6.svg\n")
 
-    def testFilesThatATargetDoesNotMakeAgainAreSaidToBeOfAnEarlierRun(self):
+    def testFilesOfATargetFromAnEarlierRunAreMarked(self):
         record = Record(self.folder, self.folder, say=lambda text: None)
         kept = self.folder / "figures" / "figure5-mr.png"
         write_whole(kept, "")

@@ -228,7 +228,7 @@ class ExportedBox(unittest.TestCase):
 
 @needs_vtk
 class ExportedBody(ExportedBox):
-    def testOfTheVolumeIsThatOfTheDataset(self):
+    def testVolumeMatchesTheDataset(self):
         for displacement in ("P1", "P2"):
             self.build(displacement)
             file = self.export("touch.vtu", "--point", "1", "-1", "-1")
@@ -236,7 +236,7 @@ class ExportedBody(ExportedBox):
                 self.holds(grid, self.row(1, -1, -1))
                 self.holds_volume(grid, self.row(1, -1, -1))
 
-    def testOfTheSurfaceIsThatOfTheDataset(self):
+    def testSurfaceMatchesTheDataset(self):
         for displacement in ("P1", "P2"):
             self.build(displacement, stored="surface")
             file = self.export("touch.vtu", "--point", "1", "-1", "-1")
@@ -248,7 +248,7 @@ class ExportedBody(ExportedBox):
                 self.assertNotIn("det_F", grid.cell)
                 self.assertNotIn("pressure", grid.point)
 
-    def testBetweenLatticePointsIsTheirMeanAndTheForceOfQuery(self):
+    def testBetweenLatticePointsHasTheirMeanAndTheForceOfQuery(self):
         self.build()
         asked = ["--displacement", "0.0025", "0.001", "0"]
         grid = VtkGrid(self.export("touch.vtu", *asked))
@@ -298,7 +298,7 @@ class ExportedBody(ExportedBox):
         self.assertLess(np.linalg.norm(moved - (0.001, 0, -0.004)), 0.004)
         self.assertLess(moved[2], -0.001)
 
-    def testOfAWayIsASeriesWithTimes(self):
+    def testPathIsASeriesWithTimes(self):
         self.build()
         series = ElementTree.parse(self.export("press.pvd", "--displacement", "0.004", "0", "-0.003", "--steps", "4"))
         steps = series.getroot().findall("./Collection/DataSet")
@@ -310,7 +310,7 @@ class ExportedBody(ExportedBox):
             touched = grid.point["displacement"][grid.point["touched"] == 1]
             np.testing.assert_allclose(touched, np.tile([4e-3 * n / 4, 0, -3e-3 * n / 4], (len(touched), 1)), atol=1e-8)
 
-    def testInterruptedHasNoListAndNoHalfFile(self):
+    def testInterruptedLeavesNoListAndNoPartialFile(self):
         self.build()
         going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "press.pvd", "--displacement", "0.004", "0", "0",
                                   "--steps", "100000"], cwd=self.folder, stdout=subprocess.DEVNULL,
@@ -328,7 +328,7 @@ class ExportedBody(ExportedBox):
         self.assertEqual([file.name for file in files], [f"press_{n:04}.vtu" for n in range(len(files))])
         self.assertEqual(VtkGrid(files[-1]).point["displacement"].shape, VtkGrid(files[0]).points.shape)
 
-    def testInterruptedWhileItReadsReplacesNothing(self):
+    def testInterruptedWhileReadingReplacesNothing(self):
         self.build()
         (self.folder / "curve.csv").write_text("of yesterday", encoding="utf-8")
         going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "curve.csv", "--displacement", "-", "--replace"],
@@ -344,7 +344,7 @@ class ExportedBody(ExportedBox):
         going.stdin.close()
         going.stdout.close()
 
-    def testAWrongPlaceLeavesTheEarlierSeriesAsItWas(self):
+    def testAnInvalidPlaceKeepsTheEarlierSeries(self):
         self.build_scene(FINGER_SCENE, *box((6, 4, 4), 0.01))
         touch = "0.031 0.022 0.04 0 0 -0.004\n"
         self.export("press.pvd", "--at", "-", "--displacement", "-", lines=2 * touch)
@@ -362,7 +362,7 @@ class ExportedBody(ExportedBox):
         grid = VtkGrid(self.export("out.vtu", "--displacement", "0.5", "0", "0", code=3))
         self.assertEqual(np.ravel(grid.field["inside"]).tolist(), [0])
 
-    def testOfForcesIsACurveWithTheAnswersOfQuery(self):
+    def testForcesAreACurveWithTheAnswersOfQuery(self):
         self.build()
         file = self.export("curve.csv", "--displacement", "0.006", "0", "0.012", "--steps", "6", code=3)
         with open(file, newline="", encoding="utf-8") as text:

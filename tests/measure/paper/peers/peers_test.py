@@ -39,7 +39,7 @@ class LawsTest(unittest.TestCase):
         self.F = self.F[np.linalg.det(self.F) > 0.2]
         self.p = 1000 * self.random.standard_normal(len(self.F))
 
-    def testDerivativesAreThoseByDifferences(self):
+    def testDerivativesMatchDifferences(self):
         for law in MOONEY_RIVLIN, laws.Corotated(5160.0):
             H, step = self.random.standard_normal(self.F.shape), 1e-6
             here = law.at(self.F, self.p)
@@ -64,7 +64,7 @@ class LawsTest(unittest.TestCase):
 
 
 class BodyTest(unittest.TestCase):
-    def testResidualAndTangentAreThoseByDifferences(self):
+    def testResidualAndTangentMatchDifferences(self):
         for law, patch in itertools.product((MOONEY_RIVLIN, laws.Corotated(5160.0)), (False, True)):
             model = held_box(law, patch)
             random = np.random.default_rng(2)
@@ -128,7 +128,7 @@ class ReducedTest(unittest.TestCase):
         self.assertLess(many, 0.2 * few)
         self.assertLess(many, 1e-3 * np.linalg.norm(self.given.probe_force[0]))
 
-    def testConfigurationsAreMetWithAllModes(self):
+    def testAllModesReproduceTheConfigurations(self):
         model = reduced.Reduced(self.body, self.made, 26)
         for n in 5, 26:
             reached = equilibrium.newton(model, model.coordinates[n], self.given.place[n])
@@ -144,7 +144,7 @@ class ReducedTest(unittest.TestCase):
                 ends = [equilibrium.transition(model, here, here.p + sign * 1e-5 * np.eye(3)[axis]).energy for sign in (1, -1)]
                 self.assertAlmostEqual(-(ends[0] - ends[1]) / 2e-5, here.force[axis], delta=1e-4)
 
-    def testFollowingAHandWithOldTangentsAnswersTheSame(self):
+    def testFollowingAHandWithOldTangentsGivesTheSameAnswers(self):
         few = sampled.Sampled(reduced.Reduced(self.body, self.made, 4), 1e-2, states=10)
         rest = few.at_rest()
         follower, target = equilibrium.Follower(few, rest, tolerance=1e-7), self.given.probe_place[0]
@@ -175,7 +175,7 @@ class ReducedTest(unittest.TestCase):
 
 
 class NonNegativeTest(unittest.TestCase):
-    def testFindsTheFewColumnsOfWhichASumIsMade(self):
+    def testFindsTheFewColumnsOfASum(self):
         random = np.random.default_rng(3)
         A, x = random.standard_normal((200, 100)), np.zeros(100)
         x[random.permutation(100)[:7]] = 1 + random.random(7)
@@ -202,7 +202,7 @@ class NetworkTest(unittest.TestCase):
             self.skipTest(str(missing))
         self.network, self.given = network, lattice_of(held_box())
 
-    def testExportedAnswersTheSame(self):
+    def testTheExportedNetworkGivesTheSameAnswers(self):
         for kind, activation in itertools.product(self.network.KINDS, self.network.ACTIVATIONS):
             model = self.network.Model(kind, self.network.Settings(8, 3, activation, 0.01, "squared"), self.given)
             exported, places = self.network.Exported(model), self.network.data_of(self.given).place
@@ -217,7 +217,7 @@ class NetworkTest(unittest.TestCase):
 
 
 class AnswersTest(unittest.TestCase):
-    def testWhatIsNotAnsweredIsCountedAndNotAveraged(self):
+    def testMissingAnswersAreCountedAndNotAveraged(self):
         exact = np.array([[1.0, 0, 0], [2.0, 0, 0], [0, 0, 0.01]])
         told = configurations.errors(np.array([[1.1, 0, 0], [np.nan] * 3, [0, 0, 0.02]]), exact)
         self.assertEqual(told["unanswered"], 1)
@@ -227,7 +227,7 @@ class AnswersTest(unittest.TestCase):
         self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N of what counts as 0.05 N; 10 % of 1 N
         self.assertEqual(configurations.errors(np.full((3, 3), np.nan), exact)["unanswered"], 3)
 
-    def testWhatIsNotAnsweredIsWrongWithoutALimit(self):
+    def testMissingAnswersHaveAnInfiniteError(self):
         given = setting.Setting(None, None, types.SimpleNamespace(probe_force=np.array([[1.0, 0, 0], [2.0, 0, 0]])), None, 0, [], [], "")
         self.assertEqual(given.lengths_of_errors([[1.0, 2.0, 0], None]), [2.0, float("inf")])
 
@@ -244,7 +244,7 @@ class AnswersTest(unittest.TestCase):
                 self.assertEqual(rows[0][7], never)
                 self.assertAlmostEqual(rows[0][-1], 0)
 
-    def testBehindAHandTheLinearAnswerIsAsWrongAsTheWayIsLong(self):
+    def testTheErrorOfALateLinearAnswerGrowsWithTheHandsMotion(self):
         path = [[0.001 * n, 0, 0] for n in range(41)]
         force = [[place[0] ** 2, 0, 0] for place in path]
         stiffness = [np.diag([2 * place[0], 0, 0]) for place in path]
@@ -257,7 +257,7 @@ class AnswersTest(unittest.TestCase):
             self.assertAlmostEqual(quick[2] * 0.04 / speed, 40)
             self.assertEqual(stuck[2], 0)
 
-    def testWhereOneSolverNeverConvergesTheOtherIsTold(self):
+    def testTheOtherSolverIsReportedIfOneNeverConverges(self):
         record, made = unittest.mock.MagicMock(), types.SimpleNamespace(value={
             "place": [[0.0] * 3, [0.001, 0, 0]], "force": [[0.0] * 3] * 2, "stiffness": [np.zeros((3, 3))] * 2, "largest_difference": 0.0,
             "largest_difference_N": 0.0})
@@ -272,7 +272,7 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual(rates[-1][1:], [None] * (len(loop.TWO_RATES) - 1))
         record.not_measured.assert_called_once_with("here/GetFEM at two rates", "not one of its movements converged")
 
-    def testWhatConvergedInTimeIsExactAndElseWhatThereIsIsAnswered(self):
+    def testASolverAnswersExactlyIfItConvergesInTime(self):
         length = round(loop.SPEEDS[0] * loop.BUDGETS[0], 9)
         outcomes = lambda _: [(0.5e-3, lambda budget: [1, 0, 0]), (0.5, lambda budget: [3, 0, 0]), None, (None, lambda budget: [2, 0, 0])]
         first = loop.rows_of("", outcomes, lambda _: [[1, 0, 0]] * 4)[0]
