@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests deploy/container/Containerfile. ctest runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin
+"""Tests deploy/container/Containerfile. ctest runs each case separately; by hand PALPATE_BIN_DIR=build/release/bin
 tests/deploy/container_test.py."""
 import functools
 import os
@@ -32,7 +32,7 @@ def runtime_packages():
 
 
 def installed_with(packages):
-    """Returns these packages and their dependencies, as this machine knows them."""
+    """These packages and their dependencies on this machine."""
     everything = {}
     for line in output("dpkg-query", "-W", "-f", "${Package}\t${Pre-Depends}, ${Depends}\t${Provides}\t${Essential}\n").splitlines():
         name, needs, provides, essential = line.split("\t")
@@ -53,10 +53,11 @@ def installed_with(packages):
 
 @functools.cache
 def libraries():
-    """Returns the libraries that the programs of the image load here, with their packages."""
+    """The libraries that the programs of the image load here, each with its package."""
     said = "".join(output("ldd", os.path.join(PROGRAMS, program)) for program in ("palpate", "palpate-answers", "palpate-scheduler", "palpate-worker"))
     paths = {os.path.realpath(path) for path in re.findall(r"=> (/\S+)", said)}
-    # dpkg knows a file by one name only: that before or that after /lib became a link to /usr/lib.
+    # Packages list files under the path from before or after /lib became a link to /usr/lib; dpkg does not know the other
+    # path.
     names = paths | {path.removeprefix("/usr") for path in paths}
     owners = subprocess.run(["dpkg", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False).stdout
     return {path: package for package, path in re.findall(r"^([^:\s]+).*: (\S+)$", owners, re.M)}
@@ -87,7 +88,7 @@ class Container(unittest.TestCase):
             text = file.read()
         folders = re.findall(r"^add_subdirectory\((\w+)\)", text, re.M)
         self.assertEqual([folder for folder in folders if folder not in copied], [])
-        needed = re.findall(r"^include\((\S+/\S+)\)", text, re.M)  # not with OPTIONAL
+        needed = re.findall(r"^include\((\S+/\S+)\)", text, re.M)  # excludes OPTIONAL
         self.assertEqual([path for path in needed if path.split("/")[0] not in copied and path not in copied], [])
 
     def testCopiedSourcesCanBeConfigured(self):
@@ -104,7 +105,7 @@ class Container(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stdout[-1000:] + done.stderr)
 
     def testTheComponentHasTheProgramsOfTheManifests(self):
-        """What `cmake --install --component service` brings."""
+        """Compares with the files of `cmake --install --component service`."""
         cache = os.path.join(os.path.dirname(PROGRAMS), "CMakeCache.txt")
         if not os.path.exists(cache):
             self.skipTest(f"no build folder at {os.path.dirname(PROGRAMS)}: what is installed was NOT looked at")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that the verbs, options and scripts in commands of the docs exist; pages_run_test.py runs the commands. To run it:
+"""Checks that verbs, options and scripts in the documentation exist; pages_run_test.py runs the commands. By hand
 PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
 import functools
 import os
@@ -14,7 +14,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 
 
 def commands():
-    """Yields (page:line, command) for every command in a code block of the pages, without comments, with its continuation lines."""
+    """(page:line, command) for each command line in code of the pages, without comments, with its continuation lines."""
     for page in PAGES:
         fenced, pending = "", ""
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
@@ -31,7 +31,7 @@ def commands():
 
 @functools.cache
 def help_of(*verb):
-    """Returns the help of a verb, or of a verb's verb (`key new`)."""
+    """The help of a verb, or of its sub-verb (`key new`)."""
     done = subprocess.run([BIN / "palpate", *verb, "--help"], capture_output=True, text=True, check=False)
     return done.stdout if done.returncode == 0 else ""
 

@@ -13,7 +13,7 @@ VERSIONS = ("v1", "apps/v1", "networking.k8s.io/v1")
 
 
 def strict(schema):
-    """Returns a schema without descriptions that refuses unknown (misspelt) fields."""
+    """The schema without descriptions, in which unknown keys are errors."""
     if schema.get("format") == "int-or-string":
         return {"type": ["integer", "string"]}
     kept = {key: schema[key] for key in ("type", "required", "enum", "$ref") if key in schema}
@@ -50,7 +50,7 @@ def main(swagger, release):
         if name not in definitions:
             definitions[name] = strict(source[name])
             wanted += referred(definitions[name])
-    # The specification calls it a string, but numbers are valid too; only the description defines the format.
+    # The schema declares a string, but numbers are accepted too; only the description gives the format.
     definitions["io.k8s.apimachinery.pkg.api.resource.Quantity"] = {
         "type": ["number", "string"], "pattern": "^[+-]?[0-9]+([.][0-9]*)?([eE][+-]?[0-9]+|[numkMGTPE]|[KMGTPE]i)?$"}
     print("{" + json.dumps("from") + ": " + json.dumps(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the scenes of deploy/scenes that docs/gallery.md shows. ctest runs each case by itself. To run all:
+"""Checks the scenes in deploy/scenes and their page docs/gallery.md. ctest runs each case separately; by hand
 PALPATE_BIN_DIR=build/release/bin PALPATE_LONG_TESTS=1 tests/deploy/gallery_test.py."""
 import json
 import os
@@ -60,7 +60,7 @@ class Gallery(unittest.TestCase):
             self.assertIn(f"gallery-{name}.png", page)
 
     def testThePageFitsAPhone(self):
-        """Values were once cut off at its right edge."""
+        """Regression: values were cut off at the right edge."""
         if not shutil.which("chromium"):
             self.skipTest("NOT TESTED: chromium is not installed")
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -121,7 +121,8 @@ class GalleryRun(unittest.TestCase):
 
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds datasets: set PALPATE_LONG_TESTS=1")
 class GalleryPromise(unittest.TestCase):
-    """Compares whole bodies with held-out exact solutions. tests/viewer/report has parts of the liver and the dome."""
+    """Compares whole bodies with held-out exact solutions. tests/viewer/report does so for parts of the liver and the
+    dome."""
 
     def holds(self, name, kept, bound):
         with tempfile.TemporaryDirectory() as folder:

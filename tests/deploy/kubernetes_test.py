@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests deploy/kubernetes and the commands in docs/operating.md. ctest runs each case by itself."""
+"""Checks deploy/kubernetes and its section in docs/operating.md. ctest runs each case separately."""
 import copy
 import os
 import re
@@ -13,7 +13,7 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 
 
 def typed():
-    """Returns the commands of the section: those that set up, and those for later."""
+    """The commands of the section: those for setting up, and those for later use."""
     section = manifests.read(f"{ROOT}/docs/operating.md").split("\n## On Kubernetes\n")[1].split("\n## ")[0]
     blocks = re.findall(r"(?:^    .*\n)+", section, re.M)
     return [re.sub(r"^    ", "", block, flags=re.M) for block in blocks]
@@ -24,7 +24,7 @@ def liver():
 
 
 def change(value, *path):
-    """Returns a function that sets the value at a path, or removes it if the value is None."""
+    """Sets the value at a path, or removes it if the value is None."""
     def apply(entry):
         *ways, last = path
         for way in ways:
@@ -38,7 +38,7 @@ def change(value, *path):
 
 POD = ("spec", "template", "spec")
 MAIN = (*POD, "containers", 0)
-# Mistakes in the manifests: kind of the object, the change, and a part of the expected fault.
+# Mistakes in the manifests: the object, the change, and a part of the expected message.
 MISTAKES = {
     "a word is misspelt": ("Deployment", change({}, *MAIN, "resource"), "resource"),
     "a number is a text": ("Deployment", change("4", "spec", "replicas"), "'4' is not of type 'integer'"),

@@ -1,5 +1,5 @@
-"""Builds Kubernetes manifests as kustomize would, and finds their faults: against the schema of the kind, between ports, times
-and cores, and in the permissions of pods."""
+"""Kubernetes manifests as kustomize would make them, and checks of them: against their schemas, for consistent ports,
+times and cores, and for the privileges of pods."""
 import json
 import os
 import re
@@ -16,8 +16,8 @@ def read(path):
 
 
 def built(folder):
-    """Returns the objects of a folder with a kustomization.yaml. Supports only the features of kustomize that ours use, without
-    hash suffixes. Raises ValueError for other features."""
+    """The objects of a folder with a kustomization.yaml. Supports the part of kustomize that the project uses, without
+    hash suffixes of names. Raises ValueError for anything else."""
     kustomization = yaml.safe_load(read(os.path.join(folder, "kustomization.yaml")))
     unknown = set(kustomization) - {"apiVersion", "kind", "namespace", "resources", "configMapGenerator"}
     if unknown:
@@ -61,12 +61,12 @@ def words_of(container):
 
 
 def after(option, words):
-    """Returns the word after an option; None if the option is absent."""
+    """The word after an option; None without it."""
     return words[words.index(option) + 1] if option in words[:-1] else None
 
 
 def component(objects, name):
-    """Returns the workload of a component: scheduler or worker."""
+    """The only workload that is the scheduler, or the worker."""
     return next(w for w in workloads(objects)
                 if w["spec"]["template"]["metadata"]["labels"].get("app.kubernetes.io/component") == name)
 
@@ -88,7 +88,7 @@ def schema_faults(objects):
 # ---- Consistency ----
 
 def ports_in(objects):
-    """Returns every place that names the scheduler's port, with its value."""
+    """Every place that names the port of the scheduler, with its value."""
     scheduler, worker = component(objects, "scheduler"), component(objects, "worker")
     serve, work = containers_of(scheduler)[-1], containers_of(worker)[-1]
     yield "--listen", int(after("--listen", words_of(serve)).rsplit(":", 1)[1])
@@ -115,7 +115,7 @@ def agreement_faults(objects, sources):
     host = re.fullmatch(r"tcp://([\w-]+):\d+", after("--connect", words_of(work)))
     if not host or host[1] != scheduler["spec"]["serviceName"]:
         yield "workers do not connect to the Service of the scheduler"
-    # Constants of the programs, from their sources. The test fails if one is not found.
+    # Defaults of the programs, from their sources: a missing constant fails the test.
     served_build = read(os.path.join(sources, "scheduler/verbs/served_build.hpp"))
     serve_command = read(os.path.join(sources, "scheduler/verbs/serve_command.cpp"))
     drain = int(re.search(r"std::chrono::seconds drain_limit\{(\d+)\}", served_build)[1])
@@ -160,5 +160,5 @@ def privilege_faults(objects):
 
 def faults(objects, sources):
     wrong = list(schema_faults(objects))
-    # If an object does not match its schema, skip the other checks.
+    # Objects that do not match their schema are not checked further.
     return wrong or [*agreement_faults(objects, sources), *privilege_faults(objects)]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests deploy/packages, manual pages, completion and the site. deploy/demo --packages tries the packages in a bare Debian. ctest
-runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin tests/deploy/packages_test.py."""
+"""Checks deploy/packages, manual pages, completion and the site. deploy/demo --packages tries the packages in a bare
+Debian. ctest runs each case separately; by hand PALPATE_BIN_DIR=build/release/bin tests/deploy/packages_test.py."""
 import gzip
 import html.parser
 import os
@@ -72,7 +72,7 @@ class Packages(unittest.TestCase):
         output(ROOT / "deploy/manual_pages", BIN, self.folder)
         pages = {path.name: gzip.open(path, "rt", encoding="utf-8").read() for path in self.folder.glob("*/*.1.gz")}
         for verb in verbs():
-            if verb == "verify":  # is a program of its own
+            if verb == "verify":  # a separate program
                 continue
             page = pages[f"palpate-{verb}.1.gz"]
             self.assertIn(f".TH PALPATE-{verb.upper()}", page)
@@ -132,7 +132,7 @@ class Site(unittest.TestCase):
         self.assertGreater(len(pages), len(list((ROOT / "docs").rglob("*.md"))))
         wrong = []
         for page, found in pages.items():
-            if page.name == "404.html":  # its links work only on a server
+            if page.name == "404.html":  # its links start at the root of a server
                 continue
             for link in found.links + found.loads:
                 parts = urllib.parse.urlsplit(link)

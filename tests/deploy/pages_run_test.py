@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs the commands of the docs page by page. Each page has a folder with small bodies under the names that it uses; all pages
-share a network namespace. ELSEWHERE lists the commands that cannot run here, with reasons. The tutorial and docs/python.md
-have tests of their own. To run it: PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
+"""Runs the commands of the pages unchanged, page by page. Each page has its own folder, with small bodies under the names
+that it uses, and its own network. ELSEWHERE lists the commands that cannot run here, with the reason. The tutorial and
+docs/python.md have their own tests. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
 import importlib.util
 import os
 import pathlib
@@ -23,7 +23,7 @@ from virtual_screen import virtual_screen
 PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
          "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md", "docs/failures.md",
          "docs/tissues.md", "docs/accuracy.md", "docs/faq.md")
-# Commands that are not run here, with reasons.
+# Commands that are not run here, and why.
 ELSEWHERE = {
     r"--device haply": "needs the device",
     r"plugin:\./touch\.so": "is the reader's own: that of docs/devices.md is compiled here",
@@ -50,7 +50,7 @@ radius = 0.03"""
 
 
 def box_surface(x=100, y=130, z=100):
-    """Returns the surface of a box, mm, as STL."""
+    """The surface of a box in millimetres, as STL."""
     corners = [(i, j, k) for i in (0, x) for j in (0, y) for k in (0, z)]
     faces = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
              (1, 5, 7), (1, 7, 3))
@@ -61,7 +61,7 @@ def box_surface(x=100, y=130, z=100):
 
 
 class Bodies:
-    """Small scenes, datasets and meshes, made once, under all names that pages use."""
+    """Small scenes, datasets and meshes, created once, under all the names that pages use."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -75,7 +75,7 @@ class Bodies:
         metres = "import meshio; m = meshio.read('organ.msh'); m.points *= 1e-3; m.write('block.msh', file_format='gmsh22', binary=False)"
         self.said.append(subprocess.run([sys.executable, "-c", metres], cwd=folder, check=False, capture_output=True, text=True))
         self.scene("liver", TIP, 0.03, 0.01)
-        self.scene("long", TIP, 0.03, 0.0008)  # a long build, for commands that watch it
+        self.scene("long", TIP, 0.03, 0.0008)  # lasts as long as it is watched
         self.scene("skin", SKIN, 0.01, 0.01)
         for name in ("liver", "skin"):
             self.said.append(run("build", f"{name}.toml", "-o", f"{name}.h5", "-q", "-j", "2"))
@@ -95,7 +95,7 @@ class Bodies:
 
 
 class Machine:
-    """A screen, and a network namespace with loopback only."""
+    """A screen, and a separate network with loopback only."""
 
     def __init__(self, display):
         self.display = display
@@ -111,7 +111,7 @@ class Machine:
 
 
 class Reader:
-    """A reader who follows a page, in a folder of his own."""
+    """Follows a page in a separate folder."""
 
     def __init__(self, folder, bodies, machine):
         self.folder, self.bodies, self.machine = folder, bodies, machine
@@ -126,7 +126,7 @@ class Reader:
         self.stop_server()
 
     def follow(self, command):
-        """Runs a command. Returns what went wrong; empty if nothing did."""
+        """The error of the command, or nothing."""
         for name, stands in STANDS_FOR:
             command = re.sub(name, stands, command)
         self.lay_out(command)
@@ -138,7 +138,7 @@ class Reader:
             elif re.search(ENDLESS, command):
                 self.watch(command)
             else:
-                self.run(command, (0, 1) if "doctor" in command else (0, 3))  # doctor: 1, something is missing; others: 3, outside or failed
+                self.run(command, (0, 1) if "doctor" in command else (0, 3))  # missing parts of a machine; points outside or failed
                 if command.startswith("palpate stop"):
                     if self.server is None:
                         raise RuntimeError("stops what does not run")
@@ -148,10 +148,10 @@ class Reader:
         return ""
 
     def lay_out(self, command):
-        """Restores all files, and removes those with the names of the command's outputs."""
+        """Restores all files, without results of earlier commands under the same name."""
         shutil.copytree(self.bodies.folder, self.folder, dirs_exist_ok=True)
         verb = command.split()[1]
-        if verb == "serve" or "skin" in command:  # the pages use the names liver and organ also for these
+        if verb == "serve" or "skin" in command:  # other names of the liver or organ in the pages
             other = "long" if verb == "serve" else "skin"
             for name in ("liver", "organ"):
                 shutil.copy(self.folder / f"{other}.toml", self.folder / f"{name}.toml")
@@ -182,7 +182,7 @@ class Reader:
         return said
 
     def watch(self, command):
-        """Runs a command for a second, and stops it."""
+        """Runs for a second and ends on request."""
         process = self.start(command)
         try:
             time.sleep(1)
@@ -190,7 +190,7 @@ class Reader:
             said = process.communicate(timeout=60)[0]
         finally:
             process.kill()
-        if process.returncode not in (0, 130, -signal.SIGINT):  # SIGINT if it was still loading
+        if process.returncode not in (0, 130, -signal.SIGINT):  # the last code if it is still loading
             raise RuntimeError(f"exit code {process.returncode}: {said[-600:]}")
 
     def serve(self, command):
@@ -214,7 +214,7 @@ class Reader:
 
 
 class PagesInPython(unittest.TestCase):
-    """Runs the Python code of the pages on files that Palpate makes."""
+    """Runs Python code of the pages that reads Palpate's files."""
 
     def setUp(self):
         if palpate is None:

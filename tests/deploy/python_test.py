@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the Python package of deploy/python on datasets that the programs build here. ctest runs each suite by itself. To run
-all: PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
+"""Tests deploy/python, the Python package, on datasets that the programs build here. ctest runs each suite separately; by
+hand PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
 import contextlib
 import copy
 import dataclasses
@@ -103,7 +103,8 @@ class PythonQueries(WithDatasets):
         for thread in threads:
             thread.join()
         self.assertEqual(equal, [True] * 3)
-        # With a switch interval of 1000 s, another thread runs only while this one releases the lock: during the call.
+        # With a switch interval of 1000 s, another thread only runs while this one releases the interpreter: during the
+        # call.
         held, ran, interval = threading.Lock(), [], sys.getswitchinterval()
         with held:
             other = threading.Thread(target=lambda: held.acquire() and ran.append(True))
@@ -225,7 +226,7 @@ class PythonFingers(WithDatasets):
         p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.104), (0.045, 0.052, 0.1)])
         answers = dataset.query(p, at=at)
         self.assertEqual((answers.force.shape, answers.drive.shape, answers.triangle.shape), ((2, 3), (2, 3), (2,)))
-        np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest place on the surface
+        np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest point of the surface
         self.assertTrue(answers.inside.all() and (answers.force[:, 2] > 0).all())
         np.testing.assert_allclose(answers.distance, (0.004, 0), atol=1e-12)
         away = dataset.query(p, at=1e3 * at)  # given in millimetres by mistake
@@ -394,7 +395,7 @@ class PythonPackage(WithDatasets):
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*" + text)
         other = self.folder / "arm.so"
-        other.write_bytes(LIBRARY.read_bytes()[:18] + b"\xb7\0" + LIBRARY.read_bytes()[20:])  # its header names AArch64
+        other.write_bytes(LIBRARY.read_bytes()[:18] + b"\xb7\0" + LIBRARY.read_bytes()[20:])  # its header says AArch64
         done = self.run_python("-c", "import palpate", PALPATE_LIBRARY=str(other))
         self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*arm.so.*Install libpalpate0")
 

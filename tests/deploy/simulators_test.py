@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests deploy/examples/mujoco and dart: a robot's finger palpates a body, and the forces must be those of the dataset. ctest
-runs each suite by itself. To run all: PALPATE_BIN_DIR=build/release/bin tests/deploy/simulators_test.py."""
+"""Tests deploy/examples/mujoco and dart: a robot's finger palpates a body with the forces of a dataset. ctest runs each
+suite separately; by hand PALPATE_BIN_DIR=build/release/bin tests/deploy/simulators_test.py."""
 import ctypes.util
 import importlib.util
 import subprocess
@@ -15,12 +15,12 @@ DEPTH = 0.004  # m
 
 
 class WithAFinger(WithDatasets):
-    """The examples print lines of numbers: time, depth (mm), force (N) of the tissue, force felt in the joints, and bound."""
+    """Reads the printed lines of numbers: time, depth (mm), forces (N) of the tissue and felt in the joints, bound."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        # A patch, because a finger does not press a single node into the body.
+        # The finger pushes a patch of the body, not a single node.
         cls.patch = cls.build("patch", TIP.replace("0.1]\n[[", "0.1]\nradius = 0.03\n[[", 1), 0.02, 0.01)
 
     def followsTheDataset(self, done):
@@ -30,18 +30,18 @@ class WithAFinger(WithDatasets):
         values = np.array([[float(word) for word in line[:9]] for line in lines])
         depth, tissue, felt, bound = values[:, 1], values[:, 2:5], values[:, 5:8], values[:, 8]
         self.assertGreaterEqual(len(lines), 40)
-        # The finger comes from outside, presses, and leaves.
+        # The finger approaches, presses, and leaves.
         self.assertEqual(touching.tolist(), (depth > 0).tolist())
         self.assertFalse(touching[0] or touching[-1])
         self.assertGreater(depth.max(), 0.5)
         self.assertTrue((tissue[~touching] == 0).all())
-        # The force is that of the dataset at the place of the finger; the printed depth has three digits.
+        # The force equals that of the dataset at the finger's position; the printed depth has three digits.
         dataset = palpate.Dataset(self.patch)
         pressed = depth > 0.2
         expected = dataset.query(-1e-3 * depth[pressed, None] * [0, 0, 1], active="tip")
         np.testing.assert_allclose(tissue[pressed], expected.force, rtol=0.01, atol=5e-3)
         self.assertTrue((bound[pressed] > 0).all())
-        # The estimate of a robot without a force sensor.
+        # The force that a robot without a force sensor estimates.
         np.testing.assert_allclose(felt[pressed], tissue[pressed], atol=5e-3)
 
 

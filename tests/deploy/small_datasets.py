@@ -1,4 +1,4 @@
-"""Small datasets that the programs build here, for tests of Python code that reads them."""
+"""Small datasets that the programs build here, for tests of their readers in Python."""
 import os
 import pathlib
 import subprocess
@@ -18,12 +18,12 @@ sys.path[:0] = [str(PACKAGE), str(ROOT / "tests" / "support")]
 try:
     import h5py
     from kuhn_box import box, write_gmsh
-    # The sanitizer's run-time must be loaded first, or it ends Python.
+    # The sanitizer's run-time must be loaded first; otherwise it ends Python.
     if any(name in LIBRARY.read_bytes() for name in (b"__asan_init", b"__tsan_init")):
         raise ImportError(f"NOT TESTED: {LIBRARY} has a sanitizer in it")
     import palpate
     missing = ""
-except (ImportError, OSError) as error:  # deploy/install-packages --tests installs NumPy and h5py
+except (ImportError, OSError) as error:  # NumPy and h5py belong to the packages of the tests
     palpate, missing = None, str(error)
 
 SCENE = """name = "{name}"
@@ -55,7 +55,7 @@ radius = 0.02
 
 
 class WithDatasets(unittest.TestCase):
-    """Has a dataset `file` in `folder`: a cube of 10 cm with active nodes "tip" and "rim"."""
+    """A cube of 10 cm, touched at "tip" and "rim", in `file` of `folder`."""
 
     @classmethod
     def setUpClass(cls):

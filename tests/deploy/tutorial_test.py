@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs docs/tutorial.md command by command: as it is with PALPATE_LONG_TESTS (ten minutes), otherwise with a coarser mesh. To run
-it: PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
+"""Runs docs/tutorial.md command by command: unchanged with PALPATE_LONG_TESTS (ten minutes), otherwise with a coarser
+mesh. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
 import os
 import pathlib
 import re
@@ -12,7 +12,7 @@ import unittest
 
 from small_datasets import BIN, ENVIRONMENT, LIBRARY, ROOT, missing, palpate
 
-SOME_POINTS_FAILED = 3  # exit code of a build, which the page mentions
+SOME_POINTS_FAILED = 3  # exit code of a build, explained on the page
 
 
 class FirstPages(unittest.TestCase):
@@ -37,7 +37,7 @@ class FirstPages(unittest.TestCase):
                     name = re.search(r'^name = "(.*)"|^/\* (\w+)\.c:', text, re.M)
                     pathlib.Path(folder, f"{name[1] or name[2]}.{language}").write_text(text, encoding="utf-8")
                     continue
-                # Use the sources like an installation.
+                # As on a machine with Palpate installed.
                 text = text.replace("/usr/share/palpate/scenes", str(ROOT / "deploy/scenes"))
                 text = text.replace("/usr/share/doc/palpate/examples", str(ROOT / "deploy/examples"))
                 for step in text.splitlines() if language == "sh" else [text]:

@@ -1,9 +1,9 @@
 """Plants defects in copies of the service's sources, each behind planted("name"), for the simulation to find.
 
-    plant.py --list                         names and what they are, as a C++ initialiser
+    plant.py --list                         names and descriptions, as a C++ initialiser
     plant.py SOURCE COPY                    SOURCE is below the folder of the project
 
-A defect whose text is not there any more is an error: it must be planted anew, or left out with a reason.
+A defect whose source text has changed is an error: update it, or remove it with a reason.
 """
 
 import pathlib
@@ -20,7 +20,7 @@ SECONDS = "scheduler/service/second_solves.cpp"
 CHECKS = "scheduler/service/spot_checks.cpp"
 SESSION = "worker/link/worker_session.cpp"
 
-# name, what it is, source, text, text with the defect; @ stands for planted("name")
+# name, description, source, text, text with the defect; @ stands for planted("name")
 DEFECTS = [
     ("acknowledge-before-sync", "results are acknowledged that are not on disk", STORE,
      "  journal_.sync();\n  for", "  if (!@) journal_.sync();\n  for"),
@@ -95,7 +95,7 @@ def copy_with_defects(source: pathlib.Path) -> str:
     for name, _, file, old, new in DEFECTS:
         if not source.as_posix().endswith("/" + file):
             continue
-        # Behind a defect that was planted at the same place before, the text is there once still.
+        # If another defect was planted at the same place before, the text still occurs once in it.
         if text.count(old) != 1:
             sys.exit(f"{file}: the text of the defect {name} is there {text.count(old)} times, not once:\n{old}")
         text = text.replace(old, new.replace("@", f'::palpate::simulation::planted("{name}")'))

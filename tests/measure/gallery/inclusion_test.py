@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Finds a ball in the skin of deploy/scenes from forces alone (docs/gallery.md). ctest runs each case by itself. To run all:
+"""Finds a ball in the skin of deploy/scenes from forces alone (docs/gallery.md). ctest runs each case separately; by hand
 PALPATE_BIN_DIR=build/release/bin PALPATE_LONG_TESTS=1 tests/measure/gallery/inclusion_test.py."""
 import json
 import os
@@ -14,7 +14,7 @@ import unittest
 try:
     import numpy as np
     import palpation
-except ImportError:  # deploy/install-packages --tests installs NumPy and SciPy
+except ImportError:  # NumPy and SciPy belong to the packages of the tests
     np = palpation = None
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -37,14 +37,14 @@ class Inclusion(unittest.TestCase):
     the block without a ball, before the other place was tried.
     """
 
-    DEPTH = 0.003  # m, depth of the presses
+    DEPTH = 0.003  # m, of each press
     REACH = 0.028  # m from the middle of the block
 
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def felt(self, scene):
-        """Returns what the finder finds in a scene whose mesh is in the folder."""
+        """What the finder feels under the skin of a scene whose mesh is in the folder."""
         scene = re.sub(r'surface = "all"', "surface = { box = { lowest = [-0.031, -0.031, 0.0199], "
                        "highest = [0.031, 0.031, 0.0201] } }", scene)
         scene = re.sub(r"(?s)\[workspace\].*?(?=\[device\])", "[workspace]\nradius = 0.004\nspacing = 0.004\n\n", scene)
@@ -72,7 +72,7 @@ class Inclusion(unittest.TestCase):
         self.assertEqual(made.returncode, 0, made.stdout)
 
     def truth(self):
-        """Returns the centre of the ball in the mesh, and its depth, m."""
+        """Centre of the ball in the mesh, and its depth, m."""
         from layers import read_mesh, volumes
         points, tetrahedra, group, names = read_mesh(self.folder / "skin.msh")
         ball = tetrahedra[[names[number] == "inclusion" for number in group]]

@@ -14,18 +14,18 @@ import scipy.optimize
 import scipy.sparse
 import scipy.sparse.linalg
 
-STEP = 0.0005  # m: elements of the healthy skin
+STEP = 0.0005  # m: element size in the healthy skin
 FAR = 0.036  # m: radius of the healthy skin
 POISSON = 0.4995
-RADIUS = 0.005  # m, assumed radius of the balls; the shape of the bump hardly depends on it
+RADIUS = 0.005  # m: assumed radius of balls; the shape of the bump hardly depends on it
 FELT = 0.07
 
 
 @dataclasses.dataclass
 class Felt:
-    place: np.ndarray  # x, y of the centre, m
+    place: np.ndarray  # x, y of the found centre, m
     depth: float  # depth of the centre, m
-    height: float  # height of the bump: increase of the stiffness above the ball, as a share of the stiffness without
+    height: float  # height of the bump: increase of the stiffness over the ball, relative to the skin without it
 
     @property
     def found(self):
@@ -34,7 +34,7 @@ class Felt:
 
 
 def weight(r, radius):
-    """Returns the weight of a finger at the distance r from its centre."""
+    """Weight of a finger at distance r from its middle."""
     return np.where(r < radius, (1 - (r / radius) ** 2) ** 2, 0)
 
 
@@ -54,9 +54,9 @@ def strain_matrices(r, z, corner_r, corner_z):
 
 
 def healthy_strain(layers, finger):
-    """Returns e:e as an interpolant of points (r, depth), in skin of `layers`, (thickness m, shear modulus Pa) from the top, on a
-    rigid base, when the weighted mean displacement under a finger of the given radius is 1. The elements are rectangles whose
-    dilatation is averaged (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
+    """e:e over (r, depth) in skin of `layers`, (thickness m, shear modulus Pa) from above, on rigid ground, for a
+    weighted mean displacement of 1 under a finger of that radius; an interpolant of points (r, depth). Rectangles with
+    averaged dilatation (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
     thickness = sum(thick for thick, _ in layers)
     columns, rows = round(FAR / STEP), round(thickness / STEP)
     r, z = np.arange(columns + 1) * STEP, np.arange(rows + 1) * STEP  # z upward from the base
@@ -69,7 +69,7 @@ def healthy_strain(layers, finger):
     shear = np.diag([2, 2, 2, 1.0])
     volumetric = np.array([1, 1, 1, 0.0])
 
-    unit, strains = [], []  # of an element with unit shear modulus in each column; rows differ only by the modulus
+    unit, strains = [], []  # for an element of unit shear modulus in each column; elements of a row differ only in the modulus
     for i in range(columns):
         points = [(r[i] + a, b) for a in gauss for b in gauss]
         b = [strain_matrices(at_r, at_z, (r[i], r[i + 1]), (0, STEP)) for at_r, at_z in points]
@@ -86,7 +86,7 @@ def healthy_strain(layers, finger):
     at = np.broadcast_arrays(unknowns[..., :, None], unknowns[..., None, :])
     stiffness = scipy.sparse.csr_matrix((values.ravel(), (at[0].ravel(), at[1].ravel())))
 
-    load = np.zeros(stiffness.shape[0])  # normalised to a total of 1, with the weight of the finger
+    load = np.zeros(stiffness.shape[0])  # unit total load, distributed by the finger's weight
     for i in range(columns):
         for at_r in r[i] + gauss:
             share = weight(at_r, finger) * 2 * np.pi * at_r * STEP / 2
@@ -112,7 +112,7 @@ def healthy_strain(layers, finger):
 
 
 def ball_points(count=200):
-    """Returns evenly spaced points in the unit ball (count x 3), always the same."""
+    """The same evenly distributed points in the unit ball (count x 3) each time."""
     i = np.arange(count) + 0.5
     radius, polar = (i / count) ** (1 / 3), np.arccos(1 - 2 * ((i * 0.6180339887) % 1))
     turn = 2 * np.pi * i * 0.7548776662
@@ -121,7 +121,7 @@ def ball_points(count=200):
 
 
 def mean_strain(strain, r, depth):
-    """Returns <e:e> over a ball with its centre at a depth, at distances r from the finger."""
+    """<e:e> over a ball with its centre at `depth`, at distances r from the finger."""
     offsets = RADIUS * ball_points()
     along = np.hypot(r[:, None] + offsets[:, 0], offsets[:, 1])
     deep = np.broadcast_to(depth + offsets[:, 2], along.shape)
@@ -148,7 +148,7 @@ def feel(places, stiffness, layers, finger, half):
     smooth = smooth_columns(places, half)
 
     def fitted(ball):
-        """Returns the bump of a ball at (x, y, depth), scaled to fit, the smooth part, and the residual of both."""
+        """The bump of a ball at (x, y, depth), its height, the smooth part, and the residual of both."""
         bump = mean_strain(strain, np.hypot(*(places - ball[:2]).T), ball[2])
         columns = np.column_stack([bump, smooth])
         solution = np.linalg.lstsq(columns, stiffness, rcond=None)[0]

@@ -36,7 +36,7 @@ CONSTRAINT = " - p*log(Det(F))"
 
 
 class Scene:
-    """Points, tetrahedra, parts, fibres and fixed nodes of a scene whose mesh is a Gmsh file of version 2.2."""
+    """Points, tetrahedra, parts, fibres and fixed nodes of a scene file with a Gmsh 2.2 mesh."""
 
     def __init__(self, file):
         self.text = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -77,7 +77,7 @@ class Scene:
         return next((region for region in self.text.get("region", []) if region["group"] == part), None) or self.text["material"]
 
     def finger(self, place, radius, parts=40):
-        """Returns node weights: surface integrals of shape functions times the bump, by midpoints of small triangles."""
+        """Weights of the nodes: surface integrals of shape functions times the bump, by the midpoints of small triangles."""
         i, j = np.array([(i, j) for i in range(parts) for j in range(parts - i)]).T
         up = np.stack([i + 1 / 3, j + 1 / 3], axis=1)
         down = np.stack([i + 2 / 3, j + 2 / 3], axis=1)[i + j < parts - 1]
@@ -115,7 +115,7 @@ class Body:
         self.rest = None
 
     def build(self, tool=None):
-        """Makes the model at rest, with a finger of these weights (n) or without one."""
+        """The model at rest, with the finger of these weights (n) or without one."""
         model = self.model = getfem.Model("real")
         model.add_fem_variable("u", self.u)
         model.add_fem_variable("p", self.p)
@@ -195,7 +195,7 @@ class Body:
         self.rest = {name: self.model.variable(name).copy() for name in ("u", "p", "held")}
 
     def force(self, weights, displacement, steps=8):
-        """Returns the force of the tissue on the finger after a displacement; None if Newton does not converge."""
+        """Force of the tissue on the displaced finger; None if Newton does not converge."""
         self.build(weights)
         for step in range(steps):
             self.model.set_private_rhs(self.tool, self.mean_at_rest + np.asarray(displacement) * (step + 1) / steps)
@@ -211,7 +211,7 @@ def asked(verb, file, active, touches):
 
 
 def touches_of(scene, count, depth):
-    """Returns places all over the surface with displacements that push and slide, always the same."""
+    """The same places all over the surface, with displacements that push and slide, each time."""
     random = np.random.default_rng(1)
     points, result = scene.points, []
     middle = points.mean(axis=0)
@@ -238,7 +238,7 @@ def main():
     (active,) = scene.text["active"]
     touches = touches_of(scene, given.touches, 0.6 * scene.text["workspace"]["radius"])
     interpolated = asked("query", given.dataset, active["name"], touches)
-    most = 3.3  # N, limit of the device
+    most = 3.3  # N: the limit of the device
     kept = [(touch, answer) for touch, answer in zip(touches, interpolated)
             if answer["inside"] and np.linalg.norm(answer["force"]) < most][:given.touches]
     exact = asked("solve", given.scene, active["name"], [touch for touch, _ in kept])

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Tests palpate export by reading the files as users do, with VTK, meshio and ParaView, and compares them with the dataset. ctest
-runs each case by itself. To run all: PALPATE_BIN_DIR=build/release/bin tests/viewer/export/export_test.py."""
+"""Reads the files of palpate export with VTK, meshio and ParaView, and compares them with the numbers of the dataset.
+ctest runs each case separately; by hand PALPATE_BIN_DIR=build/release/bin tests/viewer/export/export_test.py."""
 import csv
 import itertools
 import json
@@ -23,7 +23,7 @@ try:
     import h5py
     import numpy as np
     from kuhn_box import box, write_gmsh
-except ImportError:  # deploy/install-packages --tests installs them
+except ImportError:  # belongs to the packages of the tests
     h5py = np = None
 try:
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -69,7 +69,7 @@ displacement = "{stored}"
 """
 
 
-# A finger touches the top of a box of smaller cubes.
+# The top of a box of smaller cubes, touched by a finger.
 FINGER_SCENE = """mesh = "box.msh"
 [material]
 law = "mooney-rivlin"
@@ -91,7 +91,7 @@ displacement = "all"
 
 
 class VtkGrid:
-    """A grid as VTK reads it: points, cells (one row each), cell_type, and arrays by name."""
+    """A grid read by VTK: points, cells (one row each), cell_type, and arrays by name."""
 
     def __init__(self, file):
         reader = vtkXMLUnstructuredGridReader()
@@ -122,7 +122,7 @@ class MeshioGrid:
 
 
 def slopes(x):
-    """Returns the derivatives of the ten quadratic shape functions by the barycentric coordinates, at x."""
+    """Gradients of the ten quadratic shape functions with respect to the barycentric coordinates, at x."""
     rows = np.zeros((10, 4))
     for n in range(4):
         rows[n, n] = 4 * x[n] - 1
@@ -132,8 +132,7 @@ def slopes(x):
 
 
 def places_of_solver():
-    """Returns the barycentric coordinates at which the solver checks det F of a quadratic element: Stroud's rule T3:5-1, and
-    nodes."""
+    """Barycentric coordinates at which the solver evaluates det F of a quadratic element: Stroud's rule T3:5-1 and nodes."""
     root = np.sqrt(15)
     a, b, c = (7 + root) / 34, (7 - root) / 34, (5 - root) / 20
     orbits = [(0.25,) * 4, (a, a, a, 1 - 3 * a), (b, b, b, 1 - 3 * b), (c, c, 0.5 - c, 0.5 - c), (1, 0, 0, 0),
@@ -149,7 +148,7 @@ def jacobian(nodes, x):
 
 
 def det_F(rest, moved, places):
-    """Returns the smallest determinant of F, the Jacobian of the deformed element times the inverse of that at rest."""
+    """F is the Jacobian of the deformed element times the inverse of that at rest; returns its smallest determinant."""
     return min(np.linalg.det(jacobian(moved, x) @ np.linalg.inv(jacobian(rest, x))) for x in places)
 
 
@@ -175,7 +174,7 @@ class ExportedBox(unittest.TestCase):
         return self.folder / name
 
     def row(self, *point):
-        """Returns the row of a lattice point in /points."""
+        """The row of a lattice point in /points."""
         (row,) = np.flatnonzero((self.dataset["points/ijk"][:] == np.multiply(
             point, int(self.dataset["points"].attrs["divisions"]))).all(axis=1))
         return row
@@ -184,7 +183,7 @@ class ExportedBox(unittest.TestCase):
         return self.dataset["points/" + name][row]
 
     def holds(self, grid, row):
-        """Checks that a grid has the configuration of a row of /points, in all its data."""
+        """Checks that a grid has the configuration of a row of /points."""
         mesh, stored = self.dataset["mesh"], self.dataset["mesh/stored_nodes"][:]
         np.testing.assert_array_equal(grid.points, mesh["points"][:][stored])
         np.testing.assert_array_equal(grid.point["displacement"], self.of_point("displacement", row))
@@ -199,7 +198,7 @@ class ExportedBox(unittest.TestCase):
         self.assertEqual(grid.field["inside"].item(), 1)
 
     def holds_volume(self, grid, row):
-        """Checks that the elements are those of the mesh, with positive volume and the defined det F."""
+        """Checks that its elements are those of the mesh, with positive volume and the det F of the definition."""
         mesh = self.dataset["mesh"]
         tetrahedra = mesh["tetrahedra"][:]
         np.testing.assert_array_equal(grid.cells[:, :4], tetrahedra)
@@ -380,7 +379,7 @@ class ExportedBody(ExportedBox):
         self.assertEqual([line["inside"] for line in lines], ["1"] * 5 + ["0"] * 2)
 
 
-# Does what a user does in ParaView, and prints the results.
+# The steps of a person in ParaView; prints the results.
 PARAVIEW = """
 import sys
 from paraview import simple

@@ -48,7 +48,7 @@ class Push:
             self.mesh.add_convex(shape, points[element].T)
         middles = points[tetrahedra].mean(1)
         parts = np.zeros(len(middles), int) if stiff is None else stiff(middles).astype(int)
-        # GetFEM numbers elements in the order of their addition.
+        # GetFEM numbers elements in the order in which they were added.
         for part in range(parts.max() + 1):
             self.mesh.set_region(part + 1, np.array([np.where(parts == part)[0], -np.ones((parts == part).sum())], int))
         self.kept = []
@@ -103,7 +103,7 @@ STEP = 0.5e-3  # m
 
 
 def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, step=STEP):
-    """Soft tissue without fibres. taper: width of the top relative to the bottom."""
+    """Soft tissue without fibres; `taper`: width of the top relative to the bottom."""
     points, tetrahedra = box(size, cells)
     share = 1 - (1 - taper) * points[:, 2:] / size[2]
     points[:, :2] = np.array(size[:2]) / 2 + share * (points[:, :2] - np.array(size[:2]) / 2)
