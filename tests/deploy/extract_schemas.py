@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Makes kubernetes-schemas.json from the swagger.json of a Kubernetes release: strict schemas of the kinds in deploy/kubernetes.
+"""Makes kubernetes-schemas.json from the swagger.json of a Kubernetes release: strict schemas of the kinds in
+deploy/kubernetes.
 
   extract_schemas.py swagger.json 1.20.2 > kubernetes-schemas.json
 
-The shipped file is from 1.20.2, whose source is in Debian 12 (package kubernetes, api/openapi-spec/swagger.json). The old release
-is deliberate: features that were stable then exist in every later release, while newer ones are not available everywhere."""
+The shipped file is from 1.20.2, the source in Debian 12 (package kubernetes, api/openapi-spec/swagger.json). It is old on
+purpose: its stable APIs exist in every later release, while newer ones do not exist everywhere."""
 import json
 import sys
 

@@ -138,7 +138,7 @@ class Reader:
             elif re.search(ENDLESS, command):
                 self.watch(command)
             else:
-                self.run(command, (0, 1) if "doctor" in command else (0, 3))  # missing parts of a machine; points outside or failed
+                self.run(command, (0, 1) if "doctor" in command else (0, 3))  # missing parts; points outside or failed
                 if command.startswith("palpate stop"):
                     if self.server is None:
                         raise RuntimeError("stops what does not run")

@@ -30,11 +30,12 @@ def run(*words):
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
 @unittest.skipUnless(palpation, "needs python3-scipy")
 class Inclusion(unittest.TestCase):
-    """Finds a ball in the skin from forces alone, by pressing the top by 3 mm at 225 places, and compares with its true place.
+    """Finds a ball in the skin from forces alone: the top is pressed by 3 mm at 225 places. The true position is read
+    afterwards.
 
-    The scene is the skin of the gallery, touched on its top only and with one coarse step, which takes half a minute of a
-    processor. The finder (palpation.py) knows the layers of healthy skin. It was developed with the shipped block and with
-    the block without a ball, before the other place was tried.
+    The gallery's skin is built with a touchable top only, in one coarse step, which takes half a minute of processor time.
+    The finder (palpation.py) knows the layers of healthy skin. It was developed with the shipped block and one without a
+    ball, before the other place was tried.
     """
 
     DEPTH = 0.003  # m, of each press

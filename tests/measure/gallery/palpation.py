@@ -1,10 +1,12 @@
-"""Finds a stiff ball under layered skin from forces alone. Like a physician, the finder knows healthy skin, but not what is inside.
+"""Finds a stiff ball under layered skin from forces alone. Like a physician, it knows the layers of healthy skin, but not
+what lies in them.
 
-The finger presses the top of the skin at the places of a grid, always by the same depth d, and measures the force F = k d. Above a
-stiff ball, k is larger. To first order in the volume of the ball, the increase is proportional to <e:e>: the mean over the ball
-of the squared deviatoric strain in healthy skin when the finger is pressed by 1 (Eshelby, Proc. R. Soc. A 241, 1957). That strain
-comes from one axisymmetric linear problem of a finger on wide layers. The bump of k therefore lies above the ball, and is wider
-for a deeper ball. Polynomials with the symmetry of the block fit how k changes towards its sides.
+The top of the skin is pressed at places of a grid, everywhere by the same depth d, and the force F = k d is noted. Over a
+stiff ball k is larger. To first order in the volume of the ball the increase is proportional to <e:e>: the mean over the
+ball of the squared deviatoric strain that a finger, pressed by 1, causes in healthy skin (Eshelby, Proc. R. Soc. A 241,
+1957). That strain follows from one axisymmetric linear problem: the finger on wide layers. So the bump of k lies over the
+ball, and is wider for deeper balls. The change of k towards the sides of the block is fitted by polynomials with the block's
+symmetry.
 """
 import dataclasses
 
@@ -135,11 +137,11 @@ def smooth_columns(places, half):
 
 
 def feel(places, stiffness, layers, finger, half):
-    """Returns what lies under the skin, from the stiffness k (N/m) at places (n x 2, m from the middle of the block).
+    """Finds what lies under the skin from the stiffness k (N/m) at places (n x 2, m from the middle of the block).
 
-    layers   healthy skin, (thickness m, shear modulus Pa) from the top; balls lie in the last layer
-    finger   radius of the finger, m
-    half     half of the width of the block, m
+        layers   of healthy skin, (thickness m, shear modulus Pa) from above; balls lie in the last one
+        finger   its radius, m
+        half     of the width of the block, m
     """
     strain = healthy_strain(layers, finger)
     above = sum(thick for thick, _ in layers[:-1]) + RADIUS

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""Computes forces of the gallery's scenes by GetFEM, an independent library (python3-getfem), and compares them with Palpate's.
+"""Compares forces of the gallery's scenes by palpate with those by GetFEM, an independent library (python3-getfem).
 
     tests/measure/gallery/reference.py SCENE.toml DATASET.h5 [--touches 4] [--finer FINER.toml]
     PALPATE_BIN_DIR: the programs (build/release/bin)
 
-Mesh and elements are the same. Law, constraint, stabilisation, gravity and the mean over the finger are implemented separately,
-from docs/solver.md and docs/scene.md, in GetFEM's language for weak forms and in NumPy. Prints one JSON object per touch: the
-forces by GetFEM, by `palpate solve` and by `palpate query`, and the differences relative to the first. --finer: a scene with a
-finer mesh; adds its force by `palpate solve`, and the difference relative to it.
+Mesh and elements are the same; law, constraint, stabilisation, gravity and the finger's mean are implemented independently,
+from docs/solver.md and docs/scene.md, in GetFEM's language for weak forms and NumPy. Prints one JSON object per touch: the
+force by GetFEM, by `palpate solve` and by `palpate query`, and the differences relative to the first; with --finer also the
+force by `palpate solve` on a finer mesh of the same scene, and the difference relative to that.
 """
 import argparse
 import json

@@ -1,4 +1,5 @@
-"""The places of the paper's curves and pictures (Figs. 5 and 6), and the exact solutions on straight paths from there."""
+"""The active nodes of the paper's curves and pictures (Figs. 5 and 6), and exact solutions along straight paths from
+there."""
 import dataclasses
 import json
 
@@ -15,7 +16,7 @@ class Place:
 
 
 def body(record, organ):
-    """Returns points (n x 3, m), outward triangles and fixed nodes, from a dataset of seven configurations."""
+    """Points (n x 3, m), outward triangles, and fixed nodes of a dataset of seven configurations."""
     needed("h5py")
     import h5py
     dataset = record.dataset(f"{organ.name}-body", organs.scene(organ, "linear", radius=0.001, divisions=1))
@@ -31,7 +32,7 @@ def place(points, surface, node):
 
 
 def places(record, organ):
-    """Returns the places A, the organ's tip, and F, the surface node that is farthest from A and from the fixed nodes."""
+    """A is the organ's tip; F is the surface node farthest from it and from the fixed nodes."""
     numpy = needed("numpy")
     points, surface, fixed = body(record, organ)
     skin = numpy.setdiff1d(numpy.unique(surface), fixed)
@@ -42,13 +43,13 @@ def places(record, organ):
 
 
 def scene_at(organ, law, where, **options):
-    """Returns a scene with one active node. For the linear law, inverted elements are accepted, and counted."""
+    """The linear law has no limit at inverted elements, so they are accepted and counted."""
     scene = organs.scene(organ, law, active=f"near = [{', '.join(map(repr, where.node))}]", **options)
     return scene.replace("[workspace]\n", "[workspace]\nreject_inverted = false\n") if law == "linear" else scene
 
 
 def straight_path(record, name, organ, law, where, direction, length, step_length):
-    """Returns the exact solutions on a straight path from rest, as far as it converges."""
+    """The exact solutions from rest along a straight path, as far as they converge."""
     count = round(length / step_length)
     file = record.scene(name, scene_at(organ, law, where))
     path = [[length * n / count * x for x in direction] for n in range(1, count + 1)]

@@ -1,8 +1,8 @@
 """Fig. 7 of the paper: time and size of a configuration space, by lattice and row of Table 1.
 
-The minutes are those of one and two workers on this machine (for quadratic elements of the local workers alone), and of up to 64
-workers of the scheduler's simulator. The simulator repeats the recorded build: the same transitions with the same durations
-(docs/benchmarks.md). The elements satisfy the inf-sup condition, as by default; the paper's elements have equal order."""
+Minutes by one and two workers here (quadratic elements only by local workers), and by up to 64 workers of the scheduler's
+simulator, which repeats the recorded build: the same transitions with the durations recorded here (docs/benchmarks.md).
+The elements satisfy inf-sup, as by default; the paper's were of equal order."""
 import pathlib
 
 import figure
@@ -20,7 +20,7 @@ COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (mi
 
 
 def cases(record):
-    """Returns the rows of Table 1, the quickest first. The smallest set omits quadratic rows: 514 points take minutes."""
+    """Rows of Table 1, fastest first. The smallest set has no quadratic ones: 514 points take minutes."""
     rows = [row for row in newton_iteration.ROWS
             if row.nodes in record.nodes and row.law in record.laws and not (record.quick and row.order == 2)]
     return sorted(rows, key=lambda row: (row.order, row.nodes))
@@ -35,31 +35,32 @@ def scene(row, divisions, **options):
 
 
 def numbers_of_workers(record, row):
-    """Returns the numbers of workers that build a lattice, first that of Figs. 8 and 9; None: any workers. The quadratic row is
-    built only by these, since it takes longest; the sum of its solve times shows how long one worker would take."""
+    """The numbers of workers for a lattice, each built once, that of Figs. 8 and 9 first; None: any workers. The
+    quadratic row is built with these numbers only: it takes longest, and the sum of its solves gives the time of one
+    worker."""
     return [None] if record.listen else [record.jobs, *({1, 2} - {record.jobs} if row.order == 1 else ())]
 
 
 def built(record, row, divisions, workers):
-    """Builds a lattice. With the workers of -j, this is the dataset of Figs. 8 and 9, with the same name."""
+    """With the number of workers given by -j this is the dataset of Figs. 8 and 9, under the same name."""
     name = f"{row.organ().name}-{row.law}{'-p2' if row.order == 2 else ''}-n{divisions}"
     same = record.listen or workers == record.jobs
     return record.dataset(name if same else f"{name}-j{workers}", scene(row, divisions), None if same else workers)
 
 
 def wants_all_nodes(row, divisions):
-    """Whether to measure the size with all nodes: for linear elements and the smallest lattice, since size is proportional."""
+    """Of linear elements only the smallest lattice: the sizes of larger ones follow in proportion."""
     return row.order == 1 and divisions == min(organs.LATTICES)
 
 
 def built_with_all_nodes(record, row, divisions):
-    """Builds again with the displacements of all nodes, as the paper stores them, to measure the size."""
+    """Builds it again with the displacements of all nodes, as in the paper, for its size."""
     name = f"{row.organ().name}-{row.law}-n{divisions}-all-nodes"
     return record.dataset(name, scene(row, divisions, storage='displacement = "all"'))
 
 
 def simulated(record, row, divisions, dataset):
-    """Returns minutes: the sum of all solves, with simulated workers, and of the longest chain of dependent transitions."""
+    """Minutes of all solves; by simulated workers; of the longest chain of transitions that wait for each other."""
     state = pathlib.Path(dataset.value["dataset"] + ".state")
     if not state.is_dir():
         raise Incomplete(f"{state} is missing, but the simulator needs it; remove measurement and dataset of that build to repeat it")
@@ -70,8 +71,8 @@ def simulated(record, row, divisions, dataset):
 
 
 def measured_row(record, row, divisions):
-    """Returns a row of COLUMNS, and records its numbers; None: no time for it; "-": not requested."""
-    configurations = organs.LATTICES.get(divisions)  # without the rest state, as the paper counts
+    """A row of COLUMNS and its numbers; None if there was no time, "-" if not requested."""
+    configurations = organs.LATTICES.get(divisions)  # without rest, as the paper counts
     start = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law)]
     papers = published.BUILD_WORDS.get(configurations)
     with_all_nodes = None if wants_all_nodes(row, divisions) else "-"
@@ -80,7 +81,7 @@ def measured_row(record, row, divisions):
     for workers in numbers_of_workers(record, row):
         try:
             by[workers] = built(record, row, divisions, workers)
-        except NotMeasured as why:  # the dataset of other workers may exist
+        except NotMeasured as why:  # the dataset with another number of workers may exist
             record.not_measured(f"{row.name()}, {configurations}, {workers or 'any'} workers", str(why))
     if not by:
         return [*start, configurations, *[None] * (len(COLUMNS) - 8), papers, None, with_all_nodes, papers_size]
@@ -149,7 +150,7 @@ def draw(rows):
 
 
 def wanted(record):
-    """Records the requested number: all four lattices of the 500-node Mooney-Rivlin liver by two workers."""
+    """The number of the specification: all four lattices of the 500-node Mooney-Rivlin liver by two workers."""
     row = next((row for row in cases(record) if (row.law, row.order, row.nodes) == ("mr", 1, 500)), None)
     if record.quick or row is None or record.listen:
         return
@@ -162,7 +163,8 @@ def wanted(record):
 
 
 def save_table(record, rows):
-    """Saves the table without the columns of workers that were not requested. Values that the paper does not give are "-"."""
+    """Leaves out columns of workers that were not requested; numbers that the paper does not give are not missing
+    measurements."""
     unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
     kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
     shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith("published") else row[n]
@@ -173,7 +175,7 @@ def figure7(record):
     """Fig. 7: time and size of configuration spaces by lattice, by one, two and 64 workers, beside the published ones."""
     wanted(record)
     every = [(row, divisions) for row in cases(record) for divisions in lattices(record, row)]
-    every.sort(key=lambda one: (one[0].order, one[1]))  # small lattices first; quadratic rows take hours
+    every.sort(key=lambda one: (one[0].order, one[1]))  # quadratic ones take hours; small lattices of all rows first
     rows = [measured_row(record, row, divisions) for row, divisions in every]
     save_table(record, rows)
     figure.save_figure(record, "figure7", COLUMNS, rows, draw(rows), size=(11, 4.6), holes=True)

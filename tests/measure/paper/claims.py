@@ -1,4 +1,4 @@
-"""Tests the claims of the paper's discussion: one table with the claim, the measurement, and the value."""
+"""Claims of the paper's discussion, each tested: a table of the claim, the measurement, and whether it holds."""
 import functools
 import json
 import random
@@ -11,7 +11,7 @@ from record import Measured, NotMeasured, needed
 
 
 def claims(record):
-    """Tests the claims of the paper's discussion by measurements."""
+    """Claims of the paper's discussion, compared with measurements."""
     rows = []
     for claim, test in CLAIMS.items():
         try:
@@ -68,7 +68,7 @@ def loop_beside_material(record, claim):
 
 
 def seconds_a_point(dataset):
-    """Returns seconds per point as text, if the number of workers is known."""
+    """As text, if the number of workers is known."""
     points, jobs = dataset.value["points"], dataset.value["jobs"]
     if jobs is None:
         return ""
@@ -79,7 +79,7 @@ def seconds_a_point(dataset):
 # k nodes take O(2^k)
 
 def several_nodes(record, claim):
-    """Counts the points of a lattice for k nodes at once, N^k, which the paper gives as O(2^k). Solves nothing."""
+    """The paper says O(2^k), but lattices for k simultaneous nodes have N^k points. Counted, not solved."""
     measured = record.measure("points of lattices of several nodes", lambda: {n: len(ball(n)) for n in (2, 3, 5)}, command="tests/measure/paper/run claims")
     return [told(record, claim, f"{k} nodes, each of the {measured.value[str(n)]} points of a lattice",
                  measured.value[str(n)] ** k, "configurations", measured) for n in (5,) for k in (1, 2, 3)]
@@ -90,7 +90,7 @@ def ball(n):
     return [(i, j, k) for i in reach for j in reach for k in reach if 0 < i * i + j * j + k * k <= n * n]
 
 
-# A point has the same configuration on every path to it
+# The same point is the same configuration on every path
 
 def uniqueness(record, claim):
     """Reaches lattice points straight from rest, and along the axes in two orders, and compares the forces."""
@@ -102,7 +102,7 @@ def uniqueness(record, claim):
         scene = organs.scene(case.organ(), case.law, divisions=5)
         chunks = [(order, n, points[n:n + 50]) for order in ("straight", "xyz", "zyx") for n in range(0, len(points), 50)]
         ends = record.together([functools.partial(ends_of, record, f"{case.name()}-{order}-{n}", scene, [way(p, order, step) for p in chunk])
-                                for order, n, chunk in chunks])  # an interruption loses at most one chunk
+                                for order, n, chunk in chunks])  # an interruption loses one chunk at most
         reached = {(p, order): end for (order, _, chunk), some in zip(chunks, ends) for p, end in zip(chunk, some.value)}
         all_ways = [p for p in points if all(reached[(p, order)] for order in ("straight", "xyz", "zyx"))]
         spread = [max(numpy.linalg.norm(numpy.subtract(reached[(p, a)], reached[(p, "straight")])) for a in ("xyz", "zyx")) for p in all_ways]
@@ -127,7 +127,7 @@ def way(point, order, step):
 
 
 def ends_of(record, name, scene, paths):
-    """Returns the force at the end of each path, or None if the path did not reach it."""
+    """The force at the end of each path, or None if it was not reached."""
     measured = record.run(f"ends of {name}", [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip"], json.dumps(paths))
     measured.value = [path["reached"][-1]["force"] if len(path["reached"]) == len(points) else None
                       for path, points in zip(measured.value["paths"], paths)]
@@ -140,7 +140,7 @@ TOOLS = {"single node": {}, "rigid patch of 25 mm": {"patch": 0.025}, "finger of
 
 
 def which_error(record, claim):
-    """Returns the mean relative difference of forces within 30 mm of the tip, by the choice that differs."""
+    """Mean relative difference of forces at the same displacements, within 30 mm of the tip, for each kind of change."""
     generator = random.Random(7)
     places = [references.in_ball(generator, 0.03) for _ in range(12 if record.quick else 60)]
     coarse = organs.organ(500)
@@ -175,7 +175,7 @@ def which_error(record, claim):
 
 
 def finer_meshes(record, coarse):
-    """Yields finer meshes of the same organ. Other organs, which replace missing reference livers, are not comparable."""
+    """Only of the same organ: a substitute for a missing reference liver would be meaningless here."""
     finer = {} if record.quick else {nodes: organs.organ(nodes) for nodes in (2000, 6000)}
     for nodes, organ in finer.items():
         if organ.source == coarse.source and organ not in [other for fewer, other in finer.items() if fewer < nodes]:
@@ -185,8 +185,7 @@ def finer_meshes(record, coarse):
 
 
 def relative(forces, reference):
-    """Returns the mean of |f - r| / max(|r|, FLOOR), %, over the places where both are known (None if there are none), and the
-    number of these places."""
+    """Mean of |f - r| / max(|r|, FLOOR), %, over places where both are known (None: nowhere), and their number."""
     numpy = needed("numpy")
     both = [(f, r) for f, r in zip(forces, reference) if f and r]
     each = [100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(references.FLOOR, numpy.linalg.norm(r)) for f, r in both]
@@ -203,8 +202,8 @@ def interpolated(record, claim, organ, tool, places, exact):
 
 
 def snapping(record, organ):
-    """Presses a finger by 5 mm at random places of the surface, and at the nearest node of each, as the paper does. Returns the
-    mean relative difference (%), the number of places compared, the number of places requested, and the measurement."""
+    """Compares a finger pressed 5 mm inward at random places of the surface with the nearest node: the paper snaps to
+    nodes. Returns the mean relative difference (%), the number of places, the requested number, and the source."""
     numpy = needed("numpy")
     needed("h5py")
     import h5py

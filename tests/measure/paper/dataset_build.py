@@ -1,4 +1,4 @@
-"""A build of a dataset that may be interrupted, and its total time."""
+"""An interruptible build of a dataset, with its time."""
 import contextlib
 import json
 import shutil
@@ -10,8 +10,8 @@ from interruption import end_with_parent, write_whole
 
 
 class DatasetBuild:
-    """Builds NAME.toml into NAME.h5 in `folder`. NAME.clock beside them has the seconds of all parts so far, and the number of
-    workers. workers: number of local workers; None: workers from anywhere."""
+    """Builds NAME.toml into NAME.h5 in `folder`; NAME.clock holds the seconds of all parts so far, and by which workers.
+    workers: number of local ones; None if they come from anywhere."""
 
     def __init__(self, folder, name, workers):
         folder.mkdir(parents=True, exist_ok=True)
@@ -19,7 +19,7 @@ class DatasetBuild:
         self.state, self.workers = folder / f"{name}.h5.state", workers
 
     def of(self, text):
-        """Sets the scene. Removes the results of another scene."""
+        """Removes results of another scene."""
         if not self.scene.exists() or self.scene.read_text(encoding="utf-8") != text:
             self.begin_anew()
             write_whole(self.scene, text)
@@ -30,14 +30,14 @@ class DatasetBuild:
         self.clock.unlink(missing_ok=True)
 
     def run(self, command):
-        """Continues the build, or restarts it if other workers began it. Returns (exit code, output, seconds of all parts)."""
+        """Resumes the build, or starts from scratch if others began it: (exit code, output, seconds of all parts)."""
         before = self.seconds_before()
         self.note(before)
         began = time.monotonic()
         with (tempfile.TemporaryFile("w+") as words,
               subprocess.Popen(command, stdout=words, stderr=words, preexec_fn=end_with_parent) as build):
             code = None
-            while code is None:  # if this run is killed, its time is known to 2 s
+            while code is None:  # if this run is killed, its time so far is known to 2 s
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     code = build.wait(2)
                 self.note(seconds := before + time.monotonic() - began)
@@ -45,7 +45,7 @@ class DatasetBuild:
             return code, words.read().strip(), seconds
 
     def seconds_before(self):
-        """Returns the seconds of the parts whose results still exist."""
+        """Seconds of the parts whose results still exist."""
         with contextlib.suppress(OSError, ValueError, KeyError):
             noted = json.loads(self.clock.read_text(encoding="ascii"))
             if noted["jobs"] == self.workers and self.state.is_dir():

@@ -1,7 +1,7 @@
-"""Figures as SVG, with their data beside them as CSV; tables as Markdown.
+"""Figures as SVG, with their data as CSV; tables as Markdown.
 
-The labels of the axes give the units. No figure is drawn from incomplete data: a column with a missing number is refused
-(record.Incomplete), unless the figure accepts missing values."""
+Axes have the units in their labels. Incomplete data are not drawn: a column with a None is refused (record.Incomplete),
+unless holes are part of the figure."""
 import csv
 import io
 import math
@@ -9,12 +9,12 @@ import math
 from interruption import write_whole
 from record import Incomplete, needed
 
-# Colours that are easy to distinguish, also in grey and for colour-blind readers (Okabe and Ito 2008).
+# Colours that are distinguishable also in grey and for the colour-blind (Okabe and Ito 2008).
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"]
 
 
 def as_csv(name, columns, rows, holes=False):
-    """Returns the data of a figure or table as CSV. columns: names with units, such as "force (N)"."""
+    """The data of a figure or table as text; `columns` are names with units, such as "force (N)"."""
     rows = [list(row) for row in rows]
     if not rows:
         raise Incomplete(f"{name}: there are no data")
@@ -31,7 +31,7 @@ def as_csv(name, columns, rows, holes=False):
 
 
 def faults(folder):
-    """Returns the faults in the tables and figures of a complete run: rows without a number, and values that are not numbers."""
+    """Errors in tables and figures of a complete run: rows without a number, and invalid numbers."""
     found = []
     for path in sorted(folder.glob("*.csv")):
         rows = list(csv.reader(io.StringIO(path.read_text(encoding="utf-8"))))[1:]
@@ -76,7 +76,7 @@ def save_figure(record, name, columns, rows, draw, size=(7, 4.2), holes=False):
 
 
 def legend_below(page, axis, lines=1):
-    """Puts the legend of `axis` below all axes of a page, in the given number of lines."""
+    """A legend of the curves of `axis` below all axes of a page, in this number of lines."""
     handles, labels = axis.get_legend_handles_labels()
     room = (0.22 * lines + 0.1) / page.get_figheight()
     page.get_layout_engine().set(rect=(0, room, 1, 1 - room))
@@ -84,7 +84,7 @@ def legend_below(page, axis, lines=1):
 
 
 def save_table(record, name, columns, rows):
-    """Saves FOLDER/figures/NAME.md and NAME.csv. Text is kept as it is; None becomes "not measured"."""
+    """FOLDER/figures/NAME.md and NAME.csv. Text is kept; None becomes "not measured"."""
     write_whole(record.folder / "figures" / f"{name}.csv", as_csv(name, columns, rows, holes=True))
     cell = lambda value: "not measured" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
     lines = [columns, ["---"] * len(columns), *[[cell(value) for value in row] for row in rows]]

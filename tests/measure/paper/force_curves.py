@@ -7,7 +7,7 @@ FORCE_COLUMNS = ["organ", "path", "law", "displacement (mm)", "force (N)", "min 
 
 
 def force_curve(record, organ, path, law, where, direction):
-    """Returns rows of FORCE_COLUMNS. If the path stopped early, the last row has the cause."""
+    """Rows of FORCE_COLUMNS; the last one gives the reason if the path stopped."""
     step_length = 0.005 if record.quick else 0.001
     measured, count = straight_path(record, f"{organ.name}-{path}-{law}", organ, law, where, direction, 0.1, step_length)
     walk = measured.value["paths"][0]

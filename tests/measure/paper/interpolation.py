@@ -1,9 +1,9 @@
-"""Figs. 8 and 9 of the paper: errors of interpolated forces by method and lattice, with this project's method added.
+"""Figs. 8 and 9 of the paper: error of interpolated forces by method and lattice, including this project's method.
 
-Errors are those of the force vector, so they do not divide by components that are zero (as Eqs. 13 and 14 do): absolute |f' - f|
-in N, relative to max(|f|, references.FLOOR). A place is covered by tri-linear interpolation if the 8 corners of its cell are in
-the ball and solved, by tri-cubic if the 64 surrounding points are, and always by radial functions. Points with weight zero, for
-places in a plane of the lattice, are not needed."""
+Errors are of the force vector, so that they do not divide by zero components (as Eqs. 13 and 14 do): absolute |f' - f| in
+N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation if the 8 corners of its cell are
+in the ball and solved, by tri-cubic if the 64 points around it are, by radial functions always. For a place in a plane of
+the lattice, points with zero weight are not needed."""
 import dataclasses
 import pathlib
 
@@ -15,7 +15,7 @@ from record import NotMeasured, content, needed
 
 PAPERS = ["trilinear", "tricubic", "rbf-linear", "rbf-cubic"]
 OURS = ["potential"]
-LARGEST_RBF = 5000  # limit of the client for radial functions, in solved points; above it, SciPy is used
+LARGEST_RBF = 5000  # largest number of points for which the client makes radial functions; SciPy is used beyond it
 LABELS = {"trilinear": "tri-linear", "tricubic": "tri-cubic", "rbf-linear": "RBF r", "rbf-cubic": "RBF r³", "potential": "potential"}
 
 
@@ -32,7 +32,7 @@ class Case:
 
 
 def cases(record):
-    """Returns the cases: the paper's two laws that converge in the whole ball."""
+    """The paper's two laws that converge in the whole ball."""
     laws = [law for law in ("mr", "msvk") if law in record.laws]
     return [Case(nodes, law) for nodes in record.nodes for law in (laws[:1] if record.quick else laws)]
 
@@ -65,8 +65,7 @@ def answers(record, name, dataset, methods, displacements):
 
 
 def radial_by_scipy(record, name, dataset, method, displacements):
-    """Evaluates the paper's Eq. 12 without a polynomial, as a dense system, for lattices that the client refuses because they
-    would take it hours and gigabytes."""
+    """The paper's Eq. 12 without a polynomial, dense, for lattices that the client refuses. Takes hours and gigabytes."""
     numpy, h5py = needed("numpy"), needed("h5py")
     needed("scipy")
     import scipy.linalg
@@ -88,7 +87,7 @@ def radial_by_scipy(record, name, dataset, method, displacements):
 
 
 def all_answers(record, name, dataset, displacements):
-    """Returns ({method: its answers}, {method: their measurement})."""
+    """({method: its answers}, {method: their sources})"""
     solved = dataset.value["points"]["expandable"] + dataset.value["points"]["terminating"]
     radial = [method for method in PAPERS if method.startswith("rbf")]
     few = solved <= LARGEST_RBF
@@ -105,7 +104,7 @@ def all_answers(record, name, dataset, displacements):
 # Places that the paper's methods cover
 
 def covered(dataset, displacements):
-    """Returns {method: n booleans}: whether all points with a weight in the paper's method are solved."""
+    """{method: n booleans}: whether all points with a weight in the paper's method are solved."""
     numpy, h5py = needed("numpy"), needed("h5py")
     with h5py.File(dataset) as file:
         solved = numpy.isin(file["points/tag"][:], (1, 2)) & (file["points/ijk"][:] % round(file["points"].attrs["divisions"]) == 0).all(1)
@@ -115,7 +114,7 @@ def covered(dataset, displacements):
     there = numpy.zeros((2 * reach + 1,) * 3, dtype=bool)
     there[tuple((ijk + reach).T)] = True
     at = numpy.array(displacements) / spacing
-    in_plane = numpy.abs(at - numpy.round(at)) < 1e-9  # per axis; only the points of that plane have a weight
+    in_plane = numpy.abs(at - numpy.round(at)) < 1e-9  # for each axis: only the points of that plane have a weight
     lowest = numpy.where(in_plane, numpy.round(at), numpy.floor(at)).astype(int) + reach
     lowest = numpy.clip(lowest, 1, 2 * reach - 2)
 
@@ -135,12 +134,12 @@ COLUMNS = ["organ", "law", "configurations", "method", "places wanted", "places 
 
 
 def errors(record, kind):
-    """Returns a row of COLUMNS for each case, lattice and method. Cases that are not fully measured are reported instead."""
+    """A row of COLUMNS for each completely measured case, lattice and method; the others are named."""
     return [row for case in cases(record) for row in whole(record, f"{case.name()}, {kind} paths", lambda: errors_of(record, case, kind))]
 
 
 def whole(record, name, rows):
-    """Returns rows(), or no rows if a part is not measured, so that no figure lacks a lattice."""
+    """rows(), or none if a part of them is missing: figures and comparisons never lack a lattice."""
     try:
         return rows()
     except NotMeasured as why:
@@ -174,7 +173,7 @@ def errors_of(record, case, kind):
 
 
 def draw_errors(rows, kind):
-    """Draws mean and largest relative error by configurations, with a column for each organ and law."""
+    """Mean and largest relative error over configurations, one column for each organ and law."""
     groups = list(dict.fromkeys((row[0], row[1]) for row in rows))
 
     def draw(page):
@@ -218,7 +217,7 @@ def figure9(record):
 
 
 def methods(record):
-    """The cost of every method: configurations, build time, query time, size."""
+    """Every method by its cost: configurations, seconds of building, ns per query, bytes."""
     rows = [row for case in cases(record) for row in whole(record, f"{case.name()}, costs", lambda: costs_of(record, case))]
     groups = len({(row[0], row[1]) for row in rows})
     figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 4.6 * groups + 0.6), holes=True)
@@ -245,7 +244,7 @@ METHOD_COLUMNS = ["organ", "law", "method", "configurations", "build (s)", "quer
 
 
 def draw_methods(rows):
-    """Draws the mean error, which places behind folds dominate, and the median error against each cost."""
+    """Mean error, which places behind folds dominate, and median error, against each cost."""
     groups = list(dict.fromkeys((row[0], row[1]) for row in rows))
     lines = [(group, error, label) for group in groups for error, label in ((7, "mean error (N)"), (10, "median relative error (%)"))]
 

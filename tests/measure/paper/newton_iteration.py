@@ -1,9 +1,9 @@
-"""Table 1 of the paper: the cost of a Newton iteration, compared in the same run with GetFEM, which the paper used.
+"""Table 1 of the paper: cost of one Newton iteration, compared in the same run with GetFEM, the paper's library.
 
-Our time is that of the assembly of residual and tangent, and of a factorisation with one solve, at the start of Newton on a path
-of 1 mm. GetFEM's time is that of its assembly and of its linear solve by the same MUMPS, at rest, including the analysis of the
-tangent's pattern in each iteration. We analyse the pattern once per body; the table gives this time separately. The best round
-counts on both sides; a round is one iteration of GetFEM, and the median of several of ours. Seconds."""
+Ours is the assembly of residual and tangent, and factorisation with one solve, at the start of a step of 1 mm. GetFEM's
+is its assembly and its linear solve by the same MUMPS, at rest, which analyses the pattern of the tangent each time. Ours
+does that once for a body; its time stands in a separate column. The best round counts on both sides. A round has one
+iteration of GetFEM and the median of several of ours. Seconds."""
 import dataclasses
 import sys
 
@@ -17,7 +17,7 @@ REFERENCE = organs.REFERENCE.parent / "oracle" / "getfem_reference.py"
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A row of the paper's table: law, order of the displacement, approximate number of nodes, and the published number."""
+    """A row of the paper: law, displacement order, approximate number of nodes, and the published number."""
     law: str
     order: int
     nodes: int
@@ -30,14 +30,13 @@ class Row:
         return f"{organs.LAWS[self.law]}, {'linear' if self.order == 1 else 'quadratic'}, {self.organ().name}"
 
     def papers(self):
-        """Returns the paper's elements, of equal order: displacement, pressure, constraint. Only a quadratic pressure gives the
-        published 12,323 unknowns of the quadratic row."""
+        """The paper's elements, of equal order: displacement, pressure, constraint. The quadratic ones have 12,323
+        unknowns, which requires a quadratic pressure."""
         space = f"P{self.order}"
         return dict(displacement=space, pressure=space if self.law == "mr" else "none", constraint="det-F-1")
 
     def stable(self):
-        """Returns our elements, which satisfy the inf-sup condition and cannot invert. Laws without a pressure keep their
-        elements."""
+        """Our elements, which satisfy inf-sup and cannot invert; without a pressure nothing changes."""
         return dict(displacement=f"P{self.order}") if self.law == "mr" else self.papers()
 
 
@@ -57,7 +56,7 @@ def ours(record, row, discretization, turn):
 
 
 def why_no_getfem(row):
-    """Returns why GetFEM cannot be measured; empty if it can."""
+    """Why GetFEM cannot run this row; empty if it can."""
     if not REFERENCE.is_file():
         return f"GetFEM: there is no {REFERENCE}"
     if row.organ().source != "reference":
@@ -70,7 +69,7 @@ def why_no_getfem(row):
 
 
 def getfem(record, row, turn):
-    """Measures GetFEM at zero displacement, since only assembly and linear solve are timed."""
+    """With zero displacement: only the assembly and the linear solve are measured."""
     command = ["env", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", sys.executable, REFERENCE, row.organ().mesh, "--law", row.law,
                "--poisson", organs.POISSON, "--fixed-below", "x", 0.15, "--active", *row.organ().tip, "--to", 1e-6, 0, 0, "--steps", 1,
                "--order", row.order, "--pressure-order", row.order]
@@ -85,8 +84,7 @@ COLUMNS = ["law, order, organ", "published unknowns", "published assembly (s)", 
 
 
 def seconds_of(samples):
-    """Returns unknowns and the best seconds of the rounds, split as in the paper, with the time of the analysis, and a
-    measurement as their source."""
+    """Unknowns, and seconds of the best round: in the paper's parts, and of the analysis; with one source measurement."""
     best = min(samples, key=lambda sample: sample.value["newton_iteration"]["median_ms"])
     seconds = lambda *parts: sum(best.value[part]["median_ms"] for part in parts) / 1e3
     return [best.value["unknowns"], seconds("assemble_residual_and_tangent"), seconds("factorize", "solve_one"),
@@ -103,7 +101,7 @@ def measured_row(record, row):
     missing = why_no_getfem(row)
     if missing:
         record.not_measured(f"{row.name()}/GetFEM 5.4", missing)
-    for turn in range(1, (1 if record.quick else 5) + 1):  # alternate, so that other load of the machine affects all
+    for turn in range(1, (1 if record.quick else 5) + 1):  # in turns, so that other load on the machine affects all of them
         same.append(ours(record, row, row.papers(), turn))
         stable.append(ours(record, row, row.stable(), turn))
         if not missing:
@@ -122,7 +120,7 @@ def measured_row(record, row):
 
 
 def table1(record):
-    """Table 1: a Newton iteration as published, by GetFEM 5.4 and by us, with the paper's elements and with stable ones."""
+    """Table 1: a Newton iteration, published, by GetFEM 5.4 and by ours, with the paper's elements and with stable ones."""
     rows = [row for row in ROWS if row.nodes in record.nodes and row.law in record.laws]
     figure.save_table(record, "table1", COLUMNS, [whole_row(record, row) for row in rows])
 

@@ -1,7 +1,8 @@
-"""The paper's organ, laws and lattices, on the available livers: meshes of about the paper's sizes, with a fixed region and a tip.
+"""The paper's organ, laws and lattices on available livers: meshes of about the paper's sizes, a fixed region, a moved
+tip.
 
-Reference livers (PALPATE_MESHES, or ../shared/meshes beside the sources) are used if they exist, otherwise the shipped ones;
-`source` tells which. All lengths are in metres."""
+Uses reference livers (PALPATE_MESHES, or ../shared/meshes beside the sources) if they exist, otherwise the shipped ones;
+`source` says which. All lengths in metres."""
 import dataclasses
 import os
 import pathlib
@@ -11,7 +12,7 @@ from record import ROOT
 REFERENCE = pathlib.Path(os.environ.get("PALPATE_MESHES", ROOT / ".." / "shared" / "meshes")).resolve()
 SHIPPED = ROOT / "deploy" / "scenes" / "liver"
 
-YOUNG, POISSON, C10, C01 = 15480.0, 0.49, 1300.0, 1280.0  # Pa: the paper's pig liver
+YOUNG, POISSON, C10, C01 = 15480.0, 0.49, 1300.0, 1280.0  # Pa: pig liver of the paper
 
 MATERIALS = {
     "linear": f'law = "linear"\nyoung = {YOUNG}\npoisson = {POISSON}',
@@ -21,13 +22,13 @@ MATERIALS = {
 }
 LAWS = {"linear": "linear", "svk": "St. Venant-Kirchhoff", "msvk": "modified St. Venant-Kirchhoff", "mr": "Mooney-Rivlin"}
 
-# Number of spacings in a radius of 100 mm: number of lattice points without the origin, as the paper counts.
+# Points of a lattice of 100 mm radius with this many spacings, without the origin, as in the paper.
 LATTICES = {5: 514, 7: 1418, 10: 4168, 15: 14146}
 
 
 @dataclasses.dataclass(frozen=True)
 class Organ:
-    name: str            # as in tables: liver-493
+    name: str            # as in tables, such as liver-493
     mesh: pathlib.Path
     fixed: str           # TOML of [fixed]
     tip: tuple           # place of the active node, m
@@ -45,8 +46,8 @@ def organ(nodes):
 
 def scene(organ, law="mr", radius=0.1, divisions=5, displacement="P1", pressure=None, constraint="ln-det-F", patch=0.0, tool="rigid",
           max_force=1e6, accuracy="", active=None, name=None, storage=""):
-    """Returns the text of a scene file with `divisions` lattice spacings in `radius`. max_force = 1e6 excludes no point, as in
-    the paper's experiments. accuracy, storage: lines of these sections. active: replaces the tip."""
+    """Text of a scene file: `divisions` lattice spacings in `radius`. No point exceeds max_force = 1e6, as in the paper's
+    experiments. `accuracy` and `storage` are lines of those sections; `active` replaces the tip."""
     incompressible = law in ("mr", "msvk")
     pressure = pressure or (("P1-stabilized" if displacement == "P1" else "P1") if incompressible else "none")
     place = active or f"near = [{', '.join(map(str, organ.tip))}]"
@@ -74,7 +75,7 @@ max_force = {max_force}
 
 
 def directions():
-    """Returns the 26 directions of the paper's regular paths: unit vectors to the neighbours of a lattice point."""
+    """The 26 directions of the paper's regular paths: unit vectors to the neighbours of a lattice point."""
     steps = (-1, 0, 1)
     every = [(i, j, k) for i in steps for j in steps for k in steps if (i, j, k) != (0, 0, 0)]
     length = lambda v: sum(x * x for x in v) ** 0.5

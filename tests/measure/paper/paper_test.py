@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests tests/measure/paper: what it keeps, and what it refuses. ctest runs each case by itself. To run all:
+"""Tests what tests/measure/paper keeps and refuses. ctest runs each case separately; by hand
 PALPATE_BIN_DIR=build/release/bin tests/measure/paper/paper_test.py."""
 import collections
 import functools
@@ -177,7 +177,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
     # Times of builds
 
     def built(self, again=False, scene=None, **options):
-        """Seven configurations of a body that takes no time; `again`: though it was measured."""
+        """Seven configurations of a body that takes no time; `again`: even if it was measured."""
         for measurement in self.folder.glob("measurements/build-*") if again else []:
             measurement.unlink()
         record = Record(self.folder, PROGRAMS, say=self.said.append, **{"jobs": 1, **options})
@@ -228,7 +228,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):
             needed("no_such_package_anywhere")
 
-    # No figure is drawn without data
+    # Incomplete data are not drawn
 
     def testAFigureWithAHoleIsNotDrawn(self):
         with self.assertRaisesRegex(Incomplete, r"hole: no value of force \(N\)"):
@@ -431,7 +431,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         os.utime(kept, (1, 1))
 
         def only_a_table(record):
-            """Fig. 5 where there is no screen."""
+            """Fig. 5 without a screen."""
             figure.save_table(record, "figure5", ["a"], [[1]])
 
         run = runpy.run_path(str(HERE / "run"))

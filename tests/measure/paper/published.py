@@ -1,6 +1,6 @@
-"""Published results: Peterlik, Sedef, Basdogan, Matyska, Computers & Graphics 34 (2010) 43-54, and other papers as named.
+"""Published numbers: Peterlik, Sedef, Basdogan, Matyska, Computers & Graphics 34 (2010) 43-54, and others where stated.
 
-"The paper" in this folder is that one. Comments mark numbers that were read from a figure or are given in words in the text."""
+"The paper" in this folder is that one. Numbers read off a figure, or given in words in the text, are marked."""
 
 # Table 1: s of one Newton iteration on an Opteron 250 (2 GHz): (law, displacement order, nodes): unknowns, total.
 NEWTON_ITERATION = {

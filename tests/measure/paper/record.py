@@ -1,7 +1,7 @@
 """The results of an evaluation: every number with its command, machine and commit.
 
-A *measurement* is the JSON of one command or function, kept in FOLDER/measurements under a key that is a hash of its inputs. A
-run that continues an interrupted one reuses measurements. A *number* is a value that is shown to a reader."""
+A *measurement* is the JSON of one command or function, kept in FOLDER/measurements under a hash of its inputs. An
+interrupted run finds it there and continues. A *number* is a value for the reader."""
 import concurrent.futures
 import contextlib
 import datetime
@@ -19,16 +19,16 @@ from dataset_build import DatasetBuild
 from interruption import end_with_parent, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-ALL = "all"  # marks a whole target as not measured
+ALL = "all"  # marks a target that was not made at all, in what is not measured
 BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
 
 
 class Incomplete(Exception):
-    """Something that a table or figure needs is missing. It is not made, and the run prints the reason."""
+    """Data for a table or figure are missing: it is not made, and the run says why."""
 
 
 class NotMeasured(Exception):
-    """A peer, package, program or mesh, or the time, is missing. Its column shows this; everything else is made."""
+    """A peer, package, program or mesh is missing, or there is no time: its column says so, and the rest is made."""
 
 
 def machine():
@@ -40,7 +40,7 @@ def machine():
 
 
 def commit():
-    """Returns the commit of the sources, with a + if they have changed since."""
+    """The commit of the sources, with a + if they have changed since."""
     try:
         git = lambda *words: subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=True).stdout.strip()
         return git("rev-parse", "--short=12", "HEAD") + ("+" if git("status", "--porcelain", "-uno") else "")
@@ -49,7 +49,7 @@ def commit():
 
 
 def commit_of(programs):
-    """Returns the commit of the programs, as `palpate --version` prints it."""
+    """The commit of the programs according to `palpate --version`."""
     try:
         said = subprocess.run([programs / "palpate", "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
@@ -58,10 +58,10 @@ def commit_of(programs):
 
 
 class Record:
-    """folder: place of all files. programs: build/release, with bin and bench in it. quick: use the smallest set that shows every
-    table and figure. jobs: number of local workers; with an address `listen`, workers from anywhere instead. nodes, laws:
-    approximate sizes of the organs and words of organs.LAWS, for targets with several. random_paths: of a survey. hours: start
-    no measurement after this time."""
+    """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
+    shows every table and figure. jobs: local workers; with `listen`, an address, workers from anywhere instead. nodes and
+    laws: approximate organ sizes and words of organs.LAWS, for targets with several. random_paths: number in a survey.
+    hours: no measurement begins after that time."""
 
     def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, nodes=(500, 2000),
                  laws=("mr", "msvk", "svk"), random_paths=200, hours=float("inf"), say=print):
@@ -78,7 +78,7 @@ class Record:
     # Measurements
 
     def measure(self, name, make, *depends, command=""):
-        """Returns the value of make(), which must fit in JSON, or the value of an earlier run with the same `depends`."""
+        """The value of make(), in JSON types, or that of an earlier run with the same `depends`."""
         key = hashlib.sha256(json.dumps([name, *map(str, depends)]).encode()).hexdigest()[:16]
         path = self.folder / "measurements" / f"{re.sub(r'[^a-z0-9.-]+', '-', name.lower())}-{key}.json"
         with contextlib.suppress(OSError, ValueError, KeyError):
@@ -88,7 +88,7 @@ class Record:
             raise NotMeasured(f"{name} was not begun in the hours that were given")
         self.say(f"    {name} ...")
         began = time.monotonic()
-        value = json.loads(json.dumps(make()))  # like a later run that reads it
+        value = json.loads(json.dumps(make()))  # in the form that a later run reads
         made = {"name": name, "command": command, "machine": self.machine, "commit": self.commit,
                 "at": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
                 "seconds": round(time.monotonic() - began, 3), "value": value}
@@ -96,12 +96,12 @@ class Record:
         return self.used(Measured(value, command, made["machine"], made["commit"], made["at"]))
 
     def used(self, measured):
-        """Records the machine and commit of a measurement of this target. A run that continues elsewhere has several."""
+        """Records the sources of a target's measurements; a target that was continued elsewhere has several."""
         self.sources.setdefault(self.target, {})[f"{measured.machine['processor']}, {measured.commit}"] = None
         return measured
 
     def run(self, name, command, text=None, lines=False, codes=(0,), depends=()):
-        """Measures a command that prints one JSON object, or one per line with `lines`."""
+        """Measures a command that prints one JSON object, or with `lines` one per line."""
         words = [str(word) for word in command]
 
         def make():
@@ -120,8 +120,7 @@ class Record:
         return self.measure(name, make, words, inputs, read, *depends, command=self.shown(words) + self.reading(read, text))
 
     def reading(self, name, text):
-        """Returns the end of the command line of a command that reads `text`: the file with that text, so that anyone can repeat
-        it."""
+        """The end of a command that reads `text`: the file that holds it, so that anybody can repeat the command."""
         if text is None:
             return ""
         file = self.folder / "inputs" / f"{name[:16]}.txt"
@@ -130,8 +129,8 @@ class Record:
         return f" < {self.shown([file])}"
 
     def together(self, measurements):
-        """Returns the results of these functions in order. Runs as many at once as there are local workers, so do not use it for
-        timings. If one fails or the run is interrupted, the others are not started."""
+        """The results of these functions in order, run in parallel by as many threads as there are local workers. Not for
+        timed measurements. If one fails, or the run is interrupted, the rest is not started."""
         with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
             begun = [pool.submit(measure) for measure in measurements]
             try:
@@ -140,15 +139,15 @@ class Record:
                 pool.shutdown(wait=True, cancel_futures=True)
 
     def scene(self, name, text):
-        """Writes a scene file with this text, and returns its path."""
+        """Writes a scene file with this text, for commands that read one."""
         path = self.folder / "scenes" / f"{name}.toml"
         write_whole(path, text)
         return path
 
     def dataset(self, name, scene, jobs=None):
-        """Builds `scene` (text of a scene file), and returns {dataset, seconds, bytes, jobs (None: workers from anywhere), points
-        by tag}. An interrupted build continues, and its time is the sum of its parts. With other workers or another scene, the
-        build restarts."""
+        """Builds `scene` (text of a scene file) and measures the time: {dataset, seconds, bytes, jobs (None: workers from
+        anywhere), points by tag}. An interrupted build is resumed, and its time is the sum of its parts; a build begun
+        with other workers or another scene starts from scratch."""
         jobs = jobs or self.jobs
         build = DatasetBuild(self.folder / "datasets", name, None if self.listen else jobs)
         build.of(scene)
@@ -167,25 +166,25 @@ class Record:
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
         made = self.measure(f"build {name}", make, scene, content_of_mesh(build.scene), build.workers, command=self.shown(command))
-        if not build.dataset.exists():  # only the dataset was removed
-            raise Incomplete(f"{build.dataset} is missing; remove {self.folder}/measurements/build-{name}-*.json to build it again")
+        if not build.dataset.exists():  # the measurement exists, but its dataset was removed
+            raise Incomplete(f"{build.dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
         return made
 
     def shown(self, words):
-        """Returns a command as a reader would type it in the root of the sources."""
+        """The command as typed in the root of the sources."""
         return " ".join(os.path.relpath(word, ROOT) if str(word).startswith("/") and str(word).startswith(str(ROOT)) else str(word) for word in words)
 
-    # Numbers for readers
+    # Numbers for the reader
 
     def number(self, name, value, unit, measured):
-        """Records one number of a table or figure, with its measurement."""
-        value = value.item() if hasattr(value, "item") else value  # NumPy scalars
+        """One number of a table or figure, with its source measurement."""
+        value = value.item() if hasattr(value, "item") else value  # of numpy
         self.numbers[f"{self.target}/{name}"] = {"value": value, "unit": unit, "command": measured.command,
                                                  "machine": measured.machine, "commit": measured.commit, "at": measured.at}
 
     def row(self, name, columns, values, sources):
-        """Records the numbers in a row of a table or figure; columns such as "force (N)". Skips cells without a source, and
-        texts."""
+        """The numbers of a row of a table or figure; columns such as "force (N)". Values without a source, or that are
+        not numbers, are left out."""
         for column, value, measured in zip(columns, values, sources):
             if measured is not None and value is not None and not isinstance(value, str):
                 what, unit = column.rsplit(" (", 1) if column.endswith(")") else (column, "")
@@ -196,7 +195,7 @@ class Record:
         self.say(f"    not measured: {name}: {why}")
 
     def save(self):
-        """Writes results.json: the numbers of this run, and those of targets that it did not make completely, since their figures
+        """results.json: the numbers of this run and those of targets that it did not make or complete, whose figures
         still exist."""
         path = self.folder / "results.json"
         before = {}
@@ -205,7 +204,7 @@ class Record:
         made = {name.split("/")[0] for name in [*self.numbers, *self.missing]}
         whole = made - {name.split("/")[0] for name in self.missing if name.endswith(f"/{ALL}")}
         rest = lambda kind, of: {name: value for name, value in before.get(kind, {}).items() if name.split("/")[0] not in of}
-        earlier = rest("sources", whole)  # a target that was not made still has numbers from these
+        earlier = rest("sources", whole)  # for a target that is not made, these remain the sources of some numbers
         sources = {target: sorted({*some, *earlier.get(target, ())}) for target, some in self.sources.items()}
         write_whole(path, json.dumps({"numbers": {**rest("numbers", whole), **self.numbers},
                                       "not_measured": {**rest("not_measured", made), **self.missing},
@@ -220,8 +219,8 @@ class Measured:
 
     @staticmethod
     def of_all(parts, command=None):
-        """Returns the source of a number that several measurements give: their machine, or a list of machines. command: makes all
-        of them; by default their own commands."""
+        """A source for a number of several measurements, with their machine or a list of machines; `command` if one makes
+        them all, otherwise each has its own."""
         each = lambda name: "; ".join(dict.fromkeys(getattr(part, name) for part in parts))
         machines = [part.machine for n, part in enumerate(parts) if part.machine not in [other.machine for other in parts[:n]]]
         return Measured(None, command or each("command"), machines[0] if len(machines) == 1 else machines, each("commit"),
@@ -229,14 +228,14 @@ class Measured:
 
 
 def content(path):
-    """Returns a hash of a file on a command line, for a scene including its mesh; empty for other words."""
+    """A word for the contents of a file in a command line, for a scene with its mesh; other words stand for themselves."""
     if not path.is_file() or path.stat().st_size > 1 << 28:
         return ""
     return hashlib.sha256(path.read_bytes()).hexdigest() + (content_of_mesh(path) if path.suffix == ".toml" else "")
 
 
 def content_of_mesh(scene):
-    """Returns the hash of the mesh that a scene file names."""
+    """The contents of the mesh of a scene file."""
     mesh = re.search(r'^mesh = "(.*)"$', scene.read_text(encoding="utf-8"), re.M)
     return content(scene.parent / mesh[1]) if mesh else ""
 

@@ -12,7 +12,7 @@ from record import Incomplete, NotMeasured
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from virtual_screen import virtual_screen
 
-PULL, REACH = 0.04, 0.08  # m: the displacement shown, which is a lattice point, and the radius of the lattice
+PULL, REACH = 0.04, 0.08  # m: the shown displacement, a lattice point, and the radius of the lattice
 
 
 def view(record, *words, env=None):
@@ -23,9 +23,9 @@ def view(record, *words, env=None):
 
 
 def hand(record, dataset, where, aim):
-    """Makes a recording of a hand that grabs the node, pulls it to `aim` (m, scene) and stays; it is the same for all laws."""
+    """A recording of a hand that grips the node, pulls it to `aim` (m, scene) and stays: the same for all laws."""
     lines = [[0.0, *where.node], [0.2, *where.node], [1.5, *aim], [3.0, *aim]]
-    path, recording = "scenes/pull.txt", "scenes/pull.h5"  # relative, because the picture shows the name of the replayed file
+    path, recording = "scenes/pull.txt", "scenes/pull.h5"  # in the folder, because the picture names the replayed file
     (record.folder / path).write_text("".join(" ".join(map(repr, line)) + "\n" for line in lines), encoding="utf-8")
     view(record, dataset, "--device", f"virtual:{path}", "--contact", "glued", "--headless", "--fast", "--duration", 2.5,
          "--record", recording)
@@ -33,7 +33,7 @@ def hand(record, dataset, where, aim):
 
 
 def draw_shapes(record, datasets, where, aim):
-    """Draws figures/figure5-LAW.png for each law: the last picture with the same hand."""
+    """figures/figure5-LAW.png for each law: the last frame of the same hand."""
     recording = hand(record, datasets["mr"], where, aim)
     with contextlib.ExitStack() as screen:
         try:
@@ -64,7 +64,7 @@ def figure5(record):
         if len(reached) < count:
             raise Incomplete(f"figure5: {organs.LAWS[law]} does not reach {1000 * PULL:g} mm: {sources[law].value['paths'][0]['failure']}")
         points[law] = reached[-1]
-    virtual_hand = 400.0  # N/m, stiffness of the hand (viewer/devices/virtual_hand.hpp)
+    virtual_hand = 400.0  # N/m: it yields to the force (viewer/devices/virtual_hand.hpp)
     aim = [x + p - f / virtual_hand for x, p, f in zip(where.node, pull, points["mr"]["force"])]
     pictures = {law: f"figure5-{law}.png" for law in datasets}
     try:

@@ -1,9 +1,9 @@
 """Sec. 6.1 of the paper: how many paths reach their end.
 
-A path *merely converges* if Newton finds a solution at every step, as the paper counts: with the paper's elements of equal
-order and det F - 1, accepting inverted elements and any inertia. It is *valid* if every configuration has min det F > 0 and
-the inertia of a stable equilibrium, with elements that satisfy the inf-sup condition. Steps are fixed, or adaptive:
-transitions of 20 mm that are halved if they fail. Valid paths may also take detours by neighbouring points (docs/solver.md)."""
+A path *merely converges* if Newton converges at every step, the paper's criterion: with its elements of equal order and
+det F - 1, accepting inverted elements and any inertia. It is *valid* if every configuration has min det F > 0 and the
+inertia of a stable equilibrium, with elements that satisfy inf-sup. Steps are fixed, or adaptive: transitions of 20 mm
+are halved where they fail, and for valid paths they may pass through points beside the path (docs/solver.md)."""
 import collections
 import dataclasses
 import functools
@@ -18,13 +18,13 @@ LAW_WORDS = {"svk": "st-venant-kirchhoff", "msvk": "modified-st-venant-kirchhoff
 
 @dataclasses.dataclass(frozen=True)
 class Survey:
-    nodes: int             # of the organ, approximately
+    nodes: int             # approximate number of nodes of the organ
     law: str
     kind: str = "regular"  # or "random"
     fixed_steps: bool = False
     tool: str = "rigid"
     radius: float = 0.0    # m, of the patch or finger
-    merely: bool = False   # whether mere convergence is also counted
+    merely: bool = False   # whether merely converged paths are counted too
 
     def touch(self):
         return "single node" if self.radius == 0 else f"{self.tool}, {1000 * self.radius:g} mm"
@@ -34,7 +34,7 @@ class Survey:
 
 
 def surveys(record):
-    """Returns the paper's surveys on its mesh and laws, and surveys that measure only ours."""
+    """The paper's survey on its mesh and laws, and surveys only of our paths."""
     papers = [Survey(500, law, kind, fixed, merely=True) for law in ("svk", "msvk", "mr")
               for kind, fixed in (("regular", True), ("regular", False), ("random", True))]
     more = [Survey(500, law, tool="rigid", radius=0.015) for law in ("msvk", "mr")]
@@ -48,9 +48,9 @@ def surveys(record):
 
 @dataclasses.dataclass
 class Reached:
-    """The results of the paths of a survey."""
-    way: list      # m, distance that each path reached
-    length: float  # m, length of each path
+    """The results of a survey's paths."""
+    way: list      # m, reached length of each path
+    length: float  # m, full length of each path
     complete: int
     without_inverted: int
     straight: int
@@ -61,12 +61,12 @@ class Reached:
         return 100 * (self.complete if count is None else count) / len(self.way)
 
     def why(self):
-        """Returns as text why the other paths stopped."""
+        """As text: why the other paths stopped."""
         return ", ".join(f"{count} {cause}" for cause, count in self.causes.most_common()) or "none did"
 
 
 def step(record, survey):
-    """Returns the length of a transition, m."""
+    """m, length of a transition."""
     return 0.02 if not survey.fixed_steps else 0.005 if record.quick else 0.001
 
 
@@ -75,8 +75,8 @@ def steps_words(record, survey):
 
 
 def walked(record, survey, merely, iterations=None):
-    """Measures a survey node by node, so that an interruption loses at most one node. iterations: limit of Newton iterations for
-    mere convergence; by default that of the survey program."""
+    """Measures a survey one node at a time, so that an interruption loses one at most. `iterations`: the most Newton
+    iterations for merely converged paths, if different from the survey's default."""
     axes, nodes, directions = (("x",), 2, 6) if record.quick else (("x", "y"), 10, 26)
     each = 1 if record.quick else -(-record.random_paths // (len(axes) * nodes))
     words = [record.bench / "palpate_path_survey", organs.organ(survey.nodes).mesh, "--law", LAW_WORDS[survey.law], "--every-path",
@@ -107,7 +107,7 @@ def wilson(successes, trials, z=1.96):
 
 
 def interval(survey, reached):
-    """Returns the interval as text. Regular paths are complete; random paths are a sample."""
+    """As text: regular paths are complete, random ones are a sample."""
     return "{:.1f} to {:.1f}".format(*wilson(reached.complete, len(reached.way))) if survey.kind == "random" else "no sample"
 
 
@@ -140,7 +140,7 @@ def survey_row(record, survey, merely, valid):
 
 
 def survival(record, survey, reached, counted):
-    """Returns rows of SURVIVAL_COLUMNS: the share of paths that reach each distance."""
+    """How many paths reach which length: rows of SURVIVAL_COLUMNS."""
     parts = 50
     ways = [reached.length * n / parts for n in range(parts + 1)]
     share = lambda way: 100 * sum(r >= way - 1e-9 for r in reached.way) / len(reached.way)
@@ -181,7 +181,7 @@ def how_far(record):
         try:
             merely = walked(record, one, True) if one.merely else None
             valid = walked(record, one, False)
-        except (Incomplete, NotMeasured) as why:  # an error in one survey must not stop the others
+        except (Incomplete, NotMeasured) as why:  # a failed survey does not affect others
             record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
             failed += [one.name()] if isinstance(why, Incomplete) else []
             start = what_is_surveyed(record, one)
@@ -205,7 +205,7 @@ LIMIT_COLUMNS = ["organ", "law", "paths", "steps", "published (%)", "Newton iter
 
 
 def limits(record):
-    """Sec. 6.1: how the share of merely converged paths depends on the limit of Newton iterations."""
+    """Sec. 6.1: how the share of merely converged paths depends on the allowed Newton iterations."""
     asked = [(Survey(record.nodes[0], law, fixed_steps=fixed), limit) for law in record.laws for fixed in (True, False) for limit in LIMITS]
     figure.save_table(record, "limits", LIMIT_COLUMNS, [limited(record, one, limit) for one, limit in asked])
 

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Computes forces of the rigid pushes in worker/verification/hard.cpp by GetFEM, an independent library (python3-getfem).
+"""Computes the rigid pushes of worker/verification/hard.cpp with GetFEM, an independent library (python3-getfem).
 
     tests/worker/verification/hard_reference.py [NAME...]
 
-Implements meshes, laws, constraint and tool separately. Prints the force of each case in newtons, and the Newton iterations.
+Meshes, laws, constraint and tool are implemented independently. Prints the force in newtons of each case, and the Newton
+iterations.
 """
 import itertools
 import sys
@@ -17,7 +18,7 @@ VENANT = "lambda_/2*sqr(Trace(E)) + G*Norm_sqr(E)"
 
 
 def fibres_along(a):
-    """Returns the variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)). GetFEM cannot
+    """The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)): GetFEM cannot
     differentiate a positive part twice."""
     stretched = f"(kappa*Norm_sqr(F)+(1-3*kappa)*Norm_sqr(F*{a}))"
     E = f"pos_part(pow(Det(F),-2/3)*{stretched}-1)"
@@ -113,7 +114,7 @@ def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, st
 
 
 def fibres(mu, k1, k2, depth, kappa=0, angle=None, step=STEP):
-    """One family of fibres along x, or two families at `angle` degrees to both sides of x."""
+    """One family along x, or two at plus and minus `angle` degrees from x."""
     push = Push(*box((0.04,) * 3, (4, 4, 4)))
     turned = np.radians(angle or 0)
     families = ["a"] if angle is None else ["a", "b"]

@@ -1,8 +1,9 @@
-"""The body of docs/solver.md, implemented again in NumPy: P1 displacement, P1 pressure with polynomial pressure projection, a
-rigid tool. It is independent of the worker. The peers are made from it, and datasets are compared with it.
+"""An independent implementation of docs/solver.md in NumPy: P1 displacement, P1 pressure with polynomial pressure
+projection, a rigid tool. The peers are made of it, and it is compared with datasets.
 
-A *state* is z, the unknowns (n): displacements of the free nodes (m), then scaled pressures q of all nodes, p = (mu/h) q (Pa),
-where h is the mean edge length. With the displacement of the tool (3, m) it is a configuration. Residuals are in newtons."""
+A *state* is z, the unknowns (n): displacements of the free nodes (m), then scaled pressures q of all nodes, p = (mu/h) q
+(Pa), h the mean edge length. Together with the displacement of the tool (3, m) it is a configuration. Residuals are in
+newtons."""
 import dataclasses
 
 import numpy as np
@@ -18,14 +19,14 @@ VARIANCE = (np.ones((4, 4)) + np.eye(4)) / 20 - 1 / 16
 class Assembled:
     energy: float            # L, J
     residual: np.ndarray     # n: dL/dz
-    force: np.ndarray        # 3, N: of the tissue on the tool, for constant z
+    force: np.ndarray        # 3, N: of the tissue on the tool, with z constant
     tangent: object = None   # n x n, CSC: d2L/dz2
     coupling: np.ndarray = None  # n x 3: d2L/dz dp
     tool: np.ndarray = None  # 3 x 3: d2L/dp2
 
 
 class Body:
-    """points: N x 3, m. tetrahedra: M x 4. fixed, tool: node numbers; the tool's nodes move together."""
+    """points: N x 3, m. tetrahedra: M x 4. fixed and tool: node numbers; the tool's nodes move together."""
 
     def __init__(self, points, tetrahedra, fixed, tool, law):
         self.points, self.tetrahedra, self.law = np.asarray(points, float), np.asarray(tetrahedra), law
@@ -42,8 +43,7 @@ class Body:
         self.number(np.asarray(fixed), np.asarray(tool))
 
     def number(self, fixed, tool):
-        """Numbers the unknowns. slot: N x 4, the index in (z, tool) of each displacement component and pressure; fixed components
-        share a last index."""
+        """slot: the index of each displacement component and pressure, N x 4, in (z, tool); fixed ones share a last one."""
         nodes = len(self.points)
         self.free = np.setdiff1d(np.arange(nodes), np.concatenate([fixed, tool]))
         self.tool_nodes, self.displacements = tool, 3 * len(self.free)
@@ -66,7 +66,7 @@ class Body:
         return u, z[self.displacements:]
 
     def state(self, displacement, pressure):
-        """Returns the state of nodal displacements (N x 3, m) and pressures (N, Pa)."""
+        """The state of nodal displacements (N x 3, m) and pressures (N, Pa)."""
         return np.concatenate([displacement[self.free].ravel(), pressure / self.pressure_scale]).astype(float)
 
     def deformation(self, z, p):
@@ -76,7 +76,7 @@ class Body:
     # The Lagrangian
 
     def elements(self, z, p, tangent=True):
-        """Returns the element sums of all elements, see element_sums."""
+        """For all elements, see element_sums."""
         _, q = self.fields(z, p)
         return element_sums(self.law, self.deformation(z, p), q[self.tetrahedra], self.gradients, self.volume, self.pressure_scale, tangent)
 
@@ -138,5 +138,5 @@ def sensitivity(assembled, factors=None):
 
 
 def stiffness(assembled, slope):
-    """Returns dforce/dp, 3 x 3, N/m, for dz/dp."""
+    """dforce/dp, 3 x 3, N/m, from dz/dp."""
     return -(assembled.tool + assembled.coupling.T @ slope)

@@ -1,4 +1,5 @@
-"""The inputs of every peer: the solved lattice points of a dataset. The probes are hidden until a peer answers."""
+"""The input of every peer, the solved lattice points of a dataset; and the probes, which no peer may see before it
+answers."""
 import dataclasses
 
 import references
@@ -11,7 +12,7 @@ from peers import body, laws
 
 @dataclasses.dataclass
 class Configurations:
-    identity: str          # hash of the dataset's content
+    identity: str          # hash of the dataset's contents
     points: object         # N x 3, m
     tetrahedra: object     # M x 4
     fixed: object          # node numbers
@@ -24,7 +25,7 @@ class Configurations:
     energy: object         # L, J
     displacement: object   # L x N x 3, m, float32
     pressure: object       # L x N, Pa, float32
-    unsolved: int          # number of lattice points without a solution
+    unsolved: int          # number of unsolved lattice points
     probe_place: object    # R x 3
     probe_force: object    # R x 3
     probe_energy: object   # R
@@ -57,8 +58,8 @@ def mooney_rivlin():
 
 
 def errors(force, exact):
-    """Returns the errors of answered forces (n x 3, NaN without an answer): {mean, median, p95, worst (N), relative_p95 (%, of
-    |error| / max(|F|, references.FLOOR)), in_target (% of all, within 3 % or 10 mN, as in `palpate report`), unanswered}."""
+    """Errors of answered forces, n x 3, NaN without an answer: {mean, median, p95, worst (N), relative_p95 (%, of |error|
+    / max(|F|, references.FLOOR)), in_target (% of all, within 3 % or 10 mN, as in `palpate report`), unanswered}."""
     length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
     answered = np.isfinite(length)
     if not answered.any():

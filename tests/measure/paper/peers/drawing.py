@@ -1,4 +1,4 @@
-"""The figures of the peers, from rows as in setting.COLUMNS."""
+"""Figures of the peers; rows as in setting.COLUMNS."""
 import math
 
 import figure
@@ -18,7 +18,7 @@ def marker(method):
 
 
 def label(method):
-    """Returns a short label for a point, such as "POD 20, 213 elements"."""
+    """A short label that fits beside a point: POD 20, 213 elements."""
     return method.split(" (")[0] + (", all" if "all elements" in method else "")
 
 
@@ -26,7 +26,7 @@ def label_points(axis, points):
     """Labels points (x, y, text) on logarithmic axes. Moves a label down if it would cover another."""
     placed = []
     for x, y, text in sorted(points, key=lambda point: -point[1]):
-        right = x > 3e4 and len(text) > 12  # no space to its right
+        right = x > 3e4 and len(text) > 12  # no room to the right of it
         at = math.log10(y)
         while any(abs(math.log10(x / other)) < 1.3 and abs(at - height) < 0.085 for other, height in placed):
             at -= 0.01
@@ -36,7 +36,7 @@ def label_points(axis, points):
 
 
 def naming(draw, missing):
-    """Returns a drawing function that also lists the methods that are not measured."""
+    """Wraps `draw` and names the missing methods above it."""
     def named(page):
         draw(page)
         if missing:
@@ -54,8 +54,7 @@ def size(rows):
 
 
 def speed(rows):
-    """Draws the mean error over the time of an answer. Exact methods are lines at their times; methods that were not measured are
-    omitted."""
+    """Mean error over the time of an answer. Exact methods have a line at their time; unmeasured ones are not shown."""
     def draw(page):
         axes = page.subplots(1, len(groups_of(rows)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(rows)):
@@ -80,7 +79,7 @@ def speed(rows):
 
 
 def distributions(points):
-    """Draws the share of probes with an error above each value. points: [organ, tool, method, error; infinite without an answer]."""
+    """points: [organ, tool, method, error; infinite without an answer]. The share of the probes with larger errors."""
     def draw(page):
         axes = page.subplots(1, len(groups_of(points)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(points)):

@@ -1,7 +1,7 @@
-"""Newton's method and continuation, for the whole body and for its reduced models.
+"""Newton's method and continuation for the whole body and for reduced models.
 
-A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled), sensitivity(assembled, factors) and tolerance,
-which is that of the residual's norm relative to the force on the tool."""
+A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled), sensitivity(assembled, factors) and
+tolerance, of the residual's norm relative to the force on the tool."""
 import dataclasses
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 TOLERANCE = 1e-8
 FLOOR = 1e-9           # N
 ITERATIONS = 15
-HALVINGS = 6           # limit of halvings of a Newton step
-SMALLEST_STEP = 1 / 32  # as a part of a transition
+HALVINGS = 6           # most halvings of a Newton step
+SMALLEST_STEP = 1 / 32  # of a transition
 
 
 @dataclasses.dataclass
@@ -25,7 +25,7 @@ class Solved:
 
 @dataclasses.dataclass
 class Iterate:
-    """The state after some Newton iterations: the answer of the loop if it stopped here."""
+    """The answer of the loop if it has to stop after this number of Newton iterations."""
     force: np.ndarray
     residual: float
 
@@ -35,7 +35,7 @@ def converged(model, assembled):
 
 
 def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
-    """Solves from z with the tool at p. Returns None if there is no solution."""
+    """Solves from z, with the tool at p; None without a solution."""
     if not model.admissible(z, p):
         return None
     assembled = model.assemble(z, p)
@@ -62,7 +62,7 @@ def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
 
 
 def transition(model, start, target):
-    """Moves from a solution to another place of the tool, in steps as large as possible. Returns None if all steps fail."""
+    """From one solution to another place of the tool, in the largest steps that converge; None if none does."""
     at, done, step, iterations = start, 0.0, 1.0, 0
     way = np.asarray(target) - start.p
     while done < 1:
@@ -80,10 +80,10 @@ def transition(model, start, target):
 
 
 class Follower:
-    """Follows equilibria along a hand's path without a new tangent at each place. Broyden's rank-one updates (Kelley 1995, Sec.
-    7.3) correct the inverse of an old tangent and dz/dp; both are computed again if the residual does not fall by half. For
-    small dense models that also have residual(z, p). tolerance: residual relative to the force; the relative error of the
-    force is of this size or smaller."""
+    """Equilibria along a hand's path without a new tangent in each. Broyden's rank-one updates (Kelley 1995, Sec. 7.3)
+    correct the inverse of an old tangent and dz/dp; both are computed again if the residual does not halve. For small
+    dense models, which have residual(z, p) too. tolerance: of the residual relative to the force; the error of the force
+    is of this size or below."""
 
     def __init__(self, model, solved, tolerance=1e-5):
         self.model, self.tolerance, self.tangents = model, tolerance, 0
@@ -97,7 +97,7 @@ class Follower:
         self.tangents += 1
 
     def answer(self, p, iterations=15):
-        """Returns the force with the tool at p, starting from the last state; None if there is none, and the state is unchanged."""
+        """The force with the tool at p, from its last place; None without a solution, and then nothing changes."""
         before = self.z, self.p
         found = self.iterate(before[0] + self.slope @ (p - before[1]), p, iterations)
         if found is None:
@@ -130,7 +130,7 @@ class Follower:
         return None
 
     def walk(self, p, step=0.001):
-        """Returns the force after steps of at most 1 mm, as a hand moves."""
+        """The same in steps of at most 1 mm, like a hand's motion."""
         way = p - self.p
         force, start = None, self.p
         count = max(1, int(np.ceil(np.linalg.norm(way) / step)))

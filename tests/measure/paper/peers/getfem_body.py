@@ -1,6 +1,6 @@
-"""The same body by GetFEM, the library of the 2010 paper (python3-getfem): the same mesh, elements, law, constraint and
-stabilisation, written in its language for weak forms. Multipliers impose the Dirichlet values, as in the paper, and their sum
-is the force. Shows how far GetFEM's Newton gets in a given time. MUMPS, one thread."""
+"""The same body in GetFEM, the library of the 2010 paper (python3-getfem), as far as its Newton gets in a given time: the
+same mesh, elements, law, constraint and stabilisation, in its language for weak forms; Dirichlet values by multipliers,
+as in the paper, whose sum is the force. MUMPS, one thread."""
 import time
 
 import numpy as np
@@ -12,7 +12,7 @@ getfem = needed("getfem")
 
 from peers import body
 
-# Potential as a function of F; docs/solver.md, "The Lagrangian", without the stabilisation.
+# Potential of F; docs/solver.md, "The Lagrangian", without the stabilisation.
 POTENTIAL = ("C10*(pow(Det(F),-2/3)*Norm_sqr(F)-3) + C01*(pow(Det(F),-4/3)*(sqr(Norm_sqr(F))-Norm_sqr(F'*F))/2-3)"
              " - p*log(Det(F))")
 
@@ -45,7 +45,7 @@ class GetfemBody:
         self.tool = self.constrain("tool", self.moved)
 
     def stabilisation(self, some_body):
-        """Returns the stabilisation of the pressure equations, symmetric: -V alpha / mu VARIANCE per element."""
+        """Stabilisation of the pressure equations, symmetric: -V alpha / mu VARIANCE of each element."""
         place = np.empty(len(some_body.points), int)
         place[self.p_node] = np.arange(len(self.p_node))
         made = getfem.Spmat("empty", len(place), len(place))
@@ -61,12 +61,12 @@ class GetfemBody:
         return self.model.add_constraint_with_multipliers("u", name, rows, np.zeros(len(unknowns)))
 
     def force(self):
-        """Returns the force of the tissue on the tool."""
+        """Force of the tissue on the tool."""
         multipliers = self.model.variable("tool")
         return np.array([multipliers[self.u_axis[self.moved] == axis].sum() for axis in range(3)])
 
     def start(self, displacement, pressure, place):
-        """Converges at an equilibrium with the tool at `place`. displacement, pressure: nodal start values (m, Pa)."""
+        """Solves to an exact equilibrium with the tool at `place`, from nodal displacements (m) and pressures (Pa)."""
         self.model.set_variable("u", displacement[self.u_node, self.u_axis].astype(float))
         self.model.set_variable("p", pressure[self.p_node].astype(float))
         for name in "held", "tool":
@@ -78,8 +78,8 @@ class GetfemBody:
         self.model.set_private_rhs(self.tool, np.asarray(place, float)[self.u_axis[self.moved]])
 
     def iterate(self, most):
-        """Runs Newton from the current state, and returns whether it converged. Uses the fastest of GetFEM's line searches and
-        settings: whole steps, halved only if the residual explodes (the default takes twice as many iterations)."""
+        """Newton from the current state; returns whether it converged. Uses the fastest of GetFEM's line searches: whole
+        steps, halved only if the residual explodes (the default takes twice as many iterations)."""
         return bool(self.model.solve("max_iter", most, "max_res", 1e-7, "lsolver", "mumps", "lsearch", "simplest",
                                      "alpha max ratio", 1e4, "alpha min", 0.05, "alpha mult", 0.5)[1])
 
@@ -87,8 +87,8 @@ class GetfemBody:
         return {name: self.model.variable(name) for name in ("u", "p", "held", "tool")}
 
     def history(self, start, place, most=12):
-        """Returns [{seconds, force, converged}] after each iteration from the stored `start` to `place`, in seconds of processor
-        time."""
+        """[{seconds, force, converged}] after each iteration from the stored `start` on the way to `place`: seconds of
+        processor time since the start."""
         for name, value in start.items():
             self.model.set_variable(name, value)
         self.move(place)

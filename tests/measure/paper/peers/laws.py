@@ -1,7 +1,7 @@
 """Energy densities psi(F, p) = W(F) - p c(F) of many elements at once, with first and second derivatives.
 
-F: M x 3 x 3, the deformation gradient of each element; p: M, its mean pressure, Pa. Second derivatives are M x 9 x 9, with F
-flattened by rows. SI units. docs/solver.md has the Lagrangian that contains these densities."""
+F: M x 3 x 3, the deformation gradient of each element; p: M, its mean pressure, Pa. Second derivatives are M x 9 x 9, F
+flattened by rows. SI units; docs/solver.md has the full Lagrangian."""
 import dataclasses
 
 import numpy as np
@@ -77,8 +77,8 @@ for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
 
 
 class Corotated:
-    """Linear elasticity in the frame of each element's rotation R of F = R S: e = S - I, W = mu (e:e - (tr e)^2 / 3), c = tr e.
-    Incompressible, and at rest equal to the law that it replaces."""
+    """Linear elasticity in the frame of each element's rotation R of F = R S: e = S - I, W = mu (e:e - (tr e)^2 / 3), c =
+    tr e; incompressible like the law that it replaces, and equal to it at rest."""
 
     def __init__(self, shear_modulus):
         self.shear_modulus = shear_modulus
@@ -89,7 +89,7 @@ class Corotated:
     def at(self, F, p, tangent=True):
         U, stretches, V = np.linalg.svd(F)
         flip = np.sign(np.linalg.det(U @ V))
-        stretches[:, 2] *= flip  # a rotation, not a reflection, also in inverted elements
+        stretches[:, 2] *= flip  # a rotation without a reflection, also in inverted elements
         U[:, :, 2] *= flip[:, None]
         R = U @ V
         scalar = lambda s: s[:, None, None]

@@ -1,15 +1,15 @@
-"""Newton in the loop: how far a solver of the whole body gets while a hand moves.
+"""Newton in the loop: accuracy of a solver of the whole body while a hand moves.
 
-A loop that answers every B seconds sees a hand with speed v move by v B. From a converged equilibrium, the solver has the time B
-for the next one. (A hand that keeps moving finds the solver late, so this favours the solver.) If the solver has not converged in
-time, the answer is an approximation: GetFEM's latest iterate; or, without an iterate and always for the worker, the linear answer
-with force and stiffness of the previous place.
+A loop that answers every B seconds sees a hand of speed v move by v B. The solver starts from an exact equilibrium and
+has B for the next one; for a hand that keeps moving it would start late, so this favours the solver. Solvers that have
+not converged by then answer with what they have: GetFEM with its latest iterate; without an iterate, and for the worker
+always, the linear answer from force and stiffness at the start.
 
-A solver that takes longer than a tick can also run at *two rates*: it always solves for the place of the hand at its start, and a
-fast loop answers with force and stiffness of the last available equilibrium (as Courtecuisse et al. 2015 do with compliances).
-The error depends on how far the hand has moved since.
+Neither the hand nor a solver slower than a tick has to wait: at *two rates* the solver keeps solving for the hand's
+position at its start, and a fast loop answers with force and stiffness of the last available equilibrium (as Courtecuisse
+et al. 2015 do with compliances). The error of such an answer depends on the hand's motion meanwhile.
 
-Times are those of one core; for the worker, elapsed time."""
+Times are of one core; the worker's are wall time."""
 import json
 
 import numpy as np
@@ -23,7 +23,7 @@ COLUMNS = ["solver", "time for an answer (ms)", "hand (mm/s)", "movement (mm)", 
 
 
 def movements(configurations, count):
-    """Returns (rows of the configurations at which hands start, unit vectors of their directions)."""
+    """(rows of the configurations at which hands start, unit vectors of their directions)"""
     random = np.random.default_rng(1000)
     rows = 1 + random.permutation(len(configurations.place) - 1)[:count]
     ways = random.standard_normal((len(rows), 3))
@@ -35,7 +35,7 @@ def lengths():
 
 
 def by_worker(record, name, scene_file, configurations, count):
-    """Returns {length: [{force, seconds} or None]}: the exact forces, and the times to solve them."""
+    """{length: [{force, seconds} or None]}: the exact forces and their solve times."""
     rows, ways = movements(configurations, count)
     paths = [[configurations.place[row].tolist(), (configurations.place[row] + length * way).tolist()]
              for length in lengths() for row, way in zip(rows, ways)]
@@ -46,7 +46,7 @@ def by_worker(record, name, scene_file, configurations, count):
 
 
 def by_getfem(record, name, configurations, some_body, count):
-    """Returns {length: [history of iterations]}, and the forces of GetFEM's own equilibria at the start configurations."""
+    """{length: [history of iterations]}, and GetFEM's own equilibria of the start configurations."""
     from peers import getfem_body
 
     def make():
@@ -68,8 +68,8 @@ def by_getfem(record, name, configurations, some_body, count):
 
 
 def rows_of(solver, outcomes, exact):
-    """Returns a row of COLUMNS for each budget and speed. outcomes(length): per movement (seconds to converge or None, function
-    from a time to the force answered then). exact(length): per movement the force or None."""
+    """A row of COLUMNS for each budget and speed. outcomes(length): for each movement (seconds to converge or None,
+    function of a time that gives the force answered then). exact(length): for each movement its force or None."""
     rows = []
     for budget in BUDGETS:
         for speed in SPEEDS:
@@ -107,16 +107,17 @@ TWO_RATES = ["solver", "hand (mm/s)", "equilibria a second", "mean way since the
 
 
 def two_rates(solver, seconds_of, path, force, stiffness):
-    """Returns a row of TWO_RATES for each speed. seconds_of(way): seconds to solve an equilibrium at a distance of `way` m. path:
-    n x 3 places from rest (m), at which the hand is sampled; force, stiffness: exact values there. Omits the first place,
-    which is solved when the hand starts, and solves that do not end before the hand stops."""
+    """A row of TWO_RATES for each speed. seconds_of(way): time of an equilibrium at this distance from the last, m to s;
+    path: n x 3 positions of the hand (m) at its sampling distance, from rest; force and stiffness: the exact ones there.
+    The first position is solved when the hand starts and is not counted; neither are solves that are unfinished when the
+    hand stops."""
     path, force, rows = np.asarray(path), np.asarray(force), []
     for speed in SPEEDS:
         when = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]) / speed
         solved, target, ready, came = 0, 0, 0.0, 0
         errors, ways = [], []
         for now, at in zip(when, range(len(path))):
-            while ready <= now:  # the solver solves for the place of the hand when it became free
+            while ready <= now:  # the solver turns to the hand's position at the time when it was ready
                 came += target != solved
                 solved, target = target, int(np.searchsorted(when, ready, side="right")) - 1
                 if target == solved:
@@ -132,7 +133,7 @@ def two_rates(solver, seconds_of, path, force, stiffness):
 
 
 def seconds_by_way(times):
-    """Returns a function from a distance to seconds: the medians of {way: [seconds]}, linearly interpolated."""
+    """The medians of {way: [seconds]}, of which some may be empty, with linear interpolation between them."""
     ways = [way for way in sorted(times) if times[way]]
     medians = [float(np.median(times[way])) for way in ways]
     return lambda way: float(np.interp(way, ways, medians))
@@ -148,8 +149,8 @@ def getfem_times(histories):
 
 
 def exact_along(record, name, scene_file, some_body, path):
-    """Returns {reached: places of the path from rest with an equilibrium, force, stiffness} by the NumPy body, and the largest
-    difference to the worker's forces (largest_difference, N)."""
+    """{reached: positions of the path that have an equilibrium, force, stiffness}, by the NumPy body; also the worker's
+    forces, with largest_difference (N)."""
     from peers import body, equilibrium
     command = [record.bench / "palpate_path_forces", scene_file, "--active", "tip"]
     by_worker = record.run(f"{name} path by the worker", command, json.dumps([path]))
@@ -177,7 +178,7 @@ def getfem_rows(histories, found, configurations, count):
 
     def outcomes(length):
         made = []
-        for history, row, way in zip(histories[length], rows, ways):  # no history: the start did not converge
+        for history, row, way in zip(histories[length], rows, ways):  # no history: not even the start converged
             def answered(budget, history=history, linear=linear_answer(configurations, row, length * way)):
                 done = [iterate for iterate in history if iterate["seconds"] <= budget and np.isfinite(iterate["force"]).all()]
                 return done[-1]["force"] if done else linear

@@ -1,7 +1,8 @@
-"""The peers, one function each: method(record, given) yields (row of setting.COLUMNS, forces at the probes, record.Measured).
+"""The peers, one function each: method(record, given) yields (row of setting.COLUMNS, forces at the probes,
+record.Measured).
 
-given: setting.Setting. Times of Python peers are processor times of one core. Along a hand's path, an answer starts from the
-previous one; "without one before" starts from the configurations only."""
+given: setting.Setting. Times of Python peers are processor time of one core. Along a hand's path each answer starts from
+the one before; "without one before" starts from the configurations alone."""
 from peers.setting import NOT_ASKED, median, timed
 from record import NotMeasured
 
@@ -10,7 +11,7 @@ INTERPOLATIONS = {"trilinear": ("tri-linear (paper)", "no"), "rbf-linear": ("RBF
 
 
 def interpolations(record, given):
-    """The interpolations of the paper and ours, by the C++ force fields of the client."""
+    """The paper's methods and ours, by the force fields of the client, in C++."""
     text = "".join("%.17g %.17g %.17g\n" % tuple(p) for p in given.configurations.probe_place)
     command = [record.bench / "palpate_force_query_bench", given.dataset.value["dataset"], "tip", *INTERPOLATIONS]
     measured = record.run(f"{given.name} forces and memory of interpolations", command, text, depends=[given.configurations.identity])
@@ -43,8 +44,8 @@ def compliance(record, given):
 
 
 def corotated(record, given):
-    """Linear elements in the rotating frame of each element, in equilibrium to 1e-4. Their compliance cannot be precomputed, so
-    they are solved like the whole body."""
+    """Linear elements in the frame of each one's rotation, in equilibrium to 1e-4. No compliance can be computed ahead
+    for them, so they are solved like the whole body."""
     import numpy
     from peers import body, equilibrium, laws
 
@@ -64,7 +65,7 @@ def corotated(record, given):
 
 
 def chained(model, places):
-    """Returns equilibria at places, each from the nearest one found so far; None if there is none."""
+    """Equilibria at places, each from the nearest one found so far; None without one."""
     import numpy
     from peers import equilibrium
     reached, found, left = [model.at_rest()], [None] * len(places), set(range(len(places)))
@@ -80,8 +81,8 @@ def chained(model, places):
 
 
 def seconds_along(model, start, path):
-    """Returns the seconds of each answer on a hand's path, starting from the previous one. None if an answer fails; the next then
-    starts from the last success."""
+    """Seconds of each answer on a hand's path, starting from the one before; None without an answer, and then from the
+    last one."""
     from peers import equilibrium
     at, seconds = start, []
     for p in path:
@@ -103,13 +104,13 @@ def few_elements(record):
 
 
 class Bases:
-    """Bases for all reduced models of a setting, made once when the first model is measured."""
+    """Created once for all reduced models of a setting, when the first of them is measured."""
 
     def __init__(self, given):
         self.given, self.made, self.models = given, None, {}
 
     def model(self, count):
-        """Returns (reduced.Reduced, processor seconds to make it)."""
+        """(reduced.Reduced, s of processor time to make it)"""
         from peers import reduced
         if self.made is None:
             self.made = timed(lambda: reduced.snapshots(self.given.body, self.given.configurations))
@@ -119,7 +120,7 @@ class Bases:
 
 
 def by_newton(given, model, before):
-    """Measures the answers of a reduced model with converged Newton, and their times."""
+    """Answers and time of a reduced model with Newton to convergence."""
     from peers import reduced
     rest = model.at_rest()
     found, took = zip(*(timed(lambda p=p: reduced.answer(model, p, rest)) for p in given.configurations.probe_place))
@@ -144,12 +145,12 @@ def reduced_models(record, given):
 
 
 def stuck(record, given, label, measured):
-    """Records how often a model had no answer on the hand's path. Times are those of the other answers."""
+    """How often there was no answer on the hand's path; times are of the other answers."""
     record.number(f"{given.name}/{label}/stuck_on_the_path", measured.value["stuck_on_the_path"], f"of {measured.value['steps']}", measured)
 
 
 def sampled_models(record, given):
-    """Reduced models with a few elements (ECSW) that follow the hand with old tangents."""
+    """The same with few elements (ECSW), following the hand with old tangents."""
     import numpy
     from peers import equilibrium, reduced, sampled
     bases = Bases(given)
@@ -178,7 +179,7 @@ def sampled_models(record, given):
 # Networks
 
 def efforts(record):
-    """Returns network.Effort by kind: the number of trials, and the time limit."""
+    """For each kind, for network.Effort: what is tried, and the time limit."""
     if record.quick:
         return {"force": (3, 200, 1, 600, 100, 1, 12), "energy": (3, 200, 1, 600, 100, 1, 12),
                 "energy and stiffness": (1, 100, 1, 300, 100, 1, 12)}
@@ -210,7 +211,7 @@ def networks(record, given):
             record.number(f"{given.name}/network: {kind}/{what}", told[what], unit, measured)
         record.say(f"        {kind}: {told['settings']}, best of {told['tried']}; {told['held_back_error']:.3g} N on configurations held "
                    "back")
-        if kind == "energy":  # try the best settings first when the stiffness is also fitted, which takes five times as long
+        if kind == "energy":  # its best settings are tried first with the stiffness, which takes five times as long
             shortlist = told["shortlist"]
         yield (given.row(f"network: {kind} ({told['settings'].split(',')[0]})", told, given.errors(told["force"]),
                          conservative="no" if kind == "force" else "yes"), told["force"], measured)
@@ -219,8 +220,8 @@ def networks(record, given):
 # Newton in the loop
 
 def newton(record, given):
-    """Returns (rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)]). Converged answers are
-    exact, at places of their own; the probes are not queried."""
+    """(rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)]). A converged answer is
+    the exact force, at separate places; the probes are not used."""
     from peers import loop
     count, scene = 3 if record.quick else 5, scene_file(record, given.case)
     found, by_worker = loop.by_worker(record, given.name, scene, given.configurations, count)

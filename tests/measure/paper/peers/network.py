@@ -1,14 +1,14 @@
-"""Small neural networks, trained on the configurations, that map a displacement of the tool to a force, or to an energy whose
+"""Small neural networks trained on the configurations: from the tool's displacement to the force, or to an energy whose
 negative gradient is the force.
 
-The linear part is not learned: force = K0 p + scale net(p / R), energy = -p K0 p / 2 + scale (net(p / R) - net(0)), where K0 is
-the stiffness at rest (N/m) and R the radius of the ball (m). The *kind* is what is fitted: "force"; "energy" (energies and
-forces, as in Czarnecki et al. 2017); "energy and stiffness" (all data that this project interpolates).
+The linear part is not learned: force = K0 p + scale net(p / R), energy = -p K0 p / 2 + scale (net(p / R) - net(0)), K0
+the stiffness at rest (N/m), R the radius of the ball (m). A *kind* says what is fitted: "force"; "energy" (energies and
+forces, as in Czarnecki et al. 2017); "energy and stiffness" (all that this project interpolates).
 
-The search draws random settings and trains each for a short time (Adam, with a rate that falls to zero along a cosine) on 85 %
-of the configurations. It then trains the best few, by the mean error of the force on the other 15 %, for a long time and by
-L-BFGS, still on the 85 %. Finally it trains the best of them on all configurations from several seeds, and answers with the
-one that fits best. Probes are never used. Double precision, full batches."""
+The search: random settings are trained for a short time (Adam, with a rate that falls to zero along a cosine) on 85 % of
+the configurations. The best few by the mean error of the force on the other 15 % are trained for long, then by L-BFGS,
+both on the 85 %. The best of these is trained again on all configurations from several seeds, of which the best fit is
+the answer. Probes are never used. Double precision, full batches."""
 import dataclasses
 import time
 
@@ -28,7 +28,7 @@ class Settings:
     depth: int        # hidden layers
     activation: str
     rate: float       # initial rate of Adam
-    loss: str         # "squared", or "length": the mean magnitude of the error, as in the table
+    loss: str         # "squared", or "length": the mean length of the error, as in the report's tables
     seed: int = 0
 
     def text(self):
@@ -43,7 +43,7 @@ class Effort:
     long: int             # epochs of each
     polish: int           # most iterations of L-BFGS
     seeds: int
-    most_seconds: float   # limit of processor time for the search of one kind; the report lists what was tried
+    most_seconds: float   # limit of processor time for the search of one kind; the completed part is reported
 
 
 class Net(torch.nn.Module):
@@ -65,7 +65,7 @@ class Net(torch.nn.Module):
 
 
 class Model:
-    """A network with its scales; maps places (m) to forces (N)."""
+    """A network with its scales; from places (m) to forces (N)."""
 
     def __init__(self, kind, settings, configurations):
         self.kind, self.settings = kind, settings
@@ -87,7 +87,7 @@ class Model:
         return -torch.autograd.grad(self.energy(place).sum(), place, create_graph=differentiable)[0]
 
     def loss(self, data):
-        """Returns the dimensionless loss: errors relative to the nonlinear part."""
+        """Dimensionless: errors relative to the nonlinear part."""
         length = self.settings.loss == "length"
         measure = lambda error: torch.sqrt((error**2).sum(1) + 1e-8).mean() if length else (error**2).sum(1).mean()
         if self.kind == "force":
@@ -150,7 +150,7 @@ def drawn(random):
 
 
 def search(kind, configurations, effort, shortlist=None, say=lambda text: None):
-    """Returns (the trained model, {seconds, tried, ... of the search}). shortlist: settings to try first, from the search of
+    """(the trained model, {seconds, tried, ..., of the search}). shortlist: settings to try first, from the search of
     another kind."""
     torch.set_num_threads(1)
     began = time.process_time()
@@ -188,7 +188,7 @@ def search(kind, configurations, effort, shortlist=None, say=lambda text: None):
 
 
 class Exported:
-    """The same network without PyTorch, as a haptic loop would have it: matrices, and the chain rule by hand."""
+    """The same without PyTorch, as in a haptic loop: matrices and the chain rule by hand."""
 
     def __init__(self, model):
         array = lambda tensor: tensor.detach().numpy().copy()

@@ -1,7 +1,7 @@
-"""How other methods answer on the same organ: the tables and figures of all peers.
+"""Other methods on the same organ: the tables and figures of all peers.
 
-Every peer gets the solved lattice points of one dataset. It is then queried at the probes: exact solutions at random places of
-the ball, which no peer was given. Builds by several workers count with the sum of their processor seconds."""
+Every peer receives the solved lattice points of one dataset, and is asked for the forces at its probes: exact solutions
+at random places of the ball that no peer has seen. Builds by several workers count as their total processor seconds."""
 import figure
 import published
 from peers import drawing, setting
@@ -9,7 +9,7 @@ from record import NotMeasured, needed
 
 
 def peers(record):
-    """Other methods at the same places: linear bodies, reduced models, networks, Newton in the loop; and ours."""
+    """Answers of other methods at the same places: linear bodies, reduced models, networks, Newton in the loop; and ours."""
     needed("numpy"), needed("scipy"), needed("h5py")
     from peers import loop, methods
     rows, loops, rates, errors = [], [], [], []
@@ -37,7 +37,7 @@ def peers(record):
 
 
 def newton(record, given):
-    """Calls methods.newton; returns empty rows if it is not measured."""
+    """Like methods.newton; rows without values if it is not measured."""
     from peers import loop, methods
     try:
         return methods.newton(record, given)
@@ -48,7 +48,7 @@ def newton(record, given):
 
 
 def nothing_of(given, method):
-    """Returns the row of a method that is not measured."""
+    """The row of an unmeasured method."""
     return [given.case.organ().name, given.case.tool(), method] + [None] * (len(setting.COLUMNS) - 3)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests the peers on small meshes: derivatives by differences, equilibria, and answers of reduced and trained models."""
+"""Tests the peers on meshes made here: derivatives by differences, equilibria, answers of reduced and trained models."""
 import itertools
 import pathlib
 import sys
@@ -21,7 +21,7 @@ MOONEY_RIVLIN = laws.MooneyRivlin(1300.0, 1280.0)
 
 
 def held_box(law=MOONEY_RIVLIN, patch=False):
-    """Returns a box that is fixed at x = 0, with the tool at a corner of the other end, or at an edge there."""
+    """Fixed at x = 0, with the tool at a corner of the other end, or at a whole edge there."""
     points, tetrahedra = box(size=0.03)
     far = np.isclose(points[:, 0], points[:, 0].max()) & np.isclose(points[:, 1], 0)
     tool = np.flatnonzero(far if patch else far & np.isclose(points[:, 2], 0))
@@ -95,7 +95,7 @@ class BodyTest(unittest.TestCase):
 
 
 def lattice_of(some_body, spacing=0.01):
-    """Returns configurations at 27 places around rest, the first of them rest, and a probe between them."""
+    """Configurations of the 27 places around rest, with rest first, and a probe between them."""
     places = spacing * np.array(sorted(itertools.product((-1, 0, 1), repeat=3), key=lambda p: sum(map(abs, p))), float)
     model = whole(some_body)
     rest = model.at_rest()
@@ -158,7 +158,7 @@ class ReducedTest(unittest.TestCase):
         beside = sum(kept.nbytes for kept in (self.made.lift, model.coordinates, self.body.gradients, self.body.volume))
         self.assertEqual(model.memory(), beside + 4 * self.body.tetrahedra.size + 8 * np.count_nonzero(model.basis))
         basis = few.memory() - sum(kept.nbytes for kept in (few.gradients, few.volume, few.coordinates))
-        self.assertGreaterEqual(basis, 8 * np.count_nonzero(few.basis))  # rows of fixed nodes are zero
+        self.assertGreaterEqual(basis, 8 * np.count_nonzero(few.basis))  # those of fixed nodes are zero
         self.assertLess(basis, few.basis.nbytes)
         self.assertEqual(few.memory_with_shape() - few.memory(), 4 * self.body.displacements * (model.columns[0] + 3))
 
@@ -198,7 +198,7 @@ class NetworkTest(unittest.TestCase):
     def setUp(self):
         try:
             from peers import network
-        except Exception as missing:  # record.NotMeasured: python3-torch is not installed
+        except Exception as missing:  # record.NotMeasured: python3-torch is missing
             self.skipTest(str(missing))
         self.network, self.given = network, lattice_of(held_box())
 
@@ -224,7 +224,7 @@ class AnswersTest(unittest.TestCase):
         self.assertAlmostEqual(told["mean"], 0.055)
         self.assertAlmostEqual(told["worst"], 0.1)
         self.assertAlmostEqual(told["in_target"], 100 / 3)
-        self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N of what counts as 0.05 N; 10 % of 1 N
+        self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N relative to the floor of 0.05 N; 10 % of 1 N
         self.assertEqual(configurations.errors(np.full((3, 3), np.nan), exact)["unanswered"], 3)
 
     def testMissingAnswersHaveAnInfiniteError(self):
@@ -284,7 +284,7 @@ class GetfemTest(unittest.TestCase):
     def testSolvesTheSameEquations(self):
         try:
             from peers import getfem_body
-        except Exception as missing:  # record.NotMeasured: python3-getfem is not installed
+        except Exception as missing:  # record.NotMeasured: python3-getfem is missing
             self.skipTest(str(missing))
         some_body = held_box(patch=True)
         given = lattice_of(some_body)

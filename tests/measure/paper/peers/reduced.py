@@ -1,13 +1,14 @@
 """A reduced-order model: proper orthogonal decomposition of the configurations, Galerkin projection, and Newton in the modes.
 
-z = S p + Phi a. S: sensitivities at rest, so that the model without modes is the linear body. Phi: the first modes of the
-remainder of the configurations. Displacement modes are orthonormal in the H1 seminorm (integral of grad u : grad v), pressure
-modes in L2. A pressure mode without a matching displacement mode makes the reduced saddle point problem singular. So each
-pressure mode has a *supremizer*: the displacement on which its work is largest, by the coupling at rest (Rozza and Veroy 2007;
-Ballarin et al. 2015).
+z = S p + Phi a: S the sensitivities at rest, so that without modes it is the linear body; Phi the first modes of the
+remainder of the configurations. Modes of the displacement are orthonormal in the H1 seminorm (integral of grad u : grad
+v), those of the pressure in L2. A pressure mode that no displacement mode balances makes the reduced saddle singular, so
+each has a *supremizer*: the displacement on which it does most work (Rozza and Veroy 2007; Ballarin et al. 2015), by the
+coupling at rest.
 
-The force is minus the slope of the reduced Lagrangian along p, so it is conservative. Every iteration assembles the whole body
-(no hyper-reduction), as SOFA's ModelOrderReduction does in its first phase; `sampled.py` adds the second."""
+The force is minus the slope of the reduced Lagrangian along p, so it is conservative. The whole body is assembled in
+every iteration (no hyper-reduction), as in the first phase of SOFA's ModelOrderReduction; `sampled.py` continues from
+there."""
 import dataclasses
 
 import numpy as np
@@ -19,7 +20,7 @@ from peers import body, equilibrium
 
 @dataclasses.dataclass
 class Snapshots:
-    """The inputs of all bases, computed once for all numbers of modes."""
+    """Data for bases of any number of modes, computed once."""
     lift: np.ndarray           # n x 3: dz/dp at rest
     displacement: np.ndarray   # modes as columns, most important first, of z's displacements
     pressure: np.ndarray       # likewise of z's pressures
@@ -44,7 +45,7 @@ def inner_products(some_body):
 
 
 def principal(columns, inner):
-    """Returns modes (orthonormal under inner @) and singular values of snapshots in columns, by the method of snapshots."""
+    """Modes (orthonormal under inner @) and singular values of snapshots in columns, by the method of snapshots."""
     gram = columns.T @ (inner @ columns)
     values, vectors = np.linalg.eigh((gram + gram.T) / 2)
     keep = np.flatnonzero(values > 1e-13 * values[-1])[::-1]
@@ -52,7 +53,7 @@ def principal(columns, inner):
 
 
 def orthonormal(columns, inner):
-    """Orthonormalises by Gram-Schmidt, twice. Omits columns that depend on earlier ones."""
+    """Gram-Schmidt, twice; columns that depend on earlier ones are left out."""
     made = np.empty((len(columns), 0))
     for column in columns.T:
         length = np.sqrt(column @ (inner @ column))
@@ -65,7 +66,7 @@ def orthonormal(columns, inner):
 
 
 def snapshots(some_body, configurations):
-    """Makes snapshots of the configurations, of which the first is the rest state."""
+    """Snapshots of the configurations; the first one is the rest state."""
     rest = some_body.assemble(np.zeros(some_body.size), np.zeros(3))
     lift = body.sensitivity(rest)
     states = np.array([some_body.state(u, p) for u, p in zip(configurations.displacement, configurations.pressure)])
@@ -86,7 +87,7 @@ def supremizers(some_body, p_modes, grad_inner, most=60):
 
 
 class Galerkin:
-    """Base of all reduced models, which have size, made, coordinates, assemble and admissible."""
+    """The common part of all reduced models, with size, made, coordinates, assemble and admissible."""
 
     tolerance = equilibrium.TOLERANCE
 
@@ -113,7 +114,8 @@ class Reduced(Galerkin):
         q = made.pressure[:, :pressures]
         self.columns = u.shape[1], q.shape[1]
         self.scale = np.concatenate([np.abs(u).max(axis=0), np.abs(q).max(axis=0)])
-        # A coordinate is the displacement of a mode's largest entry, m, so that residuals are in newtons, as for the whole body.
+        # Coordinates are the displacement of a mode's largest entry, m, so that a residual is in newtons, as for the whole
+        # body.
         self.basis = scipy.linalg.block_diag(u, q) / self.scale
         self.size = self.basis.shape[1]
         rise, n = (made.states - made.places @ made.lift.T).T, some_body.displacements
@@ -134,8 +136,8 @@ class Reduced(Galerkin):
         return self.body.admissible(self.whole(a, p), p)
 
     def memory(self):
-        """Returns the bytes that an answer reads: modes without the zeros between displacement and pressure, sensitivities, start
-        coordinates, and gradients, volume and corners of all elements."""
+        """Bytes that an answer reads: modes without the zeros between displacement and pressure, sensitivities, starting
+        coordinates, and gradients, volumes and corners of all elements."""
         of_u, of_q = self.columns
         rows = self.body.displacements, self.body.size - self.body.displacements
         elements = self.body.gradients.nbytes + self.body.volume.nbytes + 4 * self.body.tetrahedra.size
@@ -154,8 +156,8 @@ class Dense:
 
 
 def answer(model, p, rest):
-    """Answers without a previous answer: from the nearest configuration, else from starts ever closer to the path from rest.
-    Returns None if there is no solution."""
+    """Without an earlier answer: from the nearest configuration, otherwise along paths ever closer to that from rest.
+    None without a solution."""
     for start in starts(model, p):
         reached = equilibrium.transition(model, start, p)
         if reached is not None:
@@ -172,8 +174,8 @@ def starts(model, p, most=4):
 
 
 def followed(model, p, rest):
-    """Returns the force after a hand has moved from the nearest configuration, with old tangents, or else that of answer(); None
-    if there is none."""
+    """The force after a hand has come from the nearest configuration, with old tangents; otherwise that of answer(); None
+    without one."""
     for start in starts(model, p):
         force = equilibrium.Follower(model, start).walk(p)
         if force is not None:

@@ -1,11 +1,11 @@
-"""Hyper-reduction of a reduced model: energy-conserving sampling and weighting (ECSW; Farhat et al. 2014, 2015), as in SOFA's
-ModelOrderReduction. A few elements with non-negative weights represent all elements. The sampled Lagrangian is the weighted
-sum of theirs, so the force remains conservative.
+"""Hyper-reduction of a reduced model: energy-conserving sampling and weighting (ECSW; Farhat et al. 2014, 2015), the
+method of SOFA's ModelOrderReduction. A few elements with non-negative weights replace all: the sampled Lagrangian is the
+weighted sum of theirs, so the force stays conservative.
 
-The weights are fitted by Lawson and Hanson's non-negative least squares, stopped at a tolerance. For each training state, they
-must reproduce the reduced work of all elements on all modes and on the tool, separately for the elastic stresses and the
-pressures. (At an equilibrium their sum is zero, which zero weights would reproduce.) Training states are configurations, and
-states between the configuration of one place and that of another, as they occur in Newton."""
+The weights are fitted (Lawson and Hanson's non-negative least squares, stopped at a tolerance) to the reduced work of all
+elements in each training state, separately for elastic stresses and pressures (at an equilibrium their sum is zero, which
+zero weights would match), on all modes and on the tool. Training states are configurations, and states between one and
+the place of another, as they occur in Newton."""
 import time
 
 import numpy as np
@@ -15,9 +15,9 @@ from peers import body, reduced
 
 
 def non_negative(A, b, tolerance, most, together=8):
-    """Returns (columns, x > 0, |A x - b| / |b|) with few columns. The error is at most `tolerance`, unless no further columns
-    help or their number is `most`. An active-set method on Gram matrices, where up to `together` columns enter at once,
-    because a pass over A takes most of the time."""
+    """(columns, x > 0, |A x - b| / |b|) of few columns. The last is at most `tolerance`, unless more columns do not help
+    or there are `most`. Active set on Gram matrices; up to `together` columns enter at once, because a pass over A takes
+    most of the time."""
     right, b_length = (A.T @ b).astype(float), float(np.linalg.norm(b))
     chosen, x, gram = np.zeros(0, int), np.zeros(0), np.zeros((0, 0))
     residual, length, entering = b.copy(), b_length, together
@@ -37,7 +37,7 @@ def non_negative(A, b, tolerance, most, together=8):
         if shorter > (1 - 1e-6) * length:
             if entering == 1:
                 break
-            entering = 1  # one at a time, it cannot cycle (Lawson and Hanson 1974)
+            entering = 1  # one by one it cannot cycle (Lawson and Hanson 1974)
         else:
             entering = together
         length = min(length, shorter)
@@ -45,7 +45,7 @@ def non_negative(A, b, tolerance, most, together=8):
 
 
 def inside(chosen, x, gram, right):
-    """Moves from x >= 0 to the least-squares solution of columns that keeps x >= 0, by removing the columns in the way."""
+    """From x >= 0 to the least-squares solution of the columns that keep it so; the others are removed."""
     while True:
         damped = gram + 1e-10 * np.trace(gram) / len(gram) * np.eye(len(gram))
         wanted = scipy.linalg.cho_solve(scipy.linalg.cho_factor(damped), right[chosen])
@@ -59,7 +59,7 @@ def inside(chosen, x, gram, right):
 
 
 def training_states(model, count, random):
-    """Returns (coordinates, place) of configurations, and of as many states between neighbours."""
+    """(coordinates, place) of configurations, and of as many states between one and a neighbour."""
     places, coordinates = model.made.places, model.coordinates
     chosen = random.permutation(len(places))[:count]
     states = [(coordinates[n], places[n]) for n in chosen]
@@ -78,8 +78,8 @@ def element_basis(model, elements=slice(None)):
 
 
 def training(model, states):
-    """Returns A and b of the fit. Rows of A: states x (elastic, of pressure) x (k + 3); columns: elements. Rows of one kind are
-    scaled to the same size."""
+    """A and b of the fit. Rows of A: states x (elastic, pressure) x (k + 3); columns: elements. Rows of one kind have the
+    same scale."""
     some_body, basis = model.body, element_basis(model).astype(np.float32)
     A = np.empty((len(states), 2, basis.shape[2], len(basis)), np.float32)
     for n, (a, p) in enumerate(states):
@@ -96,8 +96,8 @@ def training(model, states):
 
 
 class Sampled(reduced.Galerkin):
-    """A reduced model that sums over a few elements. tolerance: of the fit of the weights. states: number of configurations for
-    the fit."""
+    """A reduced model whose sums run over few elements. tolerance: of the fit of the weights; states: number of
+    configurations for the fit."""
 
     def __init__(self, model, tolerance, states=60, most=1500):
         began = time.process_time()
@@ -133,12 +133,12 @@ class Sampled(reduced.Galerkin):
         return body.Assembled(float(energy.sum()), r[:len(a)], -r[len(a):])
 
     def memory(self):
-        """Returns the bytes that an answer of the force reads: three displacements and a pressure of four corners by modes and
-        place, other element data, and start coordinates."""
+        """Bytes that an answer of the force reads: modes of three displacements and a pressure at four corners, the place
+        of the tool, other data of an element, and starting coordinates."""
         of_u, of_q = self.columns
         basis = 8 * len(self.elements) * (12 * (of_u + 3) + 4 * (of_q + 3))
         return basis + self.gradients.nbytes + self.volume.nbytes + self.coordinates.nbytes
 
     def memory_with_shape(self):
-        """Like memory(), with the displacement of all nodes by modes and place, in the precision of datasets."""
+        """The displacement of all nodes by their modes and the place of the tool, in the precision of datasets."""
         return self.memory() + 4 * self.displacements * (self.columns[0] + 3)

@@ -1,4 +1,4 @@
-"""The inputs of all peers for one organ and tool, and the row of the table for each peer."""
+"""The common input of all peers of one organ and tool, and the rows of the table."""
 import dataclasses
 import resource
 import time
@@ -16,10 +16,10 @@ NOT_ASKED = dict.fromkeys(["mean", "median", "p95", "worst", "relative_p95", "in
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    nodes: int      # of the organ, approximately
-    patch: float    # m, radius that moves with the node; 0: the node alone
-    radius: float   # m, radius of the ball
-    divisions: int  # lattice spacings in the radius
+    nodes: int      # approximate number of nodes of the organ
+    patch: float    # m, of the patch that moves with the node; 0: only the node
+    radius: float   # m, of the ball
+    divisions: int  # lattice spacings in it
     probes: int
 
     def organ(self):
@@ -39,23 +39,23 @@ class Case:
 
 @dataclasses.dataclass
 class Setting:
-    """A case, and the inputs of its peers."""
+    """A case, and the input of its peers."""
     case: Case
     dataset: object         # record.Measured of its build
     configurations: object  # configurations.Configurations
     body: object            # body.Body
-    build_s: object         # processor time of all workers together; None if they were elsewhere
+    build_s: object         # s of processor time of all workers; None if they ran elsewhere
     path: list              # displacements of a hand, m, 1 mm apart, from rest
-    fine: list              # likewise, 0.25 mm apart
+    fine: list              # the same, 0.25 mm apart
     name: str
 
     def measure(self, record, what, make, *depends):
-        """Measures a function whose result depends on the dataset and on `depends`."""
+        """Measures a function whose result depends on the dataset and `depends`."""
         return record.measure(f"{self.name} {what}", make, self.configurations.identity, *depends, command=COMMAND)
 
     def row(self, method, value, errors, configurations=None, conservative="yes", language="Python"):
-        """Returns a row of COLUMNS. value: before_s (added to the build), force_bytes, shape_bytes, answer_s, cold_s; None if not
-        measured, or a word if there is none."""
+        """A row of COLUMNS. value: before_s (in addition to the build), force_bytes, shape_bytes, answer_s, cold_s; any
+        of them None if not measured, or a word if there is none."""
         count = len(self.configurations.place) if configurations is None else configurations
         of = lambda name, factor: value.get(name) if isinstance(value.get(name), (str, type(None))) else factor * value[name]
         build = self.build_s if count > 1 else 0
@@ -65,21 +65,21 @@ class Setting:
                 errors["relative_p95"], errors["in_target"], errors["unanswered"], conservative]
 
     def errors(self, forces):
-        """Returns the errors of forces at the probes; a force is None if there was no answer."""
+        """Errors of forces at the probes, None without an answer."""
         import numpy
         from peers import configurations
         answered = [[numpy.nan] * 3 if force is None else force for force in forces]
         return configurations.errors(numpy.array(answered, float), self.configurations.probe_force)
 
     def lengths_of_errors(self, forces):
-        """Returns the magnitudes of the errors, N; infinite without an answer."""
+        """N; infinite without an answer."""
         import numpy
         return [float("inf") if force is None else float(numpy.linalg.norm(numpy.subtract(force, exact)))
                 for force, exact in zip(forces, self.configurations.probe_force)]
 
 
 def cases(record):
-    """Returns the cases. The peers were developed with the first; nothing was tuned for the patch."""
+    """The peers were developed with the first; nothing was tuned for the patch."""
     if record.quick:
         return [Case(500, 0.0, 0.06, 3, 20)]
     return [Case(2000, 0.0, 0.06, 4, 100), Case(2000, 0.02, 0.06, 4, 100)]
@@ -106,8 +106,8 @@ def setting(record, case):
 
 
 def built(record, case):
-    """Returns (the dataset with the probes; processor seconds of a build without them, of all workers together). If a part was
-    built earlier, the seconds are elapsed time times workers; None if workers were elsewhere."""
+    """(the dataset with the probes; s of processor time of a build without them, over all workers; if a part was built
+    earlier, wall time times the number of workers; None if workers ran elsewhere)."""
     began, used = time.monotonic(), processor_of_children()
     alone = record.dataset(f"peers-{case.name()}-alone", case.scene(probes=False))
 
@@ -127,8 +127,8 @@ def processor_of_children():
 
 
 def agree(record, given):
-    """Checks whether the body in NumPy is that of the dataset: how far its configurations are from equilibrium, and the
-    difference of the forces."""
+    """Compares the NumPy body with the dataset: how far its configurations are from equilibrium, and the difference of
+    forces."""
     import numpy
 
     def make():
@@ -148,19 +148,19 @@ def agree(record, given):
 
 
 def larger(one, other):
-    """Returns the larger number; NaN if one of them is NaN."""
+    """NaN if one of them is None."""
     import numpy
     return float(numpy.maximum(one, other))
 
 
 def timed(work):
-    """Returns (the result, processor seconds)."""
+    """(the result, s of processor time)"""
     began = time.process_time()
     return work(), time.process_time() - began
 
 
 def median(values):
-    """Returns the median of the numbers that are not None; None if there are none."""
+    """The median of numbers without None; None if there are none."""
     import numpy
     there = [value for value in values if value is not None]
     return float(numpy.median(there)) if there else None
