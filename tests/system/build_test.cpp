@@ -363,7 +363,7 @@ TEST_F(SystemTest, UnfinishedWorkOfAChangedSceneResumesUnderItsNewName) {
   EXPECT_THAT(again->output(), HasSubstr("continuing from "));
 }
 
-TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {
+TEST_F(SystemTest, RefusesToReplaceAFileThatIsNotItsDataset) {
   std::ofstream(directory / "out.h5") << "precious";
   auto build = startBuild("out.h5", "1");
   EXPECT_EQ(build->wait(), 2);

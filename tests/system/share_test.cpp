@@ -39,7 +39,7 @@ struct ShareTest : test::SharedPage {
   }
 };
 
-TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
+TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndReleases) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   open(browser);

@@ -137,7 +137,7 @@ TEST_F(ShareWindowsTest, OnAPhoneOneFingerPressesAndTheSliderPressesDeeper) {
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
 }
 
-TEST_F(ShareWindowsTest, OnAPhoneTwoFingersComeCloserAndTurnAndDoNotPress) {
+TEST_F(ShareWindowsTest, OnAPhoneTwoFingersZoomAndTurnWithoutPressing) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   browser.show(phone);

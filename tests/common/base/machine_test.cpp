@@ -41,7 +41,7 @@ TEST_F(CoresOfGroupsTest, ReadsVersionOneToo) {
   EXPECT_FALSE(cores());
 }
 
-TEST_F(CoresOfGroupsTest, WithoutGroupsThereIsNoLimit) {
+TEST_F(CoresOfGroupsTest, HaveNoLimitWithoutGroups) {
   EXPECT_FALSE(cores());
   write("groups", "nonsense\n0::/../elsewhere");
   write("mounted/cpu.max", "max 100000");

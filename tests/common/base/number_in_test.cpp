@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-TEST(NumberIn, ReadsOnlyTextThatIsEntirelyANumber) {
+TEST(NumberIn, ReadsOnlyCompletelyNumericText) {
   EXPECT_EQ(numberIn<int>("-17"), -17);
   EXPECT_EQ(numberIn<double>("2.5"), 2.5);
   EXPECT_EQ(numberIn<std::uint16_t>("65535"), 65535);

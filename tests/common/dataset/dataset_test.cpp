@@ -194,7 +194,7 @@ TEST_F(SealedDataset, ReturnsTheSurfaceOfSolvedPoints) {
   expectBadInput([&] { dataset.fields(0, 7); }, {"sample.h5", "tip", "failed"});
 }
 
-TEST_F(SealedDataset, KeepsAllNodesAndPressuresWhenAsked) {
+TEST_F(SealedDataset, KeepsAllNodesAndPressuresOnRequest) {
   sample.problem.scene.storage.displacement = StoredNodes::all;
   sample.seal(copy);
   const Dataset all(copy), surface(file);

@@ -183,7 +183,7 @@ TEST_F(GmshReader, MillimetresBecomeTheSameDoublesAsMetres) {
   expectSameMesh(read(text, 0.001), read(tetrahedron_22));
 }
 
-TEST_F(GmshReader, ReadsAnElementThatIsInTwoPhysicalGroupsOnce) {
+TEST_F(GmshReader, ReadsAnElementOfTwoPhysicalGroupsOnce) {
   std::string text = tetrahedron_22;
   text.replace(text.find("$Elements\n3"), 11, "$Elements\n4");
   text.insert(text.find("$EndElements"), "4 4 2 9 1 10 20 7 1000000007\n");

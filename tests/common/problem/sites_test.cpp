@@ -179,7 +179,7 @@ TEST_F(FingerScene, AMillimetreFingerOnALargeBodyIsPlaced) {
   EXPECT_EQ(resolved().active.at(0).nodes.size(), 3u) << "of one triangle";
 }
 
-TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
+TEST_F(FingerScene, IsRefusedWithSettingsThatAFingerCannotHave) {
   scene.active[0].radius = 0.2;
   refuses({"\"skin-0\"", "as wide as the body", "radius smaller"});
   scene.active[0].radius = 0.05;

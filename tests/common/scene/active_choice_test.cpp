@@ -19,7 +19,7 @@ Scene sceneOfNodesAndSites() {
   return scene;
 }
 
-TEST(ActiveChoiceTest, IsANodeASiteOrAllSitesOfAnArea) {
+TEST(ActiveChoiceTest, SelectsANodeASiteOrAllSitesOfAnArea) {
   const Scene scene = sceneOfNodesAndSites();
   EXPECT_THAT(chooseActive(scene, "tip").spaces, ElementsAre(1));
   EXPECT_THAT(chooseActive(scene, "skin-1").spaces, ElementsAre(2));
@@ -63,7 +63,7 @@ TEST(ActiveChoiceTest, ListsTheValidNames) {
   test::expectBadInput([&] { chooseActive(scene, "toe"); }, {"\"toe\"", "skin, tip"});
 }
 
-TEST(ActiveChoiceTest, OfAnAreaNeedsAPlace) {
+TEST(ActiveChoiceTest, AnAreaNeedsAPlace) {
   const Scene scene = sceneOfNodesAndSites();
   test::expectBadInput([&] { requirePlace(chooseActive(scene, "skin"), false); },
                        {"\"skin\"", "--at X Y Z"});

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// Regression: a scheduler that was reading its journal was treated as absent.
-TEST(AskedScheduler, OneThatDoesNotListenYetIsReportedAsRunning) {
+TEST(AskedScheduler, IsReportedAsRunningBeforeItListens) {
   const test::TemporaryDirectory directory;
   Asked asked;
   asked.where = directory.path().string();

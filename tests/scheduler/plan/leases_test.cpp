@@ -74,13 +74,13 @@ TEST_F(LeasesTest, SpacesDoNotMix) {
   EXPECT_EQ(spaceOf(handOut("a")), 1u);
 }
 
-TEST_F(LeasesTest, JobNumbersGoOnAfterTheFirst) {
+TEST_F(LeasesTest, JobNumbersContinueAfterTheFirst) {
   Leases later(7ull << 32);
   later.add(way(0, 0, 0));
   EXPECT_EQ(later.handOut("a", 1)->job, (7ull << 32) + 1);
 }
 
-TEST_F(LeasesTest, ALostWorkersTargetsAreHandedOutAgainAndThatIsCounted) {
+TEST_F(LeasesTest, ALostWorkersTargetsAreHandedOutAgainAndCounted) {
   addTargets(0, 1, 1);
   EXPECT_EQ(attemptsOfNext("a"), 1u);
   leases.giveBack("a");
@@ -88,7 +88,7 @@ TEST_F(LeasesTest, ALostWorkersTargetsAreHandedOutAgainAndThatIsCounted) {
   EXPECT_EQ(attemptsOfNext("b"), 2u);
 }
 
-TEST_F(LeasesTest, AFinishedTargetIsNotHandedOutAgainWhoeverHadIt) {
+TEST_F(LeasesTest, AFinishedTargetIsNotHandedOutAgain) {
   addTargets(0, 1, 2);
   handOut("a");
   handOut("a");
@@ -184,7 +184,7 @@ TEST_F(LeasesTest, OneLostWorkerCountsAsOneDeath) {
   EXPECT_THAT(leases.aside(), ElementsAre(way(0, 2, 1)));
 }
 
-TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
+TEST_F(LeasesTest, AGoodbyeBlamesNoTarget) {
   addTargets(0, 1, 1);
   for (int n = 0; n < 20; ++n) {
     EXPECT_EQ(attemptsOfNext("a"), static_cast<std::uint32_t>(n + 1));

@@ -108,7 +108,7 @@ bool hasFailedCorner(const SpaceTable& space, const LatticeCell& cell) {
   return false;
 }
 
-TEST(Refinement, LeavesAnAccurateSpaceAlone) {
+TEST(Refinement, KeepsAnAccurateSpaceUnchanged) {
   const Scene scene = adaptiveScene(0.03);
   const Refinement next =
       nextRefinement(solvedStart(scene, test::PolynomialEnergy(3, 0.06)), scene);
@@ -222,7 +222,7 @@ TEST(Refinement, SplitsNoMoreThanAllowed) {
   EXPECT_LT(nextRefinement(space, scene).kept, 1) << "says that the accuracy was not reached";
 }
 
-TEST(Refinement, LeavesTerminatingCellsAlone) {
+TEST(Refinement, KeepsTerminatingCellsUnchanged) {
   const Scene scene = adaptiveScene(0.001);
   SpaceTable space = solvedStart(scene, RidgeEnergy());
   for (PointRecord& point : space.points) point.tag = Tag::terminating;

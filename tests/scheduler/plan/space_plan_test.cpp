@@ -87,7 +87,7 @@ TEST_F(SpacePlanTest, AUniformSceneHasOnlyItsLattice) {
   for (const PointRecord& point : table.points) EXPECT_EQ(point.tag, Tag::expandable);
 }
 
-TEST_F(SpacePlanTest, ProbesAreSolvedFromTheNearestPointAndAreNoLatticePoints) {
+TEST_F(SpacePlanTest, ProbesAreNotLatticePointsAndSolvedFromTheNearest) {
   problem.scene.accuracy.probes = 50;
   const SpaceTable table = finished(smooth);
   EXPECT_EQ(table.points.size(), 33u);

@@ -211,7 +211,7 @@ TEST_F(CoordinatorTest, TakesBackTargetsThatAnIdleWorkerNeverReceived) {
   ASSERT_EQ(jobs.size(), 2u);
 }
 
-TEST_F(CoordinatorTest, AWorkerThatSaysGoodbyeHandsItsWorkBack) {
+TEST_F(CoordinatorTest, AWorkerReturnsItsWorkWithAGoodbye) {
   world.join("a", 2);
   world.join("b", 2);
   world.takeJobs("a");

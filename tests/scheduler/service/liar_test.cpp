@@ -171,7 +171,7 @@ TEST_F(LiarTest, ADisputeEndsTheBuildUntilAThirdWorkerSettlesIt) {
   EXPECT_EQ(world.sealedContent(), honestContent());
 }
 
-TEST_F(LiarTest, ASingleMachineIsNotCheckedAndWaitsForNobody) {
+TEST_F(LiarTest, ASingleMachineIsNotCheckedAndDoesNotWait) {
   LiarWorld world(checking(0.2));
   world.joinFrom("machine-a", "a");
   world.joinFrom("machine-a", "b");

@@ -96,7 +96,7 @@ TEST_F(SpotChecksTest, EarlyResultsAreJudgedByWhatIsOddOnALiver) {
   EXPECT_TRUE(isPicked(checks, 2, {.oddness = std::numeric_limits<double>::infinity()}));
 }
 
-TEST_F(SpotChecksTest, TwoThatAgreeAreRight) {
+TEST_F(SpotChecksTest, TwoResultsThatAgreeAreRight) {
   checks.open(key, {who("a"), "x"}, {});
   const auto verdict = checks.hear(key, {who("b"), "x"});
   ASSERT_TRUE(verdict);
@@ -105,7 +105,7 @@ TEST_F(SpotChecksTest, TwoThatAgreeAreRight) {
   EXPECT_FALSE(checks.isOpen(key));
 }
 
-TEST_F(SpotChecksTest, AThirdDecidesWhichOfTwoIsWrong) {
+TEST_F(SpotChecksTest, AThirdResultDecidesWhichOfTwoIsWrong) {
   checks.open(key, {who("a"), "x"}, {});
   EXPECT_FALSE(checks.hear(key, {who("b"), "y"}));
   EXPECT_TRUE(checks.isDisputed(key));

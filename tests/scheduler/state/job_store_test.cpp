@@ -383,14 +383,14 @@ TEST_F(JobStoreTest, IsAccessibleToItsOwnerOnly) {
         << file;
 }
 
-TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
+TEST(StateDirectory, AdmitsOnlyOneScheduler) {
   test::TemporaryDirectory directory;
   const StateDirectory first(directory / "state");
   test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "state"); },
                     {"in use by process", std::to_string(getpid())});
 }
 
-TEST(StateDirectory, LetsNoSecondOneInIfItsLockFileWasRemoved) {
+TEST(StateDirectory, AdmitsNoSecondSchedulerIfItsLockFileWasRemoved) {
   test::TemporaryDirectory directory;
   const StateDirectory first(directory / "state");
   std::filesystem::remove(directory / "state/lock");

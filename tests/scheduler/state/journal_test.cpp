@@ -60,7 +60,7 @@ struct JournalTest : testing::Test {
   }
 };
 
-TEST_F(JournalTest, ReadsBackWhatWasAppended) {
+TEST_F(JournalTest, ReadsAppendedRecordsBack) {
   Journal journal = open();
   const auto a = journal.append("head", std::string(100000, 'x'));
   const auto b = journal.append("", "");
@@ -161,7 +161,7 @@ TEST_F(JournalTest, DetectsEveryFlippedBitAndLosesOnlyThatRecord) {
   }
 }
 
-TEST_F(JournalTest, FindsRecordsBehindDamageThatIsLongerThanAnyBuffer) {
+TEST_F(JournalTest, FindsRecordsAfterDamageLongerThanAnyBuffer) {
   Journal journal = open();
   journal.append("damaged", std::string(3 << 20, 'P'));
   journal.append("after", "payload");
@@ -243,7 +243,7 @@ TEST_F(JournalTest, RefusesAndKeepsFilesOfAnOlderPalpate) {
   EXPECT_EQ(bytesIn(first), older);
 }
 
-TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDropped) {
+TEST_F(JournalTest, AStretchTooShortForARecordIsDropped) {
   Journal journal = open(10);
   const JournalPosition before = journal.append("before", "payload");
   journal.append("after", "payload");

@@ -59,7 +59,7 @@ TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
   EXPECT_THAT(explained(3).text(), testing::HasSubstr("no transition to it has been tried yet"));
 }
 
-TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
+TEST_F(ExplanationTest, SaysThatAPointLiesBehindUnexpandablePoints) {
   space.points[3].tag = Tag::failed;
   space.points[3].cause = Cause::unreachable;
   const wire::Explanation explanation = explained(3);

@@ -89,7 +89,7 @@ TEST_F(HttpServerTest, LongLinesAreRefused) {
   EXPECT_THAT(get("/hello"), HasSubstr("200 OK")) << "others are still served";
 }
 
-TEST_F(HttpServerTest, SilentClientsKeepNobodyElseOut) {
+TEST_F(HttpServerTest, SilentClientsDoNotBlockOthers) {
   std::vector<std::thread> silent;
   for (std::size_t n = 0; n + 1 < HttpServer::threads; ++n)
     silent.emplace_back([this] { test::httpAnswer(port(), "GET /hel"); });

@@ -30,7 +30,7 @@ struct StatusBoardTest : testing::Test {
   }
 };
 
-TEST_F(StatusBoardTest, CostsNothingWhileNobodyAsks) {
+TEST_F(StatusBoardTest, CostsNothingWithoutRequests) {
   for (int n = 0; n < 1000; ++n) offer();
   EXPECT_EQ(made, 0);
 }

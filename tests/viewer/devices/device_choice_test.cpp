@@ -185,7 +185,7 @@ TEST(DeviceWord, CanBeCheckedWithoutOpeningTheDevice) {
   expectBadInput([] { checkDeviceWord("tcp://host"); }, {"tcp://host"});
 }
 
-TEST(DeviceWord, MissingPartsAreAskedFor) {
+TEST(DeviceWord, MissingPartsAreRequested) {
   expectBadInput([] { openDevice("virtual", {}); }, {"virtual:FILE"});
   expectBadInput([] { openDevice("mouse", {}); }, {"mouse"});
   expectBadInput([] { openDevice("replay", {}); }, {"replay:FILE"});

@@ -201,7 +201,7 @@ TEST(HaplyDevice, HasARealTimeThreadOnRequest) {
   EXPECT_EQ(test::threadsWith(device_priority), 1);
 }
 
-TEST(HaplyDevice, SaysHowToStartTheServiceWhenThereIsNone) {
+TEST(HaplyDevice, SaysHowToStartAMissingService) {
   std::uint16_t free_port = 0;
   {
     Service service;
@@ -272,7 +272,7 @@ TEST(HaplyDevice, LeavesTheDeviceWithZeroForce) {
   }));
 }
 
-TEST(HaplyDevice, RefusesAnAddressThatIsNoNumber) {
+TEST(HaplyDevice, RefusesAnAddressThatIsNotANumber) {
   test::expectBadInput(
       [] {
         HaplyDeviceOptions options;

@@ -86,7 +86,7 @@ TEST(SlotEquilibria, DoNotMixBranchesInAGhost) {
   EXPECT_LE((force + energy.gradient(tree.displacement(corner))).norm(), 1);
 }
 
-TEST(SlotEquilibria, StayModestWhereDataDisagree) {
+TEST(SlotEquilibria, StayBoundedWhereDataDisagree) {
   SpaceTable space = solvedSpace(Lattice(radius, 0.005), test::StiffeningEnergy());
   for (PointRecord& point : space.points)
     if (point.parent % 3 == 0) point.equilibrium.stiffness *= -20;

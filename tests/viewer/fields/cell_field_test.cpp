@@ -66,7 +66,7 @@ TEST_P(EveryBlendedField, NeverErrsMoreThanTriLinearNextToAJump) {
   EXPECT_LE(worst, worst_linear + 1e-12);
 }
 
-TEST(TricubicField, CountsThePointsOfItsDifferencesAsCornersToo) {
+TEST(TricubicField, CountsThePointsOfItsDifferencesAsCorners) {
   const Vector3d beside_the_hole(-0.0025, 0.0025, 0.0025);
   EXPECT_DOUBLE_EQ(makeForceField("tricubic", smooth())->evaluate(beside_the_hole).coverage, 1);
   EXPECT_LT(makeForceField("tricubic", test::holedSpace())->evaluate(beside_the_hole).coverage, 1);

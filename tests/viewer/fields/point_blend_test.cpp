@@ -18,7 +18,7 @@ using test::pointsInBall;
 using test::refinedSpace;
 
 /// The blend of the constant 1 and of the place itself must reproduce both linear functions.
-TEST(PointBlend, ContinuesLinearFunctionsToEverySlotFromSolvedPointsAlone) {
+TEST(PointBlend, ContinuesLinearFunctionsFromSolvedPointsToAllSlots) {
   SpaceTable space = refinedSpace(0.01);
   space.points[at(*space.lattice.indexOf({-1024, 0, 0}))] = {};
   const PointBlend blend(space);

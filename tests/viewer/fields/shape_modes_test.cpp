@@ -54,7 +54,7 @@ TEST(ShapeModes, RepresentEveryEntryOfUncorrelatedShapes) {
 }
 
 /// Regression: the search did not end.
-TEST(ShapeModes, AreNoMoreThanFloatsCanTellApart) {
+TEST(ShapeModes, AreNoMoreThanSinglePrecisionDistinguishes) {
   const ShapeRows shapes = 1e6f * shapesOfRank(7, 3000);
   const ShapeRows modes = modesOf(shapes, tolerance);
   EXPECT_EQ(modes.rows(), 7);

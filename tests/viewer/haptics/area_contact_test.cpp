@@ -219,7 +219,7 @@ TEST_F(AreaContact, TheGuardBoundsForceAndEnergyAtAHoleAndAFold) {
   EXPECT_GT(covered_less, 100);
 }
 
-TEST_F(AreaContact, TheShapePassesThroughTheToolAndStopsWhereTheAnswersEnd) {
+TEST_F(AreaContact, TheShapeMeetsTheToolUntilTheAnswersEnd) {
   Contact contact(model, {.friction = 10});
   const auto at_depth = [&](double depth) -> const Touch& {
     for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - depth * n / 100});

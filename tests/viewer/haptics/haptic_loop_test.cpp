@@ -73,7 +73,7 @@ TEST_F(HapticLoopTest, RunsTheRequestedTicksAndEndsWithZeroForce) {
   EXPECT_EQ(loop.latest().tick, 300U);
 }
 
-TEST_F(HapticLoopTest, StopsWhenAskedTo) {
+TEST_F(HapticLoopTest, StopsOnRequest) {
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions());
   HapticLoop loop(tick, hand, loopOptions(0));
@@ -118,7 +118,7 @@ TEST_F(HapticLoopTest, CannotBeStartedTwiceOrAtAnotherRateThanItsTick) {
   EXPECT_THROW(loop.start(), std::logic_error);
 }
 
-TEST_F(HapticLoopTest, RecordsEveryTickOfAFreeRunAndEqualsTheTickAlone) {
+TEST_F(HapticLoopTest, RecordsEveryTickAndEqualsTheTickAlone) {
   constexpr std::uint64_t ticks = 20000;  // more than the queue can hold
   ScriptedHand hand(test::pressingAndSliding()), alone(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions()), tick_alone(models(), alone, tickOptions());

@@ -208,7 +208,7 @@ TEST_F(HapticTickTest, ForgetsTheShownTouchWhenTheModelChanges) {
   EXPECT_TRUE(tick.run().touch.touching);
 }
 
-TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
+TEST_F(HapticTickTest, IgnoresCommandsForMissingModelsAndMethods) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());
   for (const HapticCommand& command : {HapticCommand{HapticCommand::Kind::use, 1, 0},

@@ -112,7 +112,7 @@ TEST(SurfaceTree, FindsTheSameFromAnyHint) {
   }
 }
 
-TEST(SurfaceTree, TellsInsideFromOutsideBesideFacesEdgesAndVertices) {
+TEST(SurfaceTree, SeparatesInsideFromOutsideNearFacesEdgesAndVertices) {
   for (const Mesh& mesh : {test::blobMesh(), notchedMesh(), test::tetrahedronMesh(0.1)}) {
     const SurfaceTree tree = treeOf(mesh);
     Random random;

@@ -36,7 +36,7 @@ class TouchSurfaceTest : public testing::Test {
   Mesh cube = test::cubeMesh(0.1, 4);
 };
 
-TEST_F(TouchSurfaceTest, LetsTheRingAroundAnActiveNodeBeTouched) {
+TEST_F(TouchSurfaceTest, TheRingAroundAnActiveNodeIsTouchable) {
   const TouchSurface surface(sealed({cube, {{nodeAt(cube, {0.05, 0.05, 0.1})}}}));
   for (std::size_t n = 0; n < surface.triangles().size(); ++n) {
     const auto& corners = surface.triangles()[n];

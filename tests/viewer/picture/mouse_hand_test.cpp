@@ -110,7 +110,7 @@ TEST_F(MouseHandTest, FollowsThePointerOverTheSkin) {
   EXPECT_LT((run.state().touch.anchor_position - there).norm(), 0.008) << "except for friction";
 }
 
-TEST_F(MouseHandTest, StaysWhereItWasWhenThePointerLeavesTheBody) {
+TEST_F(MouseHandTest, StaysInPlaceWhenThePointerLeavesTheBody) {
   test::MouseRun run(*cube);
   run.act({.pointer = run.onScreen(top()), .button = true}, 60);
   run.act({.pointer = {0.7, 0.45}, .button = true}, 60);

@@ -115,7 +115,7 @@ class PictureTest : public ::testing::Test {
   double time = 0;
 };
 
-TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
+TEST_F(PictureTest, ShowsTheBodyAndColoursThePressedPart) {
   const Image rest = pictureOf(pressed(0), {.ghost = false});
   EXPECT_GT(find(rest, isTissue).count, 5000);
   EXPECT_EQ(find(rest, isYellow).count, 0);
@@ -405,7 +405,7 @@ class PressurePictureTest : public PictureTest {
   }
 };
 
-TEST_F(PressurePictureTest, ShowsCompressionUnderTheToolWhenAskedForPressures) {
+TEST_F(PressurePictureTest, ShowsCompressionUnderTheToolInPressureColours) {
   const HapticModel body = blob();
   const HapticState state = pressedInto(body, 0.005);
   ASSERT_TRUE(state.touch.touching);
@@ -509,7 +509,7 @@ TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
   EXPECT_GT(pieces(true, isAmber), 1);
 }
 
-TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
+TEST_F(StageTest, DrawsDotsAtTheirPlacesInTheirColours) {
   const std::vector<LatticeDot> dots = {{{0.03, 0, 0}, colourOf(Tag::failed)},
                                         {{-0.03, 0.02, 0}, colourOf(Tag::expandable)}};
   LatticeView lattice;

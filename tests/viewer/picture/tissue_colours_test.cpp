@@ -11,7 +11,7 @@ namespace {
 
 double lightness(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-TEST(TissueColours, AreReddishAndPalerWhereNothingIsFelt) {
+TEST(TissueColours, AreReddishAndPalerOutsideTheTouchablePart) {
   const Rgb felt = tissueColour(1), none = tissueColour(0);
   EXPECT_GT(felt[0], 2 * felt[1]);
   EXPECT_GT(lightness(none), lightness(felt) + 30);

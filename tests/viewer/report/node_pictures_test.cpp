@@ -24,7 +24,7 @@ TEST(SliceMap, ShowsLatticePointsOfThePlaneAndErrorsCloseToIt) {
   EXPECT_GT(map.errors[0].error, 0);
 }
 
-TEST(SliceMap, HasBoundsInTheBallAndKnowsWhatIsCovered) {
+TEST(SliceMap, HasBoundsAndCoverageInTheBall) {
   const SliceMap map = sampled(0.02);
   const int middle = SliceMap::side / 2;
   EXPECT_TRUE(std::isnan(map.bound[SliceMap::sampleAt(0, 0)]));

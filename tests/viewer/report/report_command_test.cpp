@@ -135,7 +135,7 @@ TEST_F(RefinedReport, ErrorsAreThoseOfTheForceFieldAtTheProbes) {
               sum / count, 1e-9 * sum);
 }
 
-TEST_F(RefinedReport, ShowsTheLatticeBeforeItWasRefinedToo) {
+TEST_F(RefinedReport, ShowsTheUnrefinedLatticeToo) {
   std::vector<int> factors;
   const nlohmann::json& report = usual();
   for (const nlohmann::json& lattice : report["lattices"]) factors.push_back(lattice["factor"]);
@@ -211,7 +211,7 @@ TEST_F(RefinedReport, TableFitsATerminal) {
   }
 }
 
-TEST_F(RefinedReport, ComparesOnlyTheMethodsAskedFor) {
+TEST_F(RefinedReport, ComparesOnlyTheRequestedMethods) {
   options.report.methods = {"trilinear", "potential", "trilinear"};
   EXPECT_EQ(json()["methods"].size(), 2U);
   options.report.methods = {"potential", "cubic"};

@@ -30,7 +30,7 @@ std::string kernelsWith(const std::string& environment) {
 
 const std::string unset = "-u OPENBLAS_CORETYPE -u PALPATE_OPENBLAS_PINNED";
 
-TEST(BlasKernels, AreThoseOfTheCpusFamilyInAWorker) {
+TEST(BlasKernels, MatchTheCpusFamilyInAWorker) {
   const std::string chosen = kernelsWith(unset);
   EXPECT_EQ(chosen, arithmeticOf(cpuFamily()) + "\n");
 }

@@ -76,7 +76,7 @@ TEST(VerificationRow, IsOkWithinItsToleranceAndNeverWithoutANumber) {
   EXPECT_FALSE((Row{"", std::nan(""), 2, 1, ""}.ok()));
 }
 
-TEST(VerificationRow, ACaseThatThrowsIsARowThatIsNotOk) {
+TEST(VerificationRow, ACaseThatThrowsIsAFailedRow) {
   const std::vector<Row> rows = rowsOf(
       {"broken", false, []() -> std::vector<Row> { throw std::runtime_error("no equilibrium"); }});
   ASSERT_EQ(rows.size(), 1u);
