@@ -1,5 +1,5 @@
-# ctest reads this file to find the suites of a GoogleTest program. palpate_suites in CMakeLists.txt sets program, labels, cost and
-# alone.
+# ctest reads this file to find the suites of a GoogleTest program. palpate_suites in CMakeLists.txt sets program, labels, cost
+# and alone.
 get_filename_component(name ${program} NAME)
 if(NOT EXISTS ${program})
   add_test(${name}_IS_NOT_BUILT ${program})
@@ -10,7 +10,7 @@ if(failed)
   message(FATAL_ERROR "${program} --gtest_list_tests: ${failed}")
 endif()
 string(REGEX MATCHALL "\n[A-Za-z0-9_/]+\\." suites "\n${listing}")
-# A suite is skipped if all its cases were skipped. A suite that failed prints more after this list.
+# A suite without a case that ran counts as skipped; for a failed suite more text follows the list.
 set(skipped "\\[  PASSED  \\] 0 tests\\.\n\\[  SKIPPED \\] [0-9]+ tests?, listed below:\n(\\[  SKIPPED \\] [^\n]*\n)+$")
 foreach(line ${suites})
   string(REGEX REPLACE "\n(.*)\\." "\\1" suite "${line}")
