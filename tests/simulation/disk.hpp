@@ -22,6 +22,7 @@ enum class DiskFault : std::uint8_t { write_error, short_write, sync_error, rena
 /// possible). Every system call of this process that changes them (by the project, SQLite, HDF5 or
 /// the standard library) comes through here, because this program defines those functions itself
 /// (disk_calls.cpp).
+///
 /// A power cut keeps the synced part of a file and any 512-byte sectors written since; of a folder
 /// it keeps the names at its last sync and any number of the changes since, in order. A failed sync
 /// loses the data that it should have written, and a later successful sync does not restore them.

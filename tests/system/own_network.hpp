@@ -12,6 +12,7 @@ namespace palpate::test {
 
 /// Networks for this test only, if root may create them: no other program takes its ports, and
 /// nothing remains of them, however the test ends. Otherwise the existing network.
+///
 /// Programs belong to the network in which this process is when it starts them.
 class OwnNetwork {
  public:
