@@ -43,7 +43,8 @@ class Newton {
     now_.state = std::move(start);
     system_.assemble(now_.state, now_.residual);
     if (!std::isfinite(now_.residual.norm)) now_.cause = causeOfNotFinite(now_.residual);
-    bool stale = true;
+    bool stale = !options_.begin_with_old_factors;
+    if (!stale) now_.factorization = solver_.factorization();
     while (now_.cause == Cause::none && now_.residual.norm > tolerance()) {
       if (now_.iterations == options_.max_iterations) {
         now_.cause = Cause::iteration_limit;
@@ -82,7 +83,7 @@ class Newton {
       now_.cause = Cause::factorization_failed;
       return false;
     }
-    const bool fresh = taken_.empty();
+    const bool fresh = taken_.empty() && now_.factorizations > 0;
     updateByBroyden(taken_, step);
     if (!step.allFinite()) {
       now_.cause = Cause::not_finite;

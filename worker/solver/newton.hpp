@@ -13,6 +13,9 @@ struct NewtonOptions {
   /// Factorises a new tangent in each iteration. Use it for bodies whose stiffness jumps: Broyden's
   /// updates of an old tangent help little there.
   bool renew_always = false;
+  /// Begins with the factors that the solver has, of a tangent near the start. They are of the tool
+  /// that is chosen now (TangentSolver::useFactorsWith).
+  bool begin_with_old_factors = false;
   /// Also accepts a step if the next correction with the same tangent is smaller (natural
   /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). For bodies with a
   /// nearly rigid part, where a rotation increases the residual.
@@ -41,7 +44,7 @@ struct NewtonResult {
   Residual residual;            ///< at `state`
   int iterations = 0;           ///< number of corrections of the state
   int factorizations = 0;       ///< number; `solver` holds the last factors, if any
-  Factorization factorization;  ///< report of the last factorisation
+  Factorization factorization;  ///< report on the factors that were used last
 };
 
 /// Solves the equations with the tool at `displacement` (metres). In `start`, the tool must already

@@ -97,6 +97,7 @@ class System {
   const SparsityPattern& pattern() const { return pattern_; }
   const BodyModel& model() const { return model_; }
   const ElementKernels& kernels() const { return kernels_; }
+  const Eigen::MatrixXd& border() const { return border_; }  ///< as Tangent::border
 
   double meanEdge() const { return mean_edge_; }  ///< h, mean length of the edges, m
   double pressureScale() const { return shear_modulus_ / mean_edge_; }  ///< Pa

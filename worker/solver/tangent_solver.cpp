@@ -32,22 +32,35 @@ TangentSolver::TangentSolver(const System& system)
                                !isInfSupStable(system.model().discretization))) {}
 
 Factorization TangentSolver::factorize(const Tangent& tangent) {
-  Factorization result = solver_->factorize(tangent.values);
+  factorization_ = solver_->factorize(tangent.values);
+  pivots_of_K_ = factorization_.negative_pivots;
   border_ = tangent.border;
-  if (!result.ok || border_.cols() == 0) return result;
+  factorization_.ok = factorization_.ok && eliminateBorder();
+  return factorization_;
+}
+
+bool TangentSolver::useFactorsWith(const Eigen::MatrixXd& border) {
+  if (!factorization_.ok) return false;
+  border_ = border;
+  return factorization_.ok = eliminateBorder();
+}
+
+/// Prepares the border for solve() and counts its pivots. Returns false if MUMPS reports an error
+/// or a number is not finite.
+bool TangentSolver::eliminateBorder() {
+  factorization_.negative_pivots = pivots_of_K_;
+  if (border_.cols() == 0) return true;
   inverse_border_ = border_;
-  result.ok = solver_->solve(inverse_border_);
+  if (!solver_->solve(inverse_border_)) return false;
   const Eigen::Matrix3d complement = border_.transpose() * inverse_border_;
-  if (!result.ok || !complement.allFinite()) {
-    result.ok = false;
-    return result;
-  }
+  if (!complement.allFinite()) return false;
   complement_.compute(complement);
   // By Sylvester's law, the inertia of [K B; B^T 0] is the sum of the inertias of K and of -B^T
   // K^-1 B.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(complement, Eigen::EigenvaluesOnly);
-  result.negative_pivots += static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
-  return result;
+  factorization_.negative_pivots +=
+      static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
+  return true;
 }
 
 bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {

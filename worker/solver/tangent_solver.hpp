@@ -25,6 +25,12 @@ class TangentSolver {
   /// Factorises `tangent`. Factorization::negative_pivots counts pivots of the bordered matrix.
   [[nodiscard]] Factorization factorize(const Tangent& tangent);
 
+  /// Returns whether there are factors, and changes their border: K stays as it was factorised. A
+  /// finger that slides changes only the border, so its old factors stay useful.
+  [[nodiscard]] bool useFactorsWith(const Eigen::MatrixXd& border);
+  /// The report on the factors, with negative_pivots for their present border.
+  const Factorization& factorization() const { return factorization_; }
+
   /// Overwrites `columns` with the solutions for the last factorised tangent, right to about five
   /// digits in single precision. Returns false if MUMPS reports an error.
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> columns);
@@ -48,7 +54,11 @@ class TangentSolver {
   Eigen::MatrixXd multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const;
 
   const System& system_;
+  bool eliminateBorder();
+
   std::unique_ptr<LinearSolver> solver_;
+  Factorization factorization_;
+  std::int32_t pivots_of_K_ = 0;  ///< negative ones
   // The border of the last factorised tangent, K^-1 border, and border^T K^-1 border.
   Eigen::MatrixXd border_, inverse_border_;
   Eigen::PartialPivLU<Eigen::Matrix3d> complement_;

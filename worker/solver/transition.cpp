@@ -128,6 +128,7 @@ void TransitionSolver::chooseTool(std::size_t space) {
 
 void TransitionSolver::placeFinger(const std::string& what, const Finger& finger) {
   finger_ = checkedFinger(what, problem_.mesh, problem_.fixed, finger);
+  place_ = finger.center;
   PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
                      finger_->curvatures.size() == finger_->nodes.size(),
                  "each node needs derivatives of its weight by s");
@@ -255,7 +256,7 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
 std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
     NewtonResult& newton, const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides,
     double tolerance) {
-  if (newton.factorizations > 0)
+  if (newton.factorization.ok)
     if (auto refined = solver_.solveWith(tangent, right_hand_sides, tolerance)) return refined;
   newton.factorization = solver_.factorize(tangent);
   ++newton.factorizations;
@@ -366,6 +367,10 @@ Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
   if (!isUsable(step.equilibrium)) return Cause::not_finite;
   step.end = {std::move(newton.state), here.sensitivity.solution.leftCols<3>(),
               -step.equilibrium.force};
+  if (last && finger_) {
+    step.end.sensitivity_by_place = here.sensitivity.solution.rightCols<3>();
+    step.end.place = place_;
+  }
   return Cause::none;
 }
 
@@ -380,8 +385,13 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
     options.absolute_tolerance = options_.loose_absolute_tolerance;
     options.relative_tolerance = options_.loose_relative_tolerance;
   }
-  NewtonResult newton =
-      findEquilibrium(system_, solver_, approach(from, displacement), displacement, options);
+  return solveFrom(approach(from, displacement), displacement, last, options);
+}
+
+/// Solves for the equilibrium near `state`, and accepts it or says why not.
+TransitionSolver::Step TransitionSolver::solveFrom(State state, const Eigen::Vector3d& displacement,
+                                                   bool last, const NewtonOptions& options) {
+  NewtonResult newton = findEquilibrium(system_, solver_, std::move(state), displacement, options);
   Step step;
   step.easy = newton.factorizations <= options_.easy_factorizations;
   const Cause cause = newton.cause == Cause::none ? accept(newton, last, step) : newton.cause;
@@ -510,6 +520,47 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
     }
   }
   PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "an unfinished transition has failed");
+  if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
+  cost.seconds = threadSeconds() - began;
+  return reached;
+}
+
+Reached TransitionSolver::follow(const Start& start, const Finger& finger,
+                                 const Eigen::Vector3d& target) {
+  PALPATE_ASSERT(start.sensitivity_by_place.cols() == 3,
+                 "a finger's transition ended at the start");
+  const double began = threadSeconds();
+  const Eigen::Vector3d way = target - start.state.displacement,
+                        slide = finger.center - start.place;
+  Reached reached;
+  Cost& cost = reached.outcome.cost;
+  const Start* from = &start;
+  double at = 0, length = 1;  // fractions of the whole movement
+  while (at < 1 && length >= options_.smallest_step) {
+    const double next = std::min(1.0, at + length);
+    const bool last = next == 1;
+    Finger moved = finger;
+    if (!last) moved.center = start.place + next * slide;
+    placeFinger("finger", moved);
+    const Eigen::Vector3d p =
+        last ? target : Eigen::Vector3d(start.state.displacement + next * way);
+    const Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
+                                      from->sensitivity_by_place * (moved.center - from->place);
+    NewtonOptions options = options_.newton;
+    options.begin_with_old_factors = solver_.useFactorsWith(system_.border());
+    Step tried = solveFrom(system_.moved(from->state, predictor, 1, p), p, true, options);
+    cost += tried.cost;
+    if (tried.failure.cause == Cause::none) {
+      reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};
+      reached.end = std::move(tried.end);
+      from = &*reached.end;
+      at = next;
+    } else {
+      tried.failure.step_reached = at;
+      reached.outcome.end = tried.failure;
+      length = (next - at) / 2;
+    }
+  }
   if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;

@@ -43,6 +43,9 @@ struct Start {
   /// Force that the tool exerts, N; needed only for weighted tools. NodalFields do not contain the
   /// multiplier, so a start made from them has an estimate of this force.
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
+  // Only at the end of a finger's transition:
+  Eigen::MatrixXd sensitivity_by_place = {};  ///< derivative by the place of the finger, 3 columns
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the finger, metres
 };
 
 /// The result of a transition, or of a path of several transitions (path.hpp).
@@ -98,6 +101,15 @@ class TransitionSolver {
   /// Outcome::cost does not contain the factorisation of `start`, which all of its targets share.
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
+  /// Moves a finger from `start` to another place of the surface and to `target` (metres), for a
+  /// solver that follows a hand: both may change a little. Chooses the finger as the tool; errors
+  /// as from placeFinger(). `start` is the end of a follow() or a reach() of a finger, whose
+  /// factorisation is used as long as it is good enough.
+  ///
+  /// The outcome is as valid as that of reach(), on the branch of `start`. Its last digits depend
+  /// on the factors, so it is no result of a build.
+  Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target);
+
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
   /// last state that `failed` reached. If there is a limit point, sets the cause in `failed` to
   /// Cause::limit_point, and step_reached to the position of that point. Costs many times a
@@ -116,6 +128,8 @@ class TransitionSolver {
   bool givesUp(const Start& start, const Eigen::Vector3d& way) const;
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
+  Step solveFrom(State state, const Eigen::Vector3d& displacement, bool last,
+                 const NewtonOptions& options);
   Cause judge(NewtonResult& newton, bool last, Linearization& here);
   Equilibrium equilibriumAt(const NewtonResult& newton, const Linearization& here) const;
   Cause accept(NewtonResult& newton, bool last, Step& step);
@@ -136,8 +150,9 @@ class TransitionSolver {
   std::optional<std::size_t> space_;     ///< space of the chosen tool; none for a placed finger
   Tool tool_;                            ///< the chosen tool
   std::optional<FingerWeights> finger_;  ///< if the tool is a finger
-  Neighborhood near_tool_;               ///< nodes around a rigid tool, otherwise empty
-  bool at_rest_ = false;                 ///< the rest state of the system has been set
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  ///< of the finger, metres
+  Neighborhood near_tool_;                           ///< nodes around a rigid tool, otherwise empty
+  bool at_rest_ = false;                             ///< the rest state of the system has been set
 };
 
 }  // namespace palpate

@@ -166,5 +166,49 @@ TEST_F(FingerOnABlob, IsNotPlacedOnFixedNodes) {
       {"--at", "contact area", "move it away"});
 }
 
+/// A hand that slides and pushes a little between two solves.
+TEST_F(FingerOnABlob, IsFollowedToTheEquilibriumThatAWalkFinds) {
+  clamp(test::mooneyRivlinScene());
+  solver_->chooseTool(0);
+  Reached at = walk(*solver_, test::startAtRest(*solver_), pushed, 2);
+  ASSERT_TRUE(at.outcome.converged());
+  int factorizations = 0;
+  Eigen::Vector3d s = center(), p = pushed;
+  for (int n = 0; n < 5; ++n) {
+    s += Eigen::Vector3d(0, 0.002, 0.001);
+    p += Eigen::Vector3d(-0.001, 0.0005, 0);
+    at = solver_->follow(*at.end, {s, pad_radius}, p);
+    ASSERT_TRUE(at.outcome.converged()) << describe(at.outcome.failure());
+    factorizations += at.outcome.cost.factorizations;
+  }
+  EXPECT_LE(factorizations, 2) << "the factors of a tangent nearby are good enough";
+  const Equilibrium followed = at.outcome.equilibrium(), walked = equilibriumAt(s, p);
+  EXPECT_LT((followed.force - walked.force).norm(), 1e-8 * walked.force.norm());
+  EXPECT_LT((followed.drive - walked.drive).norm(), 1e-7 * walked.drive.norm());
+  EXPECT_LT((followed.stiffness - walked.stiffness).norm(), 1e-8 * walked.stiffness.norm());
+  EXPECT_NEAR(followed.energy, walked.energy, 1e-8 * walked.energy);
+}
+
+TEST_F(FingerOnABlob, IsFollowedInSmallerStepsWhereOneIsTooLarge) {
+  clamp(test::mooneyRivlinScene());
+  solver_->chooseTool(0);
+  const Reached rest = solver_->reach(test::startAtRest(*solver_), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d s = center() + Eigen::Vector3d(0, 0.01, 0), p(-0.05, 0.03, 0.02);
+  const Reached far = solver_->follow(*rest.end, {s, pad_radius}, p);
+  ASSERT_TRUE(far.outcome.converged()) << describe(far.outcome.failure());
+  const Equilibrium walked = equilibriumAt(s, p);
+  EXPECT_LT((far.outcome.equilibrium().force - walked.force).norm(), 1e-8 * walked.force.norm());
+}
+
+TEST_F(FingerOnABlob, IsNotFollowedThroughTheBody) {
+  clamp(test::mooneyRivlinScene());
+  solver_->chooseTool(0);
+  const Reached rest = solver_->reach(test::startAtRest(*solver_), Eigen::Vector3d::Zero());
+  const Reached lost = solver_->follow(*rest.end, {center(), pad_radius}, {-0.5, 0, 0});
+  EXPECT_FALSE(lost.outcome.converged());
+  // The next place is followed from where the hand was before.
+  EXPECT_TRUE(solver_->follow(*rest.end, {center(), pad_radius}, pushed).outcome.converged());
+}
+
 }  // namespace
 }  // namespace palpate
