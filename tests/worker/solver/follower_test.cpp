@@ -1,0 +1,88 @@
+#include "worker/solver/follower.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/problem/finger.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/problems.hpp"
+#include "tests/worker/solver/start_at_rest.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double radius = 0.06;
+
+class FollowerTest : public ::testing::Test {
+ protected:
+  FollowerTest() {
+    Scene scene = test::mooneyRivlinScene();
+    scene.fixed.groups = {"xmin"};
+    scene.active = {{.name = "finger",
+                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
+                     .radius = radius,
+                     .tool = ToolKind::finger}};
+    problem_ = resolve(std::move(scene), test::blobMesh());
+    hand_ = {.place = problem_.active[0].finger->center, .displacement = {-0.008, 0.012, 0.006}};
+  }
+  Equilibrium exactAt(const Expansion& expansion) {
+    TransitionSolver solver(problem_, chooseKernels());
+    solver.placeFinger("here", {expansion.place, radius});
+    return walk(solver, test::startAtRest(solver), expansion.displacement, 2).outcome.equilibrium();
+  }
+
+  Problem problem_;
+  HandMotion hand_;
+};
+
+TEST_F(FollowerTest, FindsTheEquilibriaOfARestingHandAndOfAMovingOne) {
+  Follower follower(problem_, chooseKernels(), radius);
+  Followed found = follower.follow(hand_);
+  for (int n = 0; n < 4; ++n) {
+    ASSERT_TRUE(found.outcome.converged()) << describe(found.outcome.failure());
+    const Equilibrium exact = exactAt(found.expansion);
+    EXPECT_LT((found.expansion.equilibrium.force - exact.force).norm(), 1e-8 * exact.force.norm());
+    hand_.place += Eigen::Vector3d(0, 0.003, 0.002);
+    hand_.displacement += Eigen::Vector3d(-0.002, 0, 0.001);
+    found = follower.follow(hand_);
+  }
+}
+
+TEST_F(FollowerTest, AimsWhereTheHandGoes) {
+  Follower follower(problem_, chooseKernels(), radius);
+  const Followed still = follower.follow(hand_);
+  hand_.displacement_speed = {-0.1, 0, 0};
+  const Followed moving = follower.follow(hand_);
+  EXPECT_EQ(still.expansion.displacement, hand_.displacement);
+  EXPECT_LT(moving.expansion.displacement[0], hand_.displacement[0]);
+  EXPECT_GT(moving.expansion.displacement[0], hand_.displacement[0] - 0.1);
+}
+
+TEST_F(FollowerTest, BeginsFromRestAfterAJump) {
+  Follower follower(problem_, chooseKernels(), radius);
+  ASSERT_TRUE(follower.follow(hand_).outcome.converged());
+  hand_.place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, radius).center;
+  hand_.displacement *= -0.5;
+  const Followed jumped = follower.follow(hand_);
+  ASSERT_TRUE(jumped.outcome.converged()) << describe(jumped.outcome.failure());
+  const Equilibrium exact = exactAt(jumped.expansion);
+  EXPECT_LT((jumped.expansion.equilibrium.force - exact.force).norm(), 1e-8 * exact.force.norm());
+}
+
+TEST_F(FollowerTest, SaysWhyThereIsNoEquilibriumAndGoesOn) {
+  Follower follower(problem_, chooseKernels(), radius);
+  const Eigen::Vector3d pushed = hand_.displacement;
+  hand_.displacement = {-0.6, 0, 0};  // through the body
+  EXPECT_NE(follower.follow(hand_).outcome.failure().cause, Cause::none);
+  hand_.displacement = pushed;
+  EXPECT_TRUE(follower.follow(hand_).outcome.converged());
+}
+
+TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {
+  Follower follower(problem_, chooseKernels(), radius);
+  hand_.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
+  test::expectBadInput([&] { follower.follow(hand_); }, {"hand"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+
+#include "common/space/expansion.hpp"
+#include "worker/solver/path.hpp"
+
+namespace palpate {
+
+/// A finger that a hand presses, and how it moves. SI units.
+struct HandMotion {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< of the finger on the surface, m
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d place_speed = Eigen::Vector3d::Zero();   ///< m/s
+  Eigen::Vector3d displacement_speed = Eigen::Vector3d::Zero();  ///< m/s
+};
+
+/// An equilibrium near a hand, or why there is none.
+struct Followed {
+  Expansion expansion;  ///< valid if outcome.converged()
+  Outcome outcome;
+};
+
+/// Solves for equilibria of a finger that follows a hand, each from the last one. The body stays on
+/// the branch by which the hand came. One thread.
+class Follower {
+ public:
+  /// `problem` must outlive this object. `radius`: of the finger, m. Error if the sparsity pattern
+  /// cannot be analysed.
+  Follower(const Problem& problem, const ElementKernels& kernels, double radius);
+
+  /// Solves for the equilibrium where the hand will be when the answer is in use: the expected
+  /// duration of the solve ahead, and half of it more. Begins from rest if there is no equilibrium
+  /// yet, if the hand is far from the last one, or if the way from there fails. Error (bad input)
+  /// if no finger can be at the hand's place, as beside fixed nodes.
+  Followed follow(const HandMotion& hand);
+
+  /// Forgets the last equilibrium: the hand has left the body.
+  void release() { at_.reset(); }
+
+ private:
+  HandMotion aimed(const HandMotion& hand) const;
+  bool isNear(const HandMotion& aim) const;
+  Reached fromRest(const Finger& finger, const Eigen::Vector3d& target);
+
+  const Problem& problem_;
+  const double radius_;
+  TransitionSolver solver_;
+  std::optional<Start> at_;  ///< the last equilibrium
+  double usual_seconds_ = 0;
+};
+
+}  // namespace palpate
