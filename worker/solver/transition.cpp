@@ -19,8 +19,9 @@ namespace {
 /// Largest relative residual of du/dp. This residual enters the error of the stiffness squared, so
 /// the stiffness is right to about 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// The same for intermediate steps, where du/dp only serves as a predictor.
-constexpr double loose_sensitivity_tolerance = 1e-2;
+/// The same for intermediate steps, where du/dp only serves as a predictor, and for equilibria that
+/// are felt, whose third derivatives have this relative error.
+constexpr double loose_sensitivity_tolerance = 1e-2, felt_sensitivity_tolerance = 1e-3;
 /// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
 /// be accurate, because Newton follows it.
 constexpr double relaxation_tolerance = 1e-3;
@@ -311,7 +312,7 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
 
 /// Returns why the state to which Newton converged may not be stored (Cause::none if it may).
 /// Stores the equations around this state in `here`.
-Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& here) {
+Cause TransitionSolver::judge(NewtonResult& newton, Use use, Linearization& here) {
   system_.assemble(newton.state, newton.residual, here.tangent);
   if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
       at_nodes.det_F < newton.residual.min_det_F) {
@@ -321,12 +322,14 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Linearization& he
   if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0))
     return Cause::inverted_element;
   here.right_hand_sides = -here.tangent.tool_coupling;
-  if (last && finger_) {
+  if (use != Use::passed && finger_) {
     here.right_hand_sides.conservativeResize(Eigen::NoChange, 6);
     here.right_hand_sides.rightCols<3>() = slopeByPlace(newton.state);
   }
   auto sensitivity = solveSensitivity(newton, here.tangent, here.right_hand_sides,
-                                      last ? sensitivity_tolerance : loose_sensitivity_tolerance);
+                                      use == Use::stored ? sensitivity_tolerance
+                                      : use == Use::felt ? felt_sensitivity_tolerance
+                                                         : loose_sensitivity_tolerance);
   if (!sensitivity) return Cause::factorization_failed;
   here.sensitivity = std::move(*sensitivity);
   const auto expected = system_.expectedNegativePivots();
@@ -360,14 +363,14 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
 
 /// Makes the state to which Newton converged the end of `step`. Returns Cause::none, or why the
 /// state may not be stored.
-Cause TransitionSolver::accept(NewtonResult& newton, bool last, Step& step) {
+Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
   Linearization here;
-  if (const Cause cause = judge(newton, last, here); cause != Cause::none) return cause;
+  if (const Cause cause = judge(newton, use, here); cause != Cause::none) return cause;
   step.equilibrium = equilibriumAt(newton, here);
   if (!isUsable(step.equilibrium)) return Cause::not_finite;
   step.end = {std::move(newton.state), here.sensitivity.solution.leftCols<3>(),
               -step.equilibrium.force};
-  if (last && finger_) {
+  if (use != Use::passed && finger_) {
     step.end.sensitivity_by_place = here.sensitivity.solution.rightCols<3>();
     step.end.place = place_;
   }
@@ -385,16 +388,17 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
     options.absolute_tolerance = options_.loose_absolute_tolerance;
     options.relative_tolerance = options_.loose_relative_tolerance;
   }
-  return solveFrom(approach(from, displacement), displacement, last, options);
+  return solveFrom(approach(from, displacement), displacement, last ? Use::stored : Use::passed,
+                   options);
 }
 
 /// Solves for the equilibrium near `state`, and accepts it or says why not.
 TransitionSolver::Step TransitionSolver::solveFrom(State state, const Eigen::Vector3d& displacement,
-                                                   bool last, const NewtonOptions& options) {
+                                                   Use use, const NewtonOptions& options) {
   NewtonResult newton = findEquilibrium(system_, solver_, std::move(state), displacement, options);
   Step step;
   step.easy = newton.factorizations <= options_.easy_factorizations;
-  const Cause cause = newton.cause == Cause::none ? accept(newton, last, step) : newton.cause;
+  const Cause cause = newton.cause == Cause::none ? accept(newton, use, step) : newton.cause;
   step.failure = failureOf(cause, newton);
   if (cause == Cause::wrong_inertia) {
     step.failure.expected_negative_pivots = system_.expectedNegativePivots().value_or(0);
@@ -430,7 +434,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
                           unstable.displacement, options);
       Step step;
       const bool stable = newton.cause == Cause::none && newton.factorizations > 0 &&
-                          accept(newton, last, step) == Cause::none;
+                          accept(newton, last ? Use::stored : Use::passed, step) == Cause::none;
       cost += {newton.iterations, newton.factorizations, 0};
       if (!stable) continue;
       step.failure.residual = newton.residual.norm;
@@ -547,8 +551,10 @@ Reached TransitionSolver::follow(const Start& start, const Finger& finger,
     const Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
                                       from->sensitivity_by_place * (moved.center - from->place);
     NewtonOptions options = options_.newton;
+    options.absolute_tolerance = options_.loose_absolute_tolerance;
+    options.relative_tolerance = options_.loose_relative_tolerance;
     options.begin_with_old_factors = solver_.useFactorsWith(system_.border());
-    Step tried = solveFrom(system_.moved(from->state, predictor, 1, p), p, true, options);
+    Step tried = solveFrom(system_.moved(from->state, predictor, 1, p), p, Use::felt, options);
     cost += tried.cost;
     if (tried.failure.cause == Cause::none) {
       reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};

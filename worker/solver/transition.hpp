@@ -106,8 +106,8 @@ class TransitionSolver {
   /// as from placeFinger(). `start` is the end of a follow() or a reach() of a finger, whose
   /// factorisation is used as long as it is good enough.
   ///
-  /// The outcome is as valid as that of reach(), on the branch of `start`. Its last digits depend
-  /// on the factors, so it is no result of a build.
+  /// The outcome is as valid as that of reach(), on the branch of `start`, but right to about five
+  /// digits only, because a hand waits for it. So it is no result of a build.
   Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target);
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
@@ -117,6 +117,8 @@ class TransitionSolver {
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:
+  /// What the end of a step is for: only to go on from, to be felt around, or to be stored.
+  enum class Use : std::uint8_t { passed, felt, stored };
   struct Step;
   struct Linearization;
 
@@ -128,11 +130,11 @@ class TransitionSolver {
   bool givesUp(const Start& start, const Eigen::Vector3d& way) const;
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
-  Step solveFrom(State state, const Eigen::Vector3d& displacement, bool last,
+  Step solveFrom(State state, const Eigen::Vector3d& displacement, Use use,
                  const NewtonOptions& options);
-  Cause judge(NewtonResult& newton, bool last, Linearization& here);
+  Cause judge(NewtonResult& newton, Use use, Linearization& here);
   Equilibrium equilibriumAt(const NewtonResult& newton, const Linearization& here) const;
-  Cause accept(NewtonResult& newton, bool last, Step& step);
+  Cause accept(NewtonResult& newton, Use use, Step& step);
   Step stepAside(const Step& before, double way, bool last);
   void setFields(const State& state, const Eigen::Vector3d& target, Configuration& reached) const;
   void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
