@@ -30,6 +30,10 @@ void check(const ViewOptions& options) {
       !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
     throw badInput("--fast works only with the virtual hand and replays; {} runs in real time",
                    options.device);
+  if (!options.follower.empty() && options.live.empty())
+    throw badInput("--follower {}: give the scene too, with --live", options.follower);
+  if (options.fast && !options.live.empty())
+    throw badInput("--live follows a hand in time: leave out --fast, which has no clock");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
@@ -54,7 +58,13 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--profile", options->profile,
                  "Use this device's force and stiffness limits [the device's own]")
       ->check(oneOf(device_words));
-  app.add_option("--method", options->method, "Interpolation method at the start")
+  app.add_option("--live", options->live,
+                 "Scene of the first dataset: solve it around the hand, and correct the dataset")
+      ->type_name("SCENE");
+  app.add_option("--follower", options->follower,
+                 "Follower on another machine for --live (palpate follow) [one is started]")
+      ->type_name("ENDPOINT");
+  app.add_option("--method", options->method, "Interpolation to begin with")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
   app.add_option("--contact", *contact, "Contact mode [the scene's]")

@@ -15,7 +15,9 @@ struct ViewOptions {
                                                 ///< start
   std::string device;                           ///< a word of device_choice.hpp
   KeyOptions keys = {};                         ///< for a network device
-  std::string profile;  ///< a name in device_profiles; empty: the device's own limits
+  std::string profile;         ///< a name in device_profiles; empty: the device's own limits
+  std::filesystem::path live;  ///< scene of the first dataset; empty: nothing follows the hand
+  std::string follower;        ///< endpoint of a follower; empty: one is started
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< nothing: as the scene requests
   double friction = 0.2;

@@ -12,9 +12,11 @@
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/whole_file.hpp"
+#include "common/problem/problem.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
+#include "viewer/live/live_link.hpp"
 #include "viewer/loaded_models.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/view_command.hpp"
@@ -48,6 +50,7 @@ class ViewSession {
     if (!options_.headless) openPicture();
     prepareFirst();
     if (quit_) return;
+    if (!options_.live.empty()) startLive();
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
                                            options_.keys, options_.real_time});
     makeTick();
@@ -136,12 +139,41 @@ class ViewSession {
     return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
   }
 
+  /// Starts to follow the hand. Throws Error if the scene is not that of the first dataset, or if
+  /// its dataset has no finger.
+  void startLive() {
+    const HapticModel& model = loaded_->first();
+    const Problem problem = loadProblem(options_.live);
+    live_build_ = problemId(problem);
+    if (live_build_ != model.buildId())
+      throw badInput("{} is not the scene of {}: give the scene from which it was built",
+                     options_.live.string(), model.file());
+    const std::vector<TouchArea>& areas = model.surface().areas();
+    if (areas.empty())
+      throw badInput("--live follows a finger, and no finger touches {}", model.file());
+    for (const TouchArea& area : areas)
+      if (area.radius != areas.front().radius)
+        throw badInput("--live follows fingers of one radius, and {} has several", model.file());
+    live_.emplace(areas.front().radius);
+    LiveLinkOptions link_options = {encodeProblem(problem), options_.follower};
+    if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
+    link_.emplace(*live_, std::move(link_options));
+    constexpr std::chrono::seconds patience{10};
+    if (!link_->waitUntilReady(patience))
+      spdlog::warn("the hand is not followed yet: {}", link_->trouble());
+  }
+
   void makeTick() {
     const HapticModel& model = loaded_->first();
     TickOptions tick_options;
     tick_options.period = 1 / options_.rate;
     tick_options.contact.mode = options_.contact.value_or(model.contactMode());
     tick_options.contact.friction = options_.friction;
+    if (live_ && model.buildId() == live_build_) {
+      tick_options.live = &*live_;
+      tick_options.contact.live = &*live_;
+      tick_options.contact.live_model = &model;
+    }
     tick_options.guard = guardFor(limits(), tick_options.period);
     tick_options.map = workspaceFor(model, *device_, limits());
     tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
@@ -235,6 +267,8 @@ class ViewSession {
     status_.trouble = device_->trouble();
     if (loop_ && !loop_->trouble().empty())
       status_.trouble += (status_.trouble.empty() ? "" : "\n") + loop_->trouble();
+    if (const std::string behind = link_ ? link_->trouble() : ""; !behind.empty())
+      status_.trouble += (status_.trouble.empty() ? "" : "\n") + behind;
     if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
     said_ = status_.trouble;
     if (loop_) status_.loop = loop_->statistics();
@@ -354,12 +388,23 @@ class ViewSession {
                  recorder_->complete() ? "" : ", with gaps");
   }
 
+  static void tellLive(const LiveStatistics& live) {
+    const double count =
+        static_cast<double>(std::max<std::uint64_t>(1, live.answers + live.failures));
+    spdlog::info(
+        "the follower found {}, {:.1f} ms after the question in the mean and {:.1f} ms at most; {} "
+        "had none; it was started again {}",
+        counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.seconds / count,
+        1e3 * live.largest_seconds, counted(live.failures, "hand"), counted(live.restarts, "time"));
+  }
+
   void finish(std::ostream& output) {
     saveRecording();
     if (!options_.screenshot.empty()) {
       drawFrame(tick_->state());
       writePng(picture_->grab(), options_.screenshot);
     }
+    if (link_) tellLive(link_->statistics());
     if (video_) spdlog::info("{}: {} pictures", options_.video.string(), video_->count());
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
@@ -369,6 +414,9 @@ class ViewSession {
   std::optional<VideoFrames> video_;
   std::unique_ptr<Picture> picture_;  ///< null if headless
   std::unique_ptr<HapticDevice> device_;
+  std::optional<LiveTouch> live_;  ///< with --live
+  ContentId live_build_;           ///< problemId of the scene that is followed
+  std::optional<LiveLink> link_;
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()

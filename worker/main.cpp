@@ -26,8 +26,9 @@ const Verb kernels_verb = {"kernels", "Print the solver kernels of this machine"
 
 int main(int argc, char** argv) {
   chooseBlasKernels(argv);
-  const std::array verbs = {mesh_verb, new_verb, check_verb, work_verb, solve_verb, kernels_verb};
-  const int code = runProgram(argc, argv, "palpate-worker: meshing, checking and solving", verbs);
+  const std::array verbs = {mesh_verb,  new_verb,    check_verb,  work_verb,
+                            solve_verb, follow_verb, kernels_verb};
+  const int code = runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
   if (solver_left_running) std::_Exit(code);
   return code;
 }

@@ -17,6 +17,9 @@ extern const Verb work_verb;
 /// `palpate solve`: solves exactly at given displacements, without a scheduler.
 extern const Verb solve_verb;
 
+/// `palpate follow`: solves around the hand of a haptic client.
+extern const Verb follow_verb;
+
 /// Set if a solver thread is still running when the program ends. The program must then not return
 /// from main(), which would destroy objects that the thread uses.
 extern bool solver_left_running;

@@ -22,7 +22,7 @@ using Words = std::vector<std::string_view>;
 /// Returns the programs, each with its verbs.
 const std::vector<std::pair<std::string, Words>>& programs() {
   static const std::vector<std::pair<std::string, Words>> all = {
-      {"palpate-worker", {"mesh", "new", "check", "solve", "work"}},
+      {"palpate-worker", {"mesh", "new", "check", "solve", "work", "follow"}},
       {"palpate-scheduler",
        {"build", "serve", "status", "stop", "fleet", "pause", "resume", "seal", "priority", "retry",
         "explain", "events", "key"}},
@@ -52,6 +52,7 @@ From a mesh to forces
 On several machines
   serve    Run the scheduler of a scene; workers may join and leave at any time
   work     Run workers for a scheduler, on any machine
+  follow   Solve around the hand of a haptic client on another machine
   fleet    Start as many workers as a build can use, by Slurm or ssh
   status   Show the progress of a build: tags, rate, time left, workers, failures by cause
   stop     Let workers finish their solves, then end the build; serve continues it later

@@ -13,6 +13,7 @@ std::size_t payloadBytesOf(const wire::Message& message) {
     case wire::Message::kResult: return message.result().payload_bytes();
     case wire::Message::kProblemReply: return message.problem_reply().payload_bytes();
     case wire::Message::kFieldsReply: return message.fields_reply().payload_bytes();
+    case wire::Message::kFollowRequest: return message.follow_request().payload_bytes();
     default: return 0;
   }
 }

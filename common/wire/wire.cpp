@@ -213,6 +213,68 @@ bool readDrive(const wire::Equilibrium& message, Equilibrium& equilibrium) {
          readMatrix(message.drive_slope_by_p(), equilibrium.drive_slope_by_p);
 }
 
+void setVector(const Eigen::Vector3d& vector, std::string& bytes) {
+  bytes.assign(reinterpret_cast<const char*>(vector.data()), 3 * sizeof(double));
+}
+
+void toWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
+  setVector(equilibrium.force, *message.mutable_force());
+  message.set_stiffness(matrixBytes(equilibrium.stiffness));
+  message.set_energy(equilibrium.energy);
+  message.set_min_det_f(equilibrium.min_det_F);
+  driveToWire(equilibrium, message);
+}
+
+/// Returns nothing if the message is invalid or has numbers that cannot be used.
+std::optional<Equilibrium> fromWire(const wire::Equilibrium& message) {
+  Equilibrium equilibrium;
+  equilibrium.energy = message.energy();
+  equilibrium.min_det_F = message.min_det_f();
+  const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
+                     readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
+                     readDrive(message, equilibrium) && isUsable(equilibrium);
+  return valid ? std::optional(equilibrium) : std::nullopt;
+}
+
+void toWire(const Failure& failure, wire::Failure& message) {
+  message.set_cause(static_cast<std::uint32_t>(failure.cause));
+  message.set_step_reached(failure.step_reached);
+  message.set_residual(failure.residual);
+  message.set_element(failure.element);
+  message.set_element_det_f(failure.element_det_F);
+  message.set_negative_pivots(failure.negative_pivots);
+  message.set_expected_negative_pivots(failure.expected_negative_pivots);
+  message.set_mumps_infog1(failure.mumps_infog1);
+  message.set_mumps_infog2(failure.mumps_infog2);
+}
+
+/// Returns nothing if the cause is unknown.
+std::optional<Failure> fromWire(const wire::Failure& message) {
+  const std::optional<Cause> cause = causeOf(message.cause());
+  if (!cause) return std::nullopt;
+  return Failure{*cause,
+                 message.step_reached(),
+                 message.residual(),
+                 message.element(),
+                 message.element_det_f(),
+                 message.negative_pivots(),
+                 message.expected_negative_pivots(),
+                 message.mumps_infog1(),
+                 message.mumps_infog2()};
+}
+
+void toWire(const Cost& cost, wire::Cost& message) {
+  message.set_newton_iterations(cost.newton_iterations);
+  message.set_factorizations(cost.factorizations);
+  message.set_steps(cost.steps);
+  message.set_seconds(cost.seconds);
+}
+
+Cost fromWire(const wire::Cost& message) {
+  return {message.newton_iterations(), message.factorizations(), message.steps(),
+          message.seconds()};
+}
+
 }  // namespace
 
 bool isOnThisMachineOnly(const std::string& endpoint) {
@@ -416,64 +478,75 @@ wire::Point toWire(const LatticePoint& point) {
 LatticePoint fromWire(const wire::Point& point) { return {point.i(), point.j(), point.k()}; }
 
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result) {
-  wire::Cost& cost = *result.mutable_cost();
-  cost.set_newton_iterations(outcome.cost.newton_iterations);
-  cost.set_factorizations(outcome.cost.factorizations);
-  cost.set_steps(outcome.cost.steps);
-  cost.set_seconds(outcome.cost.seconds);
+  toWire(outcome.cost, *result.mutable_cost());
   if (!outcome.converged()) {
-    const Failure& failure = outcome.failure();
-    PALPATE_ASSERT(stopsTransitions(failure.cause), "fromWire accepts no other causes");
-    wire::Failure& message = *result.mutable_failure();
-    message.set_cause(static_cast<std::uint32_t>(failure.cause));
-    message.set_step_reached(failure.step_reached);
-    message.set_residual(failure.residual);
-    message.set_element(failure.element);
-    message.set_element_det_f(failure.element_det_F);
-    message.set_negative_pivots(failure.negative_pivots);
-    message.set_expected_negative_pivots(failure.expected_negative_pivots);
-    message.set_mumps_infog1(failure.mumps_infog1);
-    message.set_mumps_infog2(failure.mumps_infog2);
-    return;
+    PALPATE_ASSERT(stopsTransitions(outcome.failure().cause), "fromWire takes no other");
+    return toWire(outcome.failure(), *result.mutable_failure());
   }
   PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
-  const Equilibrium& equilibrium = outcome.equilibrium();
-  wire::Equilibrium& message = *result.mutable_equilibrium();
-  message.set_force(equilibrium.force.data(), 3 * sizeof(double));
-  message.set_stiffness(matrixBytes(equilibrium.stiffness));
-  message.set_energy(equilibrium.energy);
-  message.set_min_det_f(equilibrium.min_det_F);
-  message.set_residual(outcome.configuration().residual);
-  driveToWire(equilibrium, message);
+  toWire(outcome.equilibrium(), *result.mutable_equilibrium());
+  result.mutable_equilibrium()->set_residual(outcome.configuration().residual);
   result.set_fields_id(std::string(ContentId::of(fields_bytes).bytes()));
   result.set_payload_bytes(static_cast<std::uint32_t>(fields_bytes.size()));
 }
 
 std::optional<Outcome> fromWire(const wire::Result& result) {
-  const wire::Cost& spent = result.cost();
-  const Cost cost = {spent.newton_iterations(), spent.factorizations(), spent.steps(),
-                     spent.seconds()};
+  const Cost cost = fromWire(result.cost());
   if (result.has_equilibrium()) {
-    const wire::Equilibrium& message = result.equilibrium();
-    Equilibrium equilibrium;
-    equilibrium.energy = message.energy();
-    equilibrium.min_det_F = message.min_det_f();
-    const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
-                       readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
-                       readDrive(message, equilibrium) && isUsable(equilibrium) &&
-                       result.fields_id().size() == 32 && result.payload_bytes() > 0;
-    if (!valid) return std::nullopt;
-    return Outcome{Configuration{equilibrium, message.residual(), {}}, cost};
+    const auto equilibrium = fromWire(result.equilibrium());
+    if (!equilibrium || result.fields_id().size() != 32 || result.payload_bytes() == 0)
+      return std::nullopt;
+    return Outcome{Configuration{*equilibrium, result.equilibrium().residual(), {}}, cost};
   }
   if (!result.has_failure()) return std::nullopt;
-  const wire::Failure& message = result.failure();
-  const std::optional<Cause> cause = causeOf(message.cause());
-  if (!cause || !stopsTransitions(*cause)) return std::nullopt;
-  return Outcome{
-      Failure{*cause, message.step_reached(), message.residual(), message.element(),
-              message.element_det_f(), message.negative_pivots(),
-              message.expected_negative_pivots(), message.mumps_infog1(), message.mumps_infog2()},
-      cost};
+  const auto failure = fromWire(result.failure());
+  if (!failure || !stopsTransitions(failure->cause)) return std::nullopt;
+  return Outcome{*failure, cost};
+}
+
+void toWire(const HandMotion& hand, wire::HandMotion& message) {
+  setVector(hand.place, *message.mutable_place());
+  setVector(hand.displacement, *message.mutable_displacement());
+  setVector(hand.place_speed, *message.mutable_place_speed());
+  setVector(hand.displacement_speed, *message.mutable_displacement_speed());
+}
+
+std::optional<HandMotion> fromWire(const wire::HandMotion& message) {
+  HandMotion hand;
+  const bool valid = readMatrix(message.place(), hand.place) &&
+                     readMatrix(message.displacement(), hand.displacement) &&
+                     readMatrix(message.place_speed(), hand.place_speed) &&
+                     readMatrix(message.displacement_speed(), hand.displacement_speed) &&
+                     hand.place.allFinite() && hand.displacement.allFinite() &&
+                     hand.place_speed.allFinite() && hand.displacement_speed.allFinite();
+  return valid ? std::optional(hand) : std::nullopt;
+}
+
+void toWire(const Followed& followed, wire::Followed& message) {
+  toWire(followed.cost, *message.mutable_cost());
+  if (const auto* failure = std::get_if<Failure>(&followed.end))
+    return toWire(*failure, *message.mutable_failure());
+  const auto& expansion = std::get<Expansion>(followed.end);
+  setVector(expansion.place, *message.mutable_place());
+  setVector(expansion.displacement, *message.mutable_displacement());
+  toWire(expansion.equilibrium, *message.mutable_equilibrium());
+}
+
+std::optional<Followed> fromWire(const wire::Followed& message) {
+  const Cost cost = fromWire(message.cost());
+  if (message.has_failure()) {
+    const auto failure = fromWire(message.failure());
+    return failure ? std::optional(Followed{*failure, cost}) : std::nullopt;
+  }
+  if (!message.has_equilibrium()) return std::nullopt;
+  const auto equilibrium = fromWire(message.equilibrium());
+  Expansion expansion;
+  const bool valid = equilibrium && readMatrix(message.place(), expansion.place) &&
+                     readMatrix(message.displacement(), expansion.displacement) &&
+                     expansion.place.allFinite() && expansion.displacement.allFinite();
+  if (!valid) return std::nullopt;
+  expansion.equilibrium = *equilibrium;
+  return Followed{expansion, cost};
 }
 
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include <zmq.hpp>
 
 #include "common/keys/key_pair.hpp"
-#include "common/space/configuration.hpp"
+#include "common/space/following.hpp"
 #include "common/space/result_key.hpp"
 #include "proto/palpate.pb.h"
 
@@ -153,5 +153,9 @@ ResultKey keyOf(const ResultOrAck& message) {
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result);
 /// Returns the outcome without its `fields`, which are in the payload.
 std::optional<Outcome> fromWire(const wire::Result& result);
+void toWire(const HandMotion& hand, wire::HandMotion& message);
+std::optional<HandMotion> fromWire(const wire::HandMotion& message);
+void toWire(const Followed& followed, wire::Followed& message);
+std::optional<Followed> fromWire(const wire::Followed& message);
 
 }  // namespace palpate

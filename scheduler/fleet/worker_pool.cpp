@@ -1,13 +1,13 @@
 #include "scheduler/fleet/worker_pool.hpp"
 
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <thread>
 
 #include "common/base/assertion.hpp"
+#include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -19,29 +19,11 @@ std::string describeStatus(int status) {
   return fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
-/// Runs in the child between fork and exec, so it makes only async-signal-safe calls.
-[[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  // A process group of its own keeps Ctrl-C from the worker: the scheduler handles Ctrl-C and lets
-  // workers finish their jobs.
-  setpgid(0, 0);
-  execv(arguments[0], arguments);
-  _exit(127);
-}
-
 }  // namespace
 
 void WorkerPool::start() {
   PALPATE_ASSERT(!command_.empty(), "the first word is the program");
-  // Allocate now, because the child must not allocate between fork() and exec.
-  std::vector<char*> arguments;
-  for (std::string& argument : command_) arguments.push_back(argument.data());
-  arguments.push_back(nullptr);
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) throw failure("cannot start a worker process: {}", errnoText());
-  if (child == 0) becomeWorker(parent, arguments.data());
-  running_.push_back(child);
+  running_.push_back(startChild(command_));
 }
 
 std::vector<WorkerPool::Ended> WorkerPool::reap() {

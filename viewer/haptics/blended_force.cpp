@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viewer/haptics/live_touch.hpp"
+
 namespace palpate {
 
 void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
@@ -12,10 +14,13 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
   method_ = method;
   displacement_ = displacement;
   size_ = 0;
+  followed_ = 0;
   blend_ = model.surface().blendAt(anchor);
   if (const std::int32_t area = model.surface().areaOf(anchor.triangle); area >= 0) {
-    const AreaSample sample = model.area(static_cast<std::size_t>(area))
-                                  .evaluate(model.surface().position(anchor), displacement);
+    const Eigen::Vector3d place = model.surface().position(anchor);
+    AreaSample sample = model.area(static_cast<std::size_t>(area)).evaluate(place, displacement);
+    if (live_ != nullptr && &model == live_model_)
+      followed_ = live_->correct(place, displacement, sample);
     sum_ = sample;
     drive_ = sample.drive;
     return;

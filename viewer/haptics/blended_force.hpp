@@ -8,6 +8,8 @@
 
 namespace palpate {
 
+class LiveTouch;
+
 /// Derivatives of the stored contact energy W(X) = sum w_i(X) E_i(tool - X) and of its force, for
 /// an anchor X that moves within one triangle.
 struct AnchorSlope {
@@ -22,6 +24,10 @@ struct AnchorSlope {
 /// displacement.
 class BlendedForce {
  public:
+  /// `live` corrects the areas of `live_model` (ContactOptions); null: nothing does.
+  explicit BlendedForce(const LiveTouch* live = nullptr, const HapticModel* live_model = nullptr)
+      : live_(live), live_model_(live_model) {}
+
   /// anchor: in a touchable triangle. displacement: m. The model must outlive later calls of
   /// slopeAlong().
   void evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
@@ -34,6 +40,8 @@ class BlendedForce {
   /// of the spaces. In such a sum energy and error_bound are NaN if one space has none, inside is
   /// true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
+  /// Returns the share of a follower's equilibria in the force, 0 to 1.
+  double followed() const { return followed_; }
 
   /// Returns the derivatives for an anchor that moves within `triangle`. The triangle must be
   /// touchable, contain the anchor or have it on its edge, and be in the same area as the anchor
@@ -52,6 +60,9 @@ class BlendedForce {
   /// spaces were requested.
   const ForceSample* sampleOf(std::int32_t space) noexcept;
 
+  const LiveTouch* live_;
+  const HapticModel* live_model_;
+  double followed_ = 0;
   const HapticModel* model_ = nullptr;
   std::size_t method_ = 0;
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();

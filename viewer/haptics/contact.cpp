@@ -20,6 +20,7 @@ Eigen::Vector3d nowhere() noexcept {
 Contact::Contact(const HapticModel& model, const ContactOptions& options)
     : model_(&model),
       options_(options),
+      force_(options.live, options.live_model),
       last_tool_(nowhere()),
       state_(options.mode == ContactMode::glued ? State::ready : State::shut) {}
 
@@ -118,6 +119,7 @@ void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
   touch_.normal = model_->surface().normal(anchor_);
   touch_.displacement = displacement;
   touch_.blend = force_.blend();
+  touch_.followed = force_.followed();
   touch_.gap = 0;
 }
 

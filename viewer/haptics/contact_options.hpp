@@ -4,6 +4,9 @@
 
 namespace palpate {
 
+class HapticModel;
+class LiveTouch;
+
 struct ContactOptions {
   ContactMode mode = ContactMode::unilateral;
   double friction = 0.2;         ///< Coulomb friction coefficient, >= 0; unilateral only
@@ -13,6 +16,10 @@ struct ContactOptions {
   /// by the tool's own motion. This keeps the force continuous while the anchor slides down from a
   /// ridge between two triangles. Smaller values feel softer and lag more.
   double most_relaxation = 0.005;
+  /// Equilibria around the hand that correct the areas of `live_model`; null: none. Both must
+  /// outlive the contact.
+  const LiveTouch* live = nullptr;
+  const HapticModel* live_model = nullptr;
 };
 
 }  // namespace palpate

@@ -28,6 +28,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       file_(dataset.file().string()),
       regions_(dataset.scene().regions),
       content_(dataset.contentId()),
+      build_(dataset.buildId()),
       contact_(dataset.scene().contact),
       max_force_(dataset.scene().workspace.max_force),
       surface_(dataset, options.reach),

@@ -68,6 +68,7 @@ class HapticModel {
   const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
+  ContentId buildId() const { return build_; }          ///< Dataset::buildId
   ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
   double maxForce() const { return max_force_; }        ///< N; the force limit of the scene
   /// Returns the radius of the tool of a space, m: the radius of the finger or of the patch around
@@ -101,7 +102,7 @@ class HapticModel {
 
   std::string name_, file_;
   std::vector<Region> regions_;
-  ContentId content_;
+  ContentId content_, build_;
   ContactMode contact_;
   double max_force_;
   TouchSurface surface_;

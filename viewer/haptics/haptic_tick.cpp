@@ -5,6 +5,7 @@
 
 #include "common/base/assertion.hpp"
 #include "viewer/haptics/haptic_model.hpp"
+#include "viewer/haptics/live_touch.hpp"
 
 namespace palpate {
 namespace {
@@ -81,6 +82,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
           : options_.map.toScene(state_.reading.position);
   if (tool.allFinite()) state_.tool = tool;
 
+  if (options_.live != nullptr) options_.live->begin(options_.period);
   GuardInput input;
   input.tool = tool;
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
@@ -90,6 +92,9 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.away = away;
   // A lost device is halted. The tick in which it returns is late.
   input.late = late && !lost;
+  if (options_.live != nullptr)
+    options_.live->publish(
+        {state_.time, input.touch.touching, input.touch.anchor_position, input.touch.displacement});
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;

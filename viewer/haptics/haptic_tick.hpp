@@ -64,6 +64,9 @@ struct TickOptions {
   ContactOptions contact;
   GuardOptions guard;
   WorkspaceMap map;
+  /// Equilibria around the hand; null: none. Must outlive the tick. Set contact.live and
+  /// contact.live_model too.
+  LiveTouch* live = nullptr;
 };
 
 /// One tick of the haptic loop: reads the device, finds the contact, evaluates the force, guards it

@@ -72,6 +72,7 @@ auto makeChannels() {
               +[](State s) { return whileTouching(s.touch, s.touch.displacement); }},
       Channel{"/contact/inside", "0 or 1", +[](State s) { return std::uint8_t{s.touch.inside}; }},
       Channel{"/contact/coverage", "1", +[](State s) { return s.touch.coverage; }},
+      Channel{"/contact/followed", "1", +[](State s) { return s.touch.followed; }},
       Channel{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
       Channel{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
       Channel{"/guards", "bits", +[](State s) { return s.guards; }},
@@ -92,7 +93,7 @@ void writeRun(Writer& out, const RecordedRun& run) {
     files.push_back(model.file);
     ids.push_back(model.dataset.hex());
   }
-  const auto& [period, contact, guard, map] = run.options;
+  const auto& [period, contact, guard, map, live] = run.options;
   out.setText("/", "format", format_word);
   out.setText("/", "datasets", jsonOf(files));
   out.setText("/", "content_ids", jsonOf(ids));

@@ -68,14 +68,10 @@ Followed Follower::follow(const HandMotion& hand) {
     reached = fromRest(finger, aim.displacement);
     spent += reached.outcome.cost;
   }
-  Followed followed;
-  followed.outcome = std::move(reached.outcome);
-  followed.outcome.cost = spent;
   usual_seconds_ += newest_share * (spent.seconds - usual_seconds_);
-  if (!followed.outcome.converged()) return followed;
-  followed.expansion = {finger.center, aim.displacement, followed.outcome.equilibrium()};
+  if (!reached.outcome.converged()) return {reached.outcome.failure(), spent};
   at_ = std::move(reached.end);
-  return followed;
+  return {Expansion{finger.center, aim.displacement, reached.outcome.equilibrium()}, spent};
 }
 
 }  // namespace palpate

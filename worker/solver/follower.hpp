@@ -2,24 +2,10 @@
 
 #include <optional>
 
-#include "common/space/expansion.hpp"
+#include "common/space/following.hpp"
 #include "worker/solver/path.hpp"
 
 namespace palpate {
-
-/// A finger that a hand presses, and how it moves. SI units.
-struct HandMotion {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< of the finger on the surface, m
-  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
-  Eigen::Vector3d place_speed = Eigen::Vector3d::Zero();   ///< m/s
-  Eigen::Vector3d displacement_speed = Eigen::Vector3d::Zero();  ///< m/s
-};
-
-/// An equilibrium near a hand, or why there is none.
-struct Followed {
-  Expansion expansion;  ///< valid if outcome.converged()
-  Outcome outcome;
-};
 
 /// Solves for equilibria of a finger that follows a hand, each from the last one. The body stays on
 /// the branch by which the hand came. One thread.

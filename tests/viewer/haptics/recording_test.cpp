@@ -128,6 +128,7 @@ TEST(Recording, HoldsEveryTickToTheLastBit) {
   expect("/contact/touching", [](State s) { return std::uint8_t{s.touch.touching}; });
   expect("/contact/inside", [](State s) { return std::uint8_t{s.touch.inside}; });
   expect("/contact/coverage", [](State s) { return s.touch.coverage; });
+  expect("/contact/followed", [](State s) { return s.touch.followed; });
   expect("/contact/energy", [](State s) { return s.touch.energy; });
   expect("/contact/error_bound", [](State s) { return s.touch.error_bound; });
   expect("/guards", [](State s) { return s.guards; });

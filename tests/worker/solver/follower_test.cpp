@@ -39,9 +39,10 @@ TEST_F(FollowerTest, FindsTheEquilibriaOfARestingHandAndOfAMovingOne) {
   Follower follower(problem_, chooseKernels(), radius);
   Followed found = follower.follow(hand_);
   for (int n = 0; n < 4; ++n) {
-    ASSERT_TRUE(found.outcome.converged()) << describe(found.outcome.failure());
-    const Equilibrium exact = exactAt(found.expansion);
-    EXPECT_LT((found.expansion.equilibrium.force - exact.force).norm(), 1e-4 * exact.force.norm());
+    ASSERT_TRUE(found.converged()) << describe(found.failure());
+    const Equilibrium exact = exactAt(found.expansion());
+    EXPECT_LT((found.expansion().equilibrium.force - exact.force).norm(),
+              1e-4 * exact.force.norm());
     hand_.place += Eigen::Vector3d(0, 0.003, 0.002);
     hand_.displacement += Eigen::Vector3d(-0.002, 0, 0.001);
     found = follower.follow(hand_);
@@ -53,29 +54,29 @@ TEST_F(FollowerTest, AimsWhereTheHandGoes) {
   const Followed still = follower.follow(hand_);
   hand_.displacement_speed = {-0.1, 0, 0};
   const Followed moving = follower.follow(hand_);
-  EXPECT_EQ(still.expansion.displacement, hand_.displacement);
-  EXPECT_LT(moving.expansion.displacement[0], hand_.displacement[0]);
-  EXPECT_GT(moving.expansion.displacement[0], hand_.displacement[0] - 0.1);
+  EXPECT_EQ(still.expansion().displacement, hand_.displacement);
+  EXPECT_LT(moving.expansion().displacement[0], hand_.displacement[0]);
+  EXPECT_GT(moving.expansion().displacement[0], hand_.displacement[0] - 0.1);
 }
 
 TEST_F(FollowerTest, BeginsFromRestAfterAJump) {
   Follower follower(problem_, chooseKernels(), radius);
-  ASSERT_TRUE(follower.follow(hand_).outcome.converged());
+  ASSERT_TRUE(follower.follow(hand_).converged());
   hand_.place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, radius).center;
   hand_.displacement *= -0.5;
   const Followed jumped = follower.follow(hand_);
-  ASSERT_TRUE(jumped.outcome.converged()) << describe(jumped.outcome.failure());
-  const Equilibrium exact = exactAt(jumped.expansion);
-  EXPECT_LT((jumped.expansion.equilibrium.force - exact.force).norm(), 1e-4 * exact.force.norm());
+  ASSERT_TRUE(jumped.converged()) << describe(jumped.failure());
+  const Equilibrium exact = exactAt(jumped.expansion());
+  EXPECT_LT((jumped.expansion().equilibrium.force - exact.force).norm(), 1e-4 * exact.force.norm());
 }
 
 TEST_F(FollowerTest, SaysWhyThereIsNoEquilibriumAndGoesOn) {
   Follower follower(problem_, chooseKernels(), radius);
   const Eigen::Vector3d pushed = hand_.displacement;
   hand_.displacement = {-0.6, 0, 0};  // through the body
-  EXPECT_NE(follower.follow(hand_).outcome.failure().cause, Cause::none);
+  EXPECT_NE(follower.follow(hand_).failure().cause, Cause::none);
   hand_.displacement = pushed;
-  EXPECT_TRUE(follower.follow(hand_).outcome.converged());
+  EXPECT_TRUE(follower.follow(hand_).converged());
 }
 
 TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {

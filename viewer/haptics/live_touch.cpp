@@ -1,0 +1,20 @@
+#include "viewer/haptics/live_touch.hpp"
+
+namespace palpate {
+
+void LiveTouch::begin(double period) noexcept {
+  if (const Answer& answer = answers_.read(); answer.number != taken_) {
+    taken_ = answer.number;
+    // An answer to a hand that has left the body meanwhile is of no use.
+    if (touched_) correction_.add(answer.expansion);
+  }
+  correction_.advance(period);
+}
+
+void LiveTouch::publish(const LiveHand& hand) noexcept {
+  if (touched_ && !hand.touching) correction_.release();
+  touched_ = hand.touching;
+  hands_.write(hand);
+}
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "viewer/fields/live_correction.hpp"
+#include "viewer/haptics/triple_buffer.hpp"
+
+namespace palpate {
+
+/// The finger under the hand, as the haptic thread saw it.
+struct LiveHand {
+  double time = 0;  ///< s, of the tick
+  bool touching = false;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m, the anchor at rest
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
+};
+
+/// Passes hands from the haptic thread to the thread that asks a follower, and equilibria back.
+/// Wait-free on both sides; only the newest value of each is kept. Belongs to the areas of one
+/// model, whose fingers have the same radius.
+class LiveTouch {
+ public:
+  /// `finger_radius`: m.
+  explicit LiveTouch(double finger_radius) : radius_(finger_radius), correction_(finger_radius) {}
+
+  double fingerRadius() const { return radius_; }  ///< m
+
+  // The haptic thread; real time.
+  /// Takes a new equilibrium, if there is one, and lets `period` seconds of fades pass.
+  void begin(double period) noexcept;
+  /// Publishes the hand.
+  void publish(const LiveHand& hand) noexcept;
+  /// As LiveCorrection::correct().
+  double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                 AreaSample& sample) const noexcept {
+    return correction_.correct(s, p, sample);
+  }
+
+  // The thread that asks the follower.
+  const LiveHand& hand() noexcept { return hands_.read(); }
+  void answer(const Expansion& expansion) noexcept { answers_.write({++answered_, expansion}); }
+
+ private:
+  struct Answer {
+    std::uint64_t number = 0;  ///< from 1
+    Expansion expansion;
+  };
+  const double radius_;
+  TripleBuffer<LiveHand> hands_;
+  TripleBuffer<Answer> answers_;
+  std::uint64_t answered_ = 0;  ///< of the asking thread
+
+  // Of the haptic thread.
+  LiveCorrection correction_;
+  std::uint64_t taken_ = 0;
+  bool touched_ = false;
+};
+
+}  // namespace palpate

@@ -1,0 +1,212 @@
+#include "viewer/live/live_link.hpp"
+
+#include <signal.h>
+#include <spdlog/spdlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "common/base/child_process.hpp"
+#include "common/base/error.hpp"
+#include "common/base/program.hpp"
+#include "common/base/text.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto poll_interval = 1ms;
+/// Analysing the pattern of a large body, and loading the libraries.
+constexpr auto greeting_patience = 30s;
+/// A solve that begins from rest takes longer than any other.
+constexpr auto answer_patience = 3s;
+constexpr auto pause_after_trouble = 500ms;
+/// The speed of a hand is its motion over at least this time, s.
+constexpr double speed_time = 0.004;
+
+}  // namespace
+
+/// A follower with a socket in a directory that only this user can open.
+struct LiveLink::Follower {
+  Follower() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw failure("{}: cannot be made: {}", pattern, errnoText());
+    folder = pattern;
+    pid = startChild(
+        {programBeside("palpate-worker").string(), "follow", "--insecure", "--listen", endpoint()});
+  }
+  ~Follower() {
+    if (!ended()) {
+      kill(pid, SIGKILL);  // it has nothing to save, and may be in a long solve
+      while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+      }
+    }
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+  }
+  Follower(const Follower&) = delete;
+  Follower& operator=(const Follower&) = delete;
+
+  std::string endpoint() const { return "ipc://" + (folder / "follower").string(); }
+  bool ended() {
+    if (!over) over = waitpid(pid, nullptr, WNOHANG) != 0;
+    return over;
+  }
+
+  std::filesystem::path folder;
+  pid_t pid = -1;
+  bool over = false;
+};
+
+LiveLink::LiveLink(LiveTouch& touch, LiveLinkOptions options)
+    : touch_(touch), options_(std::move(options)) {
+  if (!options_.endpoint.empty()) checkEndpoint(options_.endpoint);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+LiveLink::~LiveLink() = default;
+
+bool LiveLink::waitUntilReady(std::chrono::seconds longest) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, longest, [&] { return ready_ || !trouble_.empty(); });
+  return ready_;
+}
+
+std::string LiveLink::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
+}
+
+LiveStatistics LiveLink::statistics() const {
+  const std::lock_guard lock(mutex_);
+  return statistics_;
+}
+
+void LiveLink::tell(std::string trouble) {
+  const std::lock_guard lock(mutex_);
+  ready_ = trouble.empty();
+  if (trouble == trouble_ && !ready_) return;
+  trouble_ = std::move(trouble);
+  changed_.notify_all();
+}
+
+void LiveLink::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    try {
+      attend(stop);
+    } catch (const std::exception& error) {
+      tell(error.what());
+    }
+    if (stop.stop_requested()) break;
+    {
+      const std::lock_guard lock(mutex_);
+      ++statistics_.restarts;
+    }
+    std::this_thread::sleep_for(pause_after_trouble);
+  }
+  follower_.reset();
+}
+
+/// Serves one connection; returns when there is trouble with it, or at the end.
+void LiveLink::attend(const std::stop_token& stop) {
+  if (std::string trouble = connect(); !trouble.empty()) return tell(std::move(trouble));
+  if (!greet(stop)) return;
+  tell({});
+  before_ = {};
+  while (!stop.stop_requested()) {
+    const LiveHand hand = touch_.hand();
+    if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
+      std::this_thread::sleep_for(poll_interval);
+      if (follower_ && follower_->ended()) return tell("the follower has ended; starting another");
+      continue;
+    }
+    askAbout(hand, stop);
+    if (!trouble().empty()) return;
+  }
+}
+
+std::string LiveLink::connect() {
+  socket_ = makeDealer(context_);
+  if (options_.endpoint.empty()) {
+    follower_.reset();
+    follower_ = std::make_unique<Follower>();
+    return connectDealer(socket_, follower_->endpoint());
+  }
+  if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
+  return connectDealer(socket_, options_.endpoint);
+}
+
+bool LiveLink::greet(const std::stop_token& stop) {
+  wire::Message greeting;
+  wire::FollowRequest& request = *greeting.mutable_follow_request();
+  request.set_protocol(protocol_version);
+  request.set_finger_radius(touch_.fingerRadius());
+  request.set_payload_bytes(static_cast<std::uint32_t>(options_.problem.size()));
+  const auto reply = ask(greeting, options_.problem, greeting_patience, stop);
+  if (reply && reply->has_follow_reply()) return true;
+  if (stop.stop_requested()) return false;
+  if (reply && reply->has_refused())
+    tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+  else if (options_.endpoint.empty())
+    tell("the follower could not be started");
+  else
+    tell(fmt::format("no follower answers at {}: start one there with palpate follow --listen",
+                     options_.endpoint));
+  return false;
+}
+
+/// Sends the hand, waits for the equilibrium near it, and gives it to the haptic loop.
+void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
+  const bool follows = before_.touching && hand.time > before_.time;
+  if (hand.touching && follows && hand.time - before_.time < speed_time)
+    return std::this_thread::sleep_for(poll_interval);
+  wire::Message question;
+  wire::HandMotion& message = *question.mutable_hand_motion();
+  if (hand.touching) {
+    HandMotion motion = {hand.place, hand.displacement};
+    if (follows) {
+      const double time = hand.time - before_.time;
+      motion.place_speed = (hand.place - before_.place) / time;
+      motion.displacement_speed = (hand.displacement - before_.displacement) / time;
+    }
+    toWire(motion, message);
+  } else {
+    message.set_released(true);
+  }
+  before_ = hand;
+  const auto asked = Clock::now();
+  const auto reply = ask(question, {}, answer_patience, stop);
+  if (stop.stop_requested()) return;
+  if (!reply) return tell("the follower does not answer; what is felt comes from the dataset");
+  if (reply->has_refused())
+    return tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+  if (!reply->has_followed()) return;
+  const auto followed = fromWire(reply->followed());
+  const bool found = followed && followed->converged();
+  if (found) touch_.answer(followed->expansion());
+  const std::chrono::duration<double> took = Clock::now() - asked;
+  const std::lock_guard lock(mutex_);
+  ++(found ? statistics_.answers : statistics_.failures);
+  statistics_.seconds += took.count();
+  statistics_.largest_seconds = std::max(statistics_.largest_seconds, took.count());
+}
+
+/// Returns the next message from the follower; nothing if it does not come in time, or the process
+/// has ended.
+std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
+                                           std::chrono::milliseconds patience,
+                                           const std::stop_token& stop) {
+  if (sendMessage(socket_, "", question, payload) != Sent::yes) return std::nullopt;
+  for (const auto until = Clock::now() + patience;
+       Clock::now() < until && !stop.stop_requested();) {
+    waitForMessages(socket_, 20ms);
+    if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
+    if (follower_ && follower_->ended()) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/keys/key_options.hpp"
+#include "worker/elements/blas_kernels.hpp"
+#include "worker/link/follow_server.hpp"
+#include "worker/verbs.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds turn_time{50};
+
+struct FollowOptions {
+  std::string endpoint;
+  KeyOptions keys;
+};
+
+ExitCode follow(const FollowOptions& options) {
+  catchInterrupts();
+  prepareBlas();
+  FollowServer server(options.endpoint, chooseKernels(), options.keys.keys());
+  spdlog::info("listening at {}", server.endpoint());
+  while (!interrupted()) server.turn(turn_time);
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareFollow(CLI::App& app) {
+  auto options = std::make_shared<FollowOptions>();
+  app.add_option("--listen", options->endpoint,
+                 "Where `palpate view --live` finds it: tcp://HOST:PORT or ipc://PATH")
+      ->required()
+      ->type_name("ENDPOINT");
+  options->keys.addTo(app, "Serve clients without a key");
+  app.footer(
+      "Solves around the hand of one haptic client at a time, so that a client on another machine\n"
+      "needs no solver. Ends with Ctrl-C. Exit codes: 0 done, 1 failed, 2 wrong usage.");
+  return [options] { return follow(*options); };
+}
+
+}  // namespace
+
+const Verb follow_verb = {
+    "follow", "Solve around the hand of a haptic client (palpate view --live)", prepareFollow};
+
+}  // namespace palpate
