@@ -226,5 +226,38 @@ TEST(WireResult, UnknownCausesAreRefused) {
   }
 }
 
+TEST(WireFollowing, CarriesHandsAndTheEquilibriaNearThem) {
+  const HandMotion hand = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
+  wire::HandMotion of_hand;
+  toWire(hand, of_hand);
+  const auto read = fromWire(of_hand);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->displacement_speed, hand.displacement_speed);
+  EXPECT_EQ(read->place, hand.place);
+  of_hand.mutable_place()->resize(5);
+  EXPECT_FALSE(fromWire(of_hand));
+
+  Followed followed{Expansion{{1, 2, 3}, {4, 5, 6}, {}}, {.newton_iterations = 7}};
+  std::get<Expansion>(followed.end).equilibrium.drive = {1, 0, 2};
+  wire::Followed of_followed;
+  toWire(followed, of_followed);
+  const auto found = fromWire(of_followed);
+  ASSERT_TRUE(found && found->converged());
+  EXPECT_EQ(found->expansion().displacement, followed.expansion().displacement);
+  EXPECT_EQ(found->expansion().equilibrium.drive, Eigen::Vector3d(1, 0, 2));
+  EXPECT_EQ(found->cost.newton_iterations, 7);
+  of_followed.mutable_equilibrium()->set_energy(std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(fromWire(of_followed));
+}
+
+TEST(WireFollowing, CarriesWhyThereIsNoEquilibrium) {
+  wire::Followed message;
+  toWire(Followed{Failure{.cause = Cause::inverted_element}, {}}, message);
+  const auto failed = fromWire(message);
+  ASSERT_TRUE(failed && !failed->converged());
+  EXPECT_EQ(failed->failure().cause, Cause::inverted_element);
+  EXPECT_FALSE(fromWire(wire::Followed{}));
+}
+
 }  // namespace
 }  // namespace palpate

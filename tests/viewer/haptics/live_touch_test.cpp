@@ -1,0 +1,66 @@
+#include "viewer/haptics/live_touch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr double period = 1e-3;
+
+/// An equilibrium of 2 N at rest.
+Expansion push() {
+  Expansion expansion;
+  expansion.equilibrium.force = {0, 0, 2};
+  return expansion;
+}
+
+double forceOf(const LiveTouch& live) {
+  AreaSample sample;
+  sample.energy = 0;
+  live.correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), sample);
+  return sample.force[2];
+}
+
+void pass(LiveTouch& live, double seconds) {
+  for (int n = 0; n < seconds / period; ++n) live.begin(period);
+}
+
+TEST(LiveTouch, GivesTheLoopTheNewestEquilibrium) {
+  LiveTouch live(0.02);
+  live.publish({0, true, {}, {}});
+  live.answer(push());
+  pass(live, LiveCorrection::fade);
+  EXPECT_NEAR(forceOf(live), 2, 1e-3);
+}
+
+TEST(LiveTouch, TakesAnEquilibriumOnce) {
+  LiveTouch live(0.02);
+  live.publish({0, true, {}, {}});
+  live.answer(push());
+  pass(live, LiveCorrection::fade);
+  live.publish({0.03, false, {}, {}});
+  pass(live, LiveCorrection::fade);
+  EXPECT_EQ(forceOf(live), 0) << "it has faded out with the contact";
+  live.publish({0.06, true, {}, {}});
+  pass(live, LiveCorrection::fade);
+  EXPECT_EQ(forceOf(live), 0) << "and belongs to the contact before";
+}
+
+TEST(LiveTouch, IgnoresAnAnswerThatComesAfterTheContact) {
+  LiveTouch live(0.02);
+  live.publish({0, false, {}, {}});
+  live.answer(push());
+  pass(live, LiveCorrection::fade);
+  EXPECT_EQ(forceOf(live), 0);
+}
+
+TEST(LiveTouch, ShowsTheHandToTheAskingThread) {
+  LiveTouch live(0.02);
+  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}});
+  EXPECT_EQ(live.hand().time, 0.5);
+  EXPECT_TRUE(live.hand().touching);
+  EXPECT_EQ(live.hand().displacement, Eigen::Vector3d(4, 5, 6));
+}
+
+}  // namespace
+}  // namespace palpate

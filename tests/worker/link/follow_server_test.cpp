@@ -1,0 +1,119 @@
+#include "worker/link/follow_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/problems.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double radius = 0.06;
+
+/// A follower and clients of it, in one thread.
+class FollowServerTest : public ::testing::Test {
+ protected:
+  FollowServerTest() {
+    Scene scene = test::mooneyRivlinScene();
+    scene.fixed.groups = {"xmin"};
+    scene.active = {{.name = "finger",
+                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
+                     .radius = radius,
+                     .tool = ToolKind::finger}};
+    problem_ = resolve(std::move(scene), test::blobMesh());
+    hand_ = {problem_.active[0].finger->center, {-0.008, 0.012, 0.006}};
+  }
+
+  zmq::socket_t client() {
+    zmq::socket_t socket = makeDealer(context_);
+    EXPECT_EQ(connectDealer(socket, server_.endpoint()), "");
+    return socket;
+  }
+  /// What the server answers; an empty message if it does not.
+  wire::Message ask(zmq::socket_t& socket, const wire::Message& question,
+                    std::string_view payload = {}) {
+    EXPECT_EQ(sendMessage(socket, "", question, payload), Sent::yes);
+    for (int n = 0; n < 200; ++n) {
+      server_.turn(5ms);
+      if (auto reply = receiveMessage(socket, false)) return reply->message;
+    }
+    return {};
+  }
+  wire::Message begin(zmq::socket_t& socket, const std::string& problem,
+                      std::uint32_t protocol = protocol_version) {
+    wire::Message question;
+    question.mutable_follow_request()->set_protocol(protocol);
+    question.mutable_follow_request()->set_finger_radius(radius);
+    question.mutable_follow_request()->set_payload_bytes(
+        static_cast<std::uint32_t>(problem.size()));
+    return ask(socket, question, problem);
+  }
+  wire::Message follow(zmq::socket_t& socket, const HandMotion& hand) {
+    wire::Message question;
+    toWire(hand, *question.mutable_hand_motion());
+    return ask(socket, question);
+  }
+
+  test::TemporaryDirectory directory_;
+  zmq::context_t context_;
+  Problem problem_;
+  HandMotion hand_;
+  FollowServer server_{"ipc://" + (directory_ / "follower").string(), chooseKernels(), {}};
+};
+
+TEST_F(FollowServerTest, AnswersAHandWithTheEquilibriumNearIt) {
+  zmq::socket_t socket = client();
+  ASSERT_TRUE(begin(socket, encodeProblem(problem_)).has_follow_reply());
+  for (int n = 0; n < 3; ++n) {
+    hand_.displacement[0] -= 0.001;
+    const wire::Message reply = follow(socket, hand_);
+    ASSERT_TRUE(reply.has_followed());
+    const auto followed = fromWire(reply.followed());
+    ASSERT_TRUE(followed && followed->converged());
+    EXPECT_EQ(followed->expansion().displacement, hand_.displacement);
+    EXPECT_GT(followed->expansion().equilibrium.force[0], 0);
+  }
+}
+
+TEST_F(FollowServerTest, SaysThatThereIsNoEquilibriumAndGoesOn) {
+  zmq::socket_t socket = client();
+  begin(socket, encodeProblem(problem_));
+  HandMotion held = hand_;
+  held.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
+  const auto none = fromWire(follow(socket, held).followed());
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(none->converged());
+  EXPECT_TRUE(fromWire(follow(socket, hand_).followed())->converged());
+}
+
+TEST_F(FollowServerTest, RefusesASecondClientUntilTheFirstIsSilent) {
+  zmq::socket_t first = client(), second = client();
+  const std::string problem = encodeProblem(problem_);
+  ASSERT_TRUE(begin(first, problem).has_follow_reply());
+  EXPECT_TRUE(begin(second, problem).has_refused());
+  EXPECT_FALSE(follow(second, hand_).has_followed());
+  EXPECT_TRUE(follow(first, hand_).has_followed());
+}
+
+TEST_F(FollowServerTest, RefusesAnotherProtocolAndADamagedProblem) {
+  zmq::socket_t socket = client();
+  const std::string problem = encodeProblem(problem_);
+  EXPECT_TRUE(begin(socket, problem, protocol_version + 1).has_refused());
+  EXPECT_TRUE(begin(socket, problem.substr(0, problem.size() / 2)).has_refused());
+  EXPECT_TRUE(begin(socket, problem).has_follow_reply());
+}
+
+TEST_F(FollowServerTest, IgnoresAHandWhoseNumbersMakeNoSense) {
+  zmq::socket_t socket = client();
+  begin(socket, encodeProblem(problem_));
+  HandMotion hand = hand_;
+  hand.place[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(follow(socket, hand).has_followed());
+  EXPECT_TRUE(follow(socket, hand_).has_followed());
+}
+
+}  // namespace
+}  // namespace palpate
