@@ -20,8 +20,10 @@ void check(const ViewOptions& options) {
     throw badInput("--rate {}: give 100 to {} ticks per second", options.rate,
                    most_ticks_per_second);
   if (!(options.friction >= 0 && options.friction <= 10))
-    throw badInput("--friction {}: give a number from 0 to 10", options.friction);
-  if (!(options.reach >= 0)) throw badInput("--reach {}: give 0 or more metres", options.reach);
+    throw badInput("--friction {}: between 0 and 10", options.friction);
+  if (!(options.reach >= 0)) throw badInput("--reach {}: metres, 0 or more", options.reach);
+  if (!(options.hand_speed > 0 && options.hand_speed <= 10))
+    throw badInput("--hand-speed {}: m/s, more than 0 and at most 10", options.hand_speed);
   if (!(options.duration >= 0))
     throw badInput("--duration {}: give 0 or more seconds", options.duration);
   if (options.fast && options.duration <= 0 && !options.device.starts_with("replay"))
@@ -75,7 +77,10 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
                  "Touchable distance from an active node, m (0: to the neighbouring nodes)")
       ->capture_default_str();
   app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
-  app.add_option("--duration", options->duration, "Length of the run, s (0: no limit)")
+  app.add_option("--hand-speed", options->hand_speed,
+                 "Speed at which the virtual hand slides over the area of a finger, m/s")
+      ->capture_default_str();
+  app.add_option("--duration", options->duration, "s after which it ends; 0: never")
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");
   app.add_flag("--fast", options->fast,

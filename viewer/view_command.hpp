@@ -6,6 +6,7 @@
 
 #include "common/keys/key_options.hpp"
 #include "common/scene/scene.hpp"
+#include "viewer/devices/touch_path.hpp"
 
 namespace palpate {
 
@@ -21,8 +22,9 @@ struct ViewOptions {
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< nothing: as the scene requests
   double friction = 0.2;
-  double reach = 0;    ///< m; passed to TouchSurface
-  double rate = 1000;  ///< Hz
+  double reach = 0;                       ///< m; passed to TouchSurface
+  double rate = 1000;                     ///< Hz
+  double hand_speed = usual_slide_speed;  ///< m/s
   /// s of haptic time. If it is 0, the run lasts until the window is closed, the device ends or a
   /// signal arrives.
   double duration = 0;

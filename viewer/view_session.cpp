@@ -52,7 +52,7 @@ class ViewSession {
     if (quit_) return;
     if (!options_.live.empty()) startLive();
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
-                                           options_.keys, options_.real_time});
+                                           options_.keys, options_.hand_speed, options_.real_time});
     makeTick();
     if (!options_.record.empty())
       recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));

@@ -42,8 +42,8 @@ const HapticModel& modelFor(const char* device, const DeviceContext& context) {
 }
 
 Device openVirtual(const Word& word, const DeviceContext& context) {
-  HandPath path =
-      word.rest.empty() ? touchPath(modelFor("virtual", context)) : readHandPath(word.rest);
+  HandPath path = word.rest.empty() ? touchPath(modelFor("virtual", context), context.hand_speed)
+                                    : readHandPath(word.rest);
   return std::make_unique<VirtualHand>(std::move(path), context.period, context.profile);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/keys/key_options.hpp"
+#include "viewer/devices/touch_path.hpp"
 #include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
@@ -19,8 +20,9 @@ struct DeviceContext {
   /// Limits for devices that have none of their own (virtual hand, mouse). A network device uses
   /// them until it reports its own limits.
   DeviceProfile profile = device_profiles.front();
-  KeyOptions keys = {};    ///< key for a device on the network
-  bool real_time = false;  ///< see NetworkDeviceOptions::real_time
+  KeyOptions keys = {};                   ///< key for a device on the network
+  double hand_speed = usual_slide_speed;  ///< m/s, of the virtual hand (touchPath)
+  bool real_time = false;                 ///< see NetworkDeviceOptions::real_time
 };
 
 /// Defaults of --device: the first for a window that runs in real time, the second for all other

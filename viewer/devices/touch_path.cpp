@@ -20,8 +20,7 @@ constexpr double clearance = 0.025;
 constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< fraction of the workspace radius
 constexpr double largest_force = 1.5;                        ///< N; limits the depth of pressing
 constexpr double travel_speed = 0.15;                        ///< m/s, between active nodes
-constexpr double slide_speed = 0.1;   ///< m/s, from site to site of a finger while pressed in
-constexpr double slide_step = 0.005;  ///< m, between waypoints of a slide
+constexpr double slide_step = 0.005;                         ///< m, between waypoints of a slide
 /// Largest number of sites in one slide. The hand then lifts off: if the tool has lost contact at a
 /// rim, it can touch the body again only from outside.
 constexpr std::size_t most_slid = 12;
@@ -214,7 +213,7 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
 /// Presses in at the first site, slides along the surface from site to site, and retreats at the
 /// last.
 void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vector3d& after,
-           PathWriter& path) {
+           double speed, PathWriter& path) {
   path.goTo(stroke.front().point, approach_seconds);
   path.goTo(stroke.front().point - stroke.front().depth * stroke.front().normal, press_seconds);
   for (std::size_t n = 1; n < stroke.size(); ++n) {
@@ -225,7 +224,7 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
       const double share = static_cast<double>(i) / pieces;
       const NearestPoint at = surface.tree().nearest(from.point + share * (to.point - from.point));
       path.goTo(at.position - std::lerp(from.depth, to.depth, share) * surface.normal(at),
-                way / pieces / slide_speed);
+                way / pieces / speed);
     }
   }
   path.goTo(after, approach_seconds + press_seconds);
@@ -233,7 +232,8 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
 
 }  // namespace
 
-HandPath touchPath(const HapticModel& model) {
+HandPath touchPath(const HapticModel& model, double slide_speed) {
+  PALPATE_ASSERT(slide_speed > 0, "a hand that slides arrives");
   const std::vector<Stroke> strokes = strokesOf(model);
   PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "a stroke has at least one site");
   const Surroundings around(model.surface());
@@ -244,7 +244,7 @@ HandPath touchPath(const HapticModel& model) {
     if (first.radius > 0)
       explore(model.surface(), first, around.before(first), path);
     else
-      slide(model.surface(), strokes[i], around.before(last), path);
+      slide(model.surface(), strokes[i], around.before(last), slide_speed, path);
     const Site& next = strokes[(i + 1) % strokes.size()].front();
     if (strokes.size() > 1 || strokes[i].size() > 1) around.walk(last, next, path);
   }
