@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "common/dataset/hdf5_reader.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+/// The haptic client with a follower.
+namespace palpate {
+namespace {
+
+using test::contentOf;
+using test::Process;
+
+/// A finger on the top of a cube, with a coarse dataset of four places.
+class LiveTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = std::make_unique<test::TemporaryDirectory>();
+    test::writeGmsh22(test::cubeMesh(0.1, 5), *directory_ / "cube.msh");
+    writeScene("cube.toml", 1300);
+    writeScene("stiff.toml", 2600);
+    Process build("palpate-scheduler", {"build", "cube.toml", "-o", "cube.h5", "-j", "1"},
+                  directory_->path());
+    ASSERT_EQ(build.wait(), 0) << build.output();
+  }
+  static void TearDownTestSuite() { directory_.reset(); }
+
+  static void writeScene(const char* file, double c10) {
+    std::ofstream(*directory_ / file)
+        << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
+        << "[fixed]\nbelow = { axis = \"z\", fraction = 0.05 }\n"
+        << "[[active]]\nname = \"top\"\ntool = \"finger\"\nradius = 0.03\n"
+        << "surface = { sphere = { center = [0.05, 0.05, 0.1], radius = 0.02 } }\n"
+        << "[workspace]\nradius = 0.012\nspacing = 0.012\nmax_force = 8.0\n";
+  }
+  static std::unique_ptr<Process> view(std::vector<std::string> more) {
+    std::vector<std::string> words = {"view", "cube.h5", "--headless", "--hand-speed", "0.05"};
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<Process>("palpate-viewer", words, directory_->path());
+  }
+
+  /// The ticks of a recording in which something was touched.
+  struct Run {
+    std::vector<double> time, followed, bound;
+    std::vector<Eigen::Vector3d> place, displacement, force;
+  };
+  static Run touchesIn(const char* file) {
+    hdf5::Reader in(*directory_ / file);
+    in.findArrays();
+    const auto touching = in.readList<std::uint8_t>("/contact/touching");
+    const auto keep = [&](auto list) {
+      decltype(list) kept;
+      for (std::size_t n = 0; n < touching.size(); ++n)
+        if (touching[n] != 0) kept.push_back(list[n]);
+      return kept;
+    };
+    return {keep(in.readList<double>("/time")),
+            keep(in.readList<double>("/contact/followed")),
+            keep(in.readList<double>("/contact/error_bound")),
+            keep(in.readList<Eigen::Vector3d>("/contact/anchor")),
+            keep(in.readList<Eigen::Vector3d>("/contact/displacement")),
+            keep(in.readList<Eigen::Vector3d>("/force/raw"))};
+  }
+  static Eigen::Vector3d solved(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
+    const test::CommandResult done =
+        test::runCommand(fmt::format(
+            "(cd '{}' && " PALPATE_BIN_DIR "/palpate-worker solve cube.toml --json --at {} {} {} "
+            "--displacement {} {} {})",
+            directory_->path().string(), s[0], s[1], s[2], p[0], p[1], p[2]));
+    EXPECT_EQ(done.exit_code, 0) << done.output;
+    const auto force = nlohmann::json::parse(done.output.substr(done.output.find('{'))).at("force");
+    return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
+  }
+  /// Most of the time of touching, after some tenths of a second, the follower leads, and its
+  /// forces are those of the solver.
+  static void expectFollowed(const Run& run, double after = 0.5) {
+    std::vector<std::size_t> late;
+    for (std::size_t n = 0; n < run.time.size(); ++n)
+      if (run.time[n] > run.time.front() + after) late.push_back(n);
+    ASSERT_GT(late.size(), 500u);
+    const auto leads = [&](std::size_t n) { return run.followed[n] > 0.9; };
+    EXPECT_GT(std::ranges::count_if(late, leads), 0.8 * static_cast<double>(late.size()));
+    for (std::size_t n = late.size() / 4; n < late.size(); n += late.size() / 4) {
+      const std::size_t tick = late[n];
+      if (!leads(tick)) continue;
+      const Eigen::Vector3d exact = solved(run.place[tick], run.displacement[tick]);
+      EXPECT_LT((run.force[tick] - exact).norm(), std::max(0.02, 0.02 * exact.norm()))
+          << run.time[tick] << " s, bound " << run.bound[tick];
+    }
+  }
+  static inline std::unique_ptr<test::TemporaryDirectory> directory_;
+};
+
+TEST_F(LiveTest, AHandFeelsWhatTheSolverFindsAroundIt) {
+  auto run = view({"--live", "cube.toml", "--duration", "4", "--record", "run.h5"});
+  ASSERT_EQ(run->wait(), 0) << run->output();
+  expectFollowed(touchesIn("run.h5"));
+}
+
+TEST_F(LiveTest, AFollowerThatIsKilledIsStartedAgain) {
+  auto run = view({"--live", "cube.toml", "--duration", "8", "--record", "killed.h5"});
+  const auto follower = [&] {
+    const auto found = test::runCommand("pgrep -P " + std::to_string(run->pid()));
+    return found.exit_code == 0 ? std::stoi(found.output) : 0;
+  };
+  ASSERT_TRUE(test::eventually([&] { return follower() > 0; }));
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  const int killed = follower();
+  ASSERT_EQ(kill(killed, SIGKILL), 0);
+  EXPECT_TRUE(test::eventually([&] { return follower() > 0 && follower() != killed; }));
+  ASSERT_EQ(run->wait(), 0) << run->output();
+  expectFollowed(touchesIn("killed.h5"), 5);
+}
+
+TEST_F(LiveTest, AFollowerMayBeAnotherProcess) {
+  const std::string endpoint = "ipc://" + (*directory_ / "follower").string();
+  Process follower("palpate-worker", {"follow", "--insecure", "--listen", endpoint},
+                   directory_->path());
+  auto run = view({"--live", "cube.toml", "--follower", endpoint, "--insecure", "--duration", "4",
+                   "--record", "afar.h5"});
+  ASSERT_EQ(run->wait(), 0) << run->output();
+  expectFollowed(touchesIn("afar.h5"));
+}
+
+TEST_F(LiveTest, WithoutAFollowerTheDatasetIsFelt) {
+  auto run =
+      view({"--live", "cube.toml", "--follower", "ipc://" + (*directory_ / "nobody").string(),
+            "--insecure", "--duration", "2", "--record", "alone.h5"});
+  ASSERT_EQ(run->wait(), 0) << run->output();
+  const Run felt = touchesIn("alone.h5");
+  EXPECT_GT(felt.time.size(), 100u);
+  EXPECT_EQ(std::ranges::count(felt.followed, 0), std::ssize(felt.followed));
+}
+
+TEST_F(LiveTest, TheSceneOfAnotherBuildIsRefused) {
+  EXPECT_EQ(view({"--live", "stiff.toml", "--duration", "1"})->wait(), 2);
+  EXPECT_EQ(view({"--live", "nothing.toml", "--duration", "1"})->wait(), 2);
+  EXPECT_EQ(view({"--live", "cube.toml", "--fast", "--duration", "1"})->wait(), 2);
+  EXPECT_EQ(view({"--follower", "ipc:///tmp/f", "--duration", "1"})->wait(), 2);
+}
+
+}  // namespace
+}  // namespace palpate
