@@ -35,8 +35,8 @@ struct LiveLink::Follower {
     if (mkdtemp(pattern.data()) == nullptr)
       throw failure("{}: cannot be made: {}", pattern, errnoText());
     folder = pattern;
-    pid = startChild(
-        {programBeside("palpate-worker").string(), "follow", "--insecure", "--listen", endpoint()});
+    pid = startChild({programBeside("palpate-worker").string(), "follow", "--quiet", "--insecure",
+                      "--listen", endpoint()});
   }
   ~Follower() {
     if (!ended()) {
@@ -199,12 +199,18 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
 std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
                                            std::chrono::milliseconds patience,
                                            const std::stop_token& stop) {
-  if (sendMessage(socket_, "", question, payload) != Sent::yes) return std::nullopt;
-  for (const auto until = Clock::now() + patience;
-       Clock::now() < until && !stop.stop_requested();) {
+  const auto until = Clock::now() + patience;
+  const auto goes_on = [&] {
+    return Clock::now() < until && !stop.stop_requested() && !(follower_ && follower_->ended());
+  };
+  // Until the connection stands, the socket takes nothing.
+  while (sendMessage(socket_, "", question, payload) != Sent::yes) {
+    if (!goes_on()) return std::nullopt;
+    std::this_thread::sleep_for(poll_interval);
+  }
+  while (goes_on()) {
     waitForMessages(socket_, 20ms);
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
-    if (follower_ && follower_->ended()) return std::nullopt;
   }
   return std::nullopt;
 }
