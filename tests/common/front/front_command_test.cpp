@@ -84,9 +84,9 @@ TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
 TEST_F(FrontCommand, PrintsTheOverviewOfAllVerbsWithoutArguments) {
   const CommandResult result = palpate("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* verb :
-       {"build", "serve", "fleet", "status", "stop", "pause", "resume", "seal", "priority", "retry",
-        "explain", "events", "work", "solve", "check", "query", "verify", "mesh", "new"})
+  for (const char* verb : {"build", "serve",    "fleet", "status",  "stop",   "pause", "resume",
+                           "seal",  "priority", "retry", "explain", "events", "work",  "follow",
+                           "solve", "check",    "query", "verify",  "mesh",   "new"})
     EXPECT_THAT(result.output, HasSubstr(std::string("\n  ") + verb + " "));
   EXPECT_EQ(palpate("").output, result.output);
   EXPECT_EQ(palpate("help").output, result.output);
