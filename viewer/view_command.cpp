@@ -49,8 +49,10 @@ CLI::IsMember oneOf(std::span<const std::string_view> words) {
 std::function<ExitCode()> prepareView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
   auto contact = std::make_shared<std::string>();
-  app.add_option("DATASET", options->datasets,
-                 "Sealed datasets, OUT.h5; the picture can switch between them")
+  app.add_option(
+         "DATASET", options->datasets,
+         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
+         "which is solved around the hand")
       ->required()
       ->type_name("FILE");
   app.add_option("--device", options->device, deviceHelp(true))

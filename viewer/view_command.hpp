@@ -12,8 +12,9 @@ namespace palpate {
 
 /// Options of `palpate view`.
 struct ViewOptions {
-  std::vector<std::filesystem::path> datasets;  ///< at least one; the first one is shown at the
-                                                ///< start
+  /// At least one; the first one is shown at the start. It may be a scene (SCENE.toml), which is
+  /// solved around the hand.
+  std::vector<std::filesystem::path> datasets;
   std::string device;                           ///< a word of device_choice.hpp
   KeyOptions keys = {};                         ///< for a network device
   std::string profile;         ///< a name in device_profiles; empty: the device's own limits

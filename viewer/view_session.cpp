@@ -16,6 +16,7 @@
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
+#include "viewer/live/guessed_dataset.hpp"
 #include "viewer/live/live_link.hpp"
 #include "viewer/loaded_models.hpp"
 #include "viewer/picture/picture.hpp"
@@ -40,7 +41,7 @@ DeviceProfile profileNamed(std::string_view word) {
 class ViewSession {
  public:
   /// Loads the datasets, then opens the window and the device. Throws their errors.
-  explicit ViewSession(const ViewOptions& options) : options_(options) {
+  explicit ViewSession(const ViewOptions& options) : options_(resolved(options)) {
     if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
     refuseInput(options_.record, "--record", options_.datasets);
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
@@ -88,6 +89,20 @@ class ViewSession {
   }
 
  private:
+  /// Puts a guess in the place of a scene, which is then solved around the hand.
+  ViewOptions resolved(ViewOptions options) {
+    std::filesystem::path& first = options.datasets.front();
+    if (first.extension() != ".toml") return options;
+    if (!options.live.empty())
+      throw badInput("--live {}: {} is a scene, and is followed without --live",
+                     options.live.string(), first.string());
+    if (options.fast)
+      throw badInput("{}: a scene is solved in time: leave out --fast", first.string());
+    guess_.emplace(loadProblem(first));
+    options.live = std::exchange(first, guess_->file());
+    return options;
+  }
+
   /// Returns true if ticks and pictures alternate without a clock. The user cannot interact then.
   bool stepped() const { return options_.fast && !options_.headless; }
   bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
@@ -145,6 +160,7 @@ class ViewSession {
     const HapticModel& model = loaded_->first();
     const Problem problem = loadProblem(options_.live);
     live_build_ = problemId(problem);
+    if (guess_) live_build_ = model.buildId();
     if (live_build_ != model.buildId())
       throw badInput("{} is not the scene of {}: give the scene from which it was built",
                      options_.live.string(), model.file());
@@ -154,7 +170,7 @@ class ViewSession {
     for (const TouchArea& area : areas)
       if (area.radius != areas.front().radius)
         throw badInput("--live follows fingers of one radius, and {} has several", model.file());
-    live_.emplace(areas.front().radius);
+    live_.emplace(areas.front().radius, guess_.has_value());
     LiveLinkOptions link_options = {encodeProblem(problem), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     link_.emplace(*live_, std::move(link_options));
@@ -409,6 +425,7 @@ class ViewSession {
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
+  std::optional<GuessedDataset> guess_;  ///< if the user gave a scene
   const ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;
   std::optional<VideoFrames> video_;

@@ -1,5 +1,7 @@
 #include "viewer/haptics/live_touch.hpp"
 
+#include <algorithm>
+
 namespace palpate {
 
 void LiveTouch::begin(double period) noexcept {
@@ -15,6 +17,16 @@ void LiveTouch::publish(const LiveHand& hand) noexcept {
   if (touched_ && !hand.touching) correction_.release();
   touched_ = hand.touching;
   hands_.write(hand);
+}
+
+double LiveTouch::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                          AreaSample& sample) const noexcept {
+  if (guessed_) {
+    sample.error_bound = std::max(sample.error_bound, sample.force.norm());
+    sample.inside = false;
+    sample.coverage = 0;
+  }
+  return correction_.correct(s, p, sample);
 }
 
 }  // namespace palpate

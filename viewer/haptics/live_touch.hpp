@@ -18,8 +18,10 @@ struct LiveHand {
 /// model, whose fingers have the same radius.
 class LiveTouch {
  public:
-  /// `finger_radius`: m.
-  explicit LiveTouch(double finger_radius) : radius_(finger_radius), correction_(finger_radius) {}
+  /// `finger_radius`: m. `guessed`: the model is a guess, so that only followed forces are known:
+  /// all others are marked as not inside, with themselves as error bound.
+  explicit LiveTouch(double finger_radius, bool guessed = false)
+      : radius_(finger_radius), guessed_(guessed), correction_(finger_radius) {}
 
   double fingerRadius() const { return radius_; }  ///< m
 
@@ -30,9 +32,7 @@ class LiveTouch {
   void publish(const LiveHand& hand) noexcept;
   /// As LiveCorrection::correct().
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
-                 AreaSample& sample) const noexcept {
-    return correction_.correct(s, p, sample);
-  }
+                 AreaSample& sample) const noexcept;
 
   // The thread that asks the follower.
   const LiveHand& hand() noexcept { return hands_.read(); }
@@ -44,6 +44,7 @@ class LiveTouch {
     Expansion expansion;
   };
   const double radius_;
+  const bool guessed_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<Answer> answers_;
   std::uint64_t answered_ = 0;  ///< of the asking thread

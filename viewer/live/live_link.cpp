@@ -11,6 +11,7 @@
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/base/text.hpp"
+#include "viewer/live/guessed_dataset.hpp"
 
 namespace palpate {
 namespace {
@@ -31,10 +32,7 @@ constexpr double speed_time = 0.004;
 /// A follower with a socket in a directory that only this user can open.
 struct LiveLink::Follower {
   Follower() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-      throw failure("{}: cannot be made: {}", pattern, errnoText());
-    folder = pattern;
+    folder = makePrivateFolder();
     pid = startChild({programBeside("palpate-worker").string(), "follow", "--quiet", "--insecure",
                       "--listen", endpoint()});
   }

@@ -1,0 +1,104 @@
+#include "viewer/live/guessed_dataset.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+#include "common/dataset/dataset.hpp"
+
+namespace palpate {
+namespace {
+
+/// Stiffness of a finger on a body, divided by Young's modulus and the finger's radius: a third of
+/// that of a half-space, because organs are thin and give way as a whole.
+constexpr double stiffness_share = 0.5;
+/// Distance from the finger, in its radii, at which the guessed shape ends.
+constexpr double shape_radii = 3;
+
+double springOf(const Scene& scene, double radius) {
+  double softest = std::numeric_limits<double>::infinity();
+  for (const Region& region : scene.regions)
+    softest = std::min(softest, youngModulus(region.material));
+  return stiffness_share * softest * radius;
+}
+
+/// Leaves the sites alone, on the coarsest lattice. The guess has nothing to refine or to measure.
+Problem withoutProbes(Problem problem) {
+  PALPATE_ASSERT(problem.active.size() == problem.scene.active.size(),
+                 "a resolved scene has an entry for each space");
+  std::erase_if(problem.active, [](const ActivePatch& patch) { return patch.probe.has_value(); });
+  std::erase_if(problem.scene.active, [](const ActiveSelection& a) { return a.isProbe(); });
+  problem.scene.accuracy = {};
+  problem.scene.workspace.spacing = problem.scene.workspace.radius;
+  return problem;
+}
+
+NodalFields shapeAt(const Problem& problem, const Finger& finger, const Eigen::Vector3d& p) {
+  NodalFields fields;
+  for (const Eigen::Vector3d& node : problem.mesh.nodes) {
+    const double x = (node - finger.center).norm() / (shape_radii * finger.radius);
+    const double share = x < 1 ? (1 - x * x) * (1 - x * x) : 0;
+    for (int axis = 0; axis < 3; ++axis)
+      fields.displacement.push_back(static_cast<float>(share * p[axis]));
+  }
+  fields.pressure.assign(problem.pressures.count(), 0.0f);
+  return fields;
+}
+
+SpaceTable springAt(const Problem& problem, const ActivePatch& patch) {
+  const double spring = springOf(problem.scene, patch.finger->radius);
+  SpaceTable space;
+  space.patch = patch;
+  space.lattice = uniformLattice(problem.scene, patch);
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+    const Eigen::Vector3d p = space.lattice.displacement(n);
+    PointRecord& point = space.points.emplace_back();
+    point.tag = Tag::expandable;
+    point.parent = 0;
+    point.equilibrium.energy = 0.5 * spring * p.squaredNorm();
+    point.equilibrium.force = -spring * p;
+    point.equilibrium.stiffness = -spring * Eigen::Matrix3d::Identity();
+    point.fields = shapeAt(problem, *patch.finger, p).id();
+  }
+  return space;
+}
+
+}  // namespace
+
+std::filesystem::path makePrivateFolder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr)
+    throw failure("{}: the directory cannot be made: {}", pattern, errnoText());
+  return pattern;
+}
+
+GuessedDataset::GuessedDataset(Problem whole) {
+  const Problem problem = withoutProbes(std::move(whole));
+  std::vector<SpaceTable> spaces;
+  for (const ActivePatch& patch : problem.active) {
+    if (!patch.finger)
+      throw badInput(
+          "scene \"{}\": active \"{}\" is no finger: a scene is touched before it is "
+          "built by a finger (tool = \"finger\")",
+          problem.scene.name, patch.name);
+    spaces.push_back(springAt(problem, patch));
+  }
+  folder_ = makePrivateFolder();
+  file_ = folder_ / (problem.scene.name + ".h5");
+  sealDataset(
+      file_, problem, rowsOf(spaces), "guessed",
+      [&](std::size_t space, std::int32_t point) {
+        return shapeAt(problem, *problem.active[space].finger,
+                       spaces[space].lattice.displacement(point));
+      },
+      true);
+}
+
+GuessedDataset::~GuessedDataset() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+}  // namespace palpate
