@@ -87,13 +87,11 @@ GuessedDataset::GuessedDataset(Problem whole) {
   }
   folder_ = makePrivateFolder();
   file_ = folder_ / (problem.scene.name + ".h5");
-  sealDataset(
-      file_, problem, rowsOf(spaces), "guessed",
-      [&](std::size_t space, std::int32_t point) {
-        return shapeAt(problem, *problem.active[space].finger,
-                       spaces[space].lattice.displacement(point));
-      },
-      true);
+  sealDataset(file_, problem, rowsOf(spaces), "guessed",
+              [&](std::size_t space, std::int32_t point) {
+                return shapeAt(problem, *problem.active[space].finger,
+                               spaces[space].lattice.displacement(point));
+              });
 }
 
 GuessedDataset::~GuessedDataset() {

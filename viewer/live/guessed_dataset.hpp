@@ -9,7 +9,7 @@ namespace palpate {
 /// A dataset of guesses for a scene that nobody has computed: a spring at every site of a finger,
 /// about as stiff as the softest material. A hand feels it for the first hundredths of a second of
 /// a contact, until a follower has answered, and where the follower does not keep up (LiveTouch
-/// with `guessed`). The file is partial and removed with this object.
+/// with `guessed`). The file is removed with this object.
 class GuessedDataset {
  public:
   /// Error (bad input) if no finger touches the scene. Error if the file cannot be written, in the
