@@ -67,19 +67,19 @@ class LiveTest : public ::testing::Test {
             keep(in.readList<Eigen::Vector3d>("/contact/displacement")),
             keep(in.readList<Eigen::Vector3d>("/force/raw"))};
   }
-  static Eigen::Vector3d solved(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
-    const test::CommandResult done =
-        test::runCommand(fmt::format(
-            "(cd '{}' && " PALPATE_BIN_DIR "/palpate-worker solve cube.toml --json --at {} {} {} "
-            "--displacement {} {} {})",
-            directory_->path().string(), s[0], s[1], s[2], p[0], p[1], p[2]));
+  static Eigen::Vector3d solved(const char* scene, const Eigen::Vector3d& s,
+                                const Eigen::Vector3d& p) {
+    const test::CommandResult done = test::runCommand(
+        fmt::format("(cd '{}' && " PALPATE_BIN_DIR "/palpate-worker solve {} --json --at {} {} {} "
+                    "--displacement {} {} {})",
+                    directory_->path().string(), scene, s[0], s[1], s[2], p[0], p[1], p[2]));
     EXPECT_EQ(done.exit_code, 0) << done.output;
     const auto force = nlohmann::json::parse(done.output.substr(done.output.find('{'))).at("force");
     return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
   }
   /// Most of the time of touching, after some tenths of a second, the follower leads, and its
   /// forces are those of the solver.
-  static void expectFollowed(const Run& run, double after = 0.5) {
+  static void expectFollowed(const Run& run, const char* scene = "cube.toml", double after = 0.5) {
     std::vector<std::size_t> late;
     for (std::size_t n = 0; n < run.time.size(); ++n)
       if (run.time[n] > run.time.front() + after) late.push_back(n);
@@ -89,7 +89,7 @@ class LiveTest : public ::testing::Test {
     for (std::size_t n = late.size() / 4; n < late.size(); n += late.size() / 4) {
       const std::size_t tick = late[n];
       if (!leads(tick)) continue;
-      const Eigen::Vector3d exact = solved(run.place[tick], run.displacement[tick]);
+      const Eigen::Vector3d exact = solved(scene, run.place[tick], run.displacement[tick]);
       EXPECT_LT((run.force[tick] - exact).norm(), std::max(0.02, 0.02 * exact.norm()))
           << run.time[tick] << " s, bound " << run.bound[tick];
     }
@@ -101,6 +101,15 @@ TEST_F(LiveTest, AHandFeelsWhatTheSolverFindsAroundIt) {
   auto run = view({"--live", "cube.toml", "--duration", "4", "--record", "run.h5"});
   ASSERT_EQ(run->wait(), 0) << run->output();
   expectFollowed(touchesIn("run.h5"));
+}
+
+TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
+  Process run("palpate-viewer",
+              {"view", "stiff.toml", "--headless", "--hand-speed", "0.05", "--duration", "4",
+               "--record", "scene.h5"},
+              directory_->path());
+  ASSERT_EQ(run.wait(), 0) << run.output();
+  expectFollowed(touchesIn("scene.h5"), "stiff.toml");
 }
 
 TEST_F(LiveTest, AFollowerThatIsKilledIsStartedAgain) {
@@ -115,7 +124,7 @@ TEST_F(LiveTest, AFollowerThatIsKilledIsStartedAgain) {
   ASSERT_EQ(kill(killed, SIGKILL), 0);
   EXPECT_TRUE(test::eventually([&] { return follower() > 0 && follower() != killed; }));
   ASSERT_EQ(run->wait(), 0) << run->output();
-  expectFollowed(touchesIn("killed.h5"), 5);
+  expectFollowed(touchesIn("killed.h5"), "cube.toml", 5);
 }
 
 TEST_F(LiveTest, AFollowerMayBeAnotherProcess) {
