@@ -46,6 +46,21 @@ CLI::IsMember oneOf(std::span<const std::string_view> words) {
   return CLI::IsMember(std::vector<std::string>(words.begin(), words.end()));
 }
 
+/// Adds the options that change what the hand feels, and how a virtual hand moves.
+void addTouchOptions(CLI::App& app, ViewOptions& options, std::string& contact) {
+  app.add_option("--contact", contact, "Contact mode [the scene's]")
+      ->check(oneOf(words_of<ContactMode>));
+  app.add_option("--friction", options.friction, "Friction coefficient of unilateral contact")
+      ->capture_default_str();
+  app.add_option("--reach", options.reach,
+                 "Touchable distance from an active node, m (0: to the neighbouring nodes)")
+      ->capture_default_str();
+  app.add_option("--rate", options.rate, "Ticks per second")->capture_default_str();
+  app.add_option("--hand-speed", options.hand_speed,
+                 "Speed at which the virtual hand slides over the area of a finger, m/s")
+      ->capture_default_str();
+}
+
 std::function<ExitCode()> prepareView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
   auto contact = std::make_shared<std::string>();
@@ -71,17 +86,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--method", options->method, "Interpolation to begin with")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
-  app.add_option("--contact", *contact, "Contact mode [the scene's]")
-      ->check(oneOf(words_of<ContactMode>));
-  app.add_option("--friction", options->friction, "Friction coefficient of unilateral contact")
-      ->capture_default_str();
-  app.add_option("--reach", options->reach,
-                 "Touchable distance from an active node, m (0: to the neighbouring nodes)")
-      ->capture_default_str();
-  app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
-  app.add_option("--hand-speed", options->hand_speed,
-                 "Speed at which the virtual hand slides over the area of a finger, m/s")
-      ->capture_default_str();
+  addTouchOptions(app, *options, *contact);
   app.add_option("--duration", options->duration, "s after which it ends; 0: never")
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");

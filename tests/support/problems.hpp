@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/problem/problem.hpp"
+#include "tests/support/meshes.hpp"
 
 /// Scenes made in code for tests of solver and scheduler.
 namespace palpate::test {
@@ -37,6 +38,16 @@ inline Problem clampedProblem(Scene scene, Mesh mesh, const Eigen::Vector3d& nea
   active.radius = patch_radius;
   scene.active = {active};
   return resolve(std::move(scene), std::move(mesh));
+}
+
+/// `scene` on blobMesh(), side xmin fixed, a finger of this radius (m) at the other end.
+inline Problem fingeredBlob(double radius, Scene scene = mooneyRivlinScene()) {
+  scene.fixed.groups = {"xmin"};
+  scene.active = {{.name = "finger",
+                   .near = Eigen::Vector3d(0.1, 0.013, 0.02),
+                   .radius = radius,
+                   .tool = ToolKind::finger}};
+  return resolve(std::move(scene), blobMesh());
 }
 
 }  // namespace palpate::test

@@ -93,8 +93,9 @@ const HapticState& HapticTick::run(bool late) noexcept {
   // A lost device is halted. The tick in which it returns is late.
   input.late = late && !lost;
   if (options_.live != nullptr)
-    options_.live->publish(
-        {state_.time, input.touch.touching, input.touch.anchor_position, input.touch.displacement});
+    options_.live->publish({state_.time, input.touch.touching && touchesLive(),
+                            input.touch.anchor_position, input.touch.displacement,
+                            input.touch.force});
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;

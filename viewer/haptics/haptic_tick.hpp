@@ -89,6 +89,11 @@ class HapticTick {
   const TickOptions& options() const noexcept { return options_; }
 
  private:
+  /// Returns whether the model in use is the one that is followed.
+  bool touchesLive() const noexcept {
+    return models_[static_cast<std::size_t>(state_.model)] == options_.contact.live_model;
+  }
+
   std::vector<const HapticModel*> models_;
   HapticDevice& device_;
   TickOptions options_;

@@ -3,19 +3,35 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+/// Largest change of the force in a tick by a new expansion, N and relative.
+constexpr double largest_step = 0.005, largest_share = 0.01;
+/// s; a hand should not feel a wrong force for longer
+constexpr double longest_fade = 0.3;
+
+}  // namespace
 
 void LiveTouch::begin(double period) noexcept {
   if (const Answer& answer = answers_.read(); answer.number != taken_) {
     taken_ = answer.number;
     // An answer to a hand that has left the body meanwhile is of no use.
-    if (touched_) correction_.add(answer.expansion);
+    if (last_.touching) correction_.add(answer.expansion, fadeOf(answer.expansion, period));
   }
   correction_.advance(period);
 }
 
+/// Returns the duration of the fade to an expansion, s.
+double LiveTouch::fadeOf(const Expansion& expansion, double period) const noexcept {
+  const double change = (expansion.at(last_.place, last_.displacement).force - last_.force).norm();
+  const double allowed = std::max(largest_step, largest_share * last_.force.norm());
+  // A smooth step is 1.5 times as steep in its middle as a straight one.
+  return std::min(1.5 * period * change / allowed, longest_fade);
+}
+
 void LiveTouch::publish(const LiveHand& hand) noexcept {
-  if (touched_ && !hand.touching) correction_.release();
-  touched_ = hand.touching;
+  if (last_.touching && !hand.touching) correction_.release();
+  last_ = hand;
   hands_.write(hand);
 }
 

@@ -11,6 +11,7 @@ struct LiveHand {
   bool touching = false;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m, the anchor at rest
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, of the tissue
 };
 
 /// Passes hands from the haptic thread to the thread that asks a follower, and equilibria back.
@@ -26,7 +27,8 @@ class LiveTouch {
   double fingerRadius() const { return radius_; }  ///< m
 
   // The haptic thread; real time.
-  /// Takes a new equilibrium, if there is one, and lets `period` seconds of fades pass.
+  /// Takes a new equilibrium, if there is one, and lets `period` seconds of fades pass. A fade
+  /// takes so long that it changes the force by at most 1 % or 5 mN in a tick.
   void begin(double period) noexcept;
   /// Publishes the hand.
   void publish(const LiveHand& hand) noexcept;
@@ -43,6 +45,8 @@ class LiveTouch {
     std::uint64_t number = 0;  ///< from 1
     Expansion expansion;
   };
+  double fadeOf(const Expansion& expansion, double period) const noexcept;
+
   const double radius_;
   const bool guessed_;
   TripleBuffer<LiveHand> hands_;
@@ -52,7 +56,7 @@ class LiveTouch {
   // Of the haptic thread.
   LiveCorrection correction_;
   std::uint64_t taken_ = 0;
-  bool touched_ = false;
+  LiveHand last_;  ///< the hand that was published last
 };
 
 }  // namespace palpate

@@ -40,8 +40,8 @@ class LiveCorrectionTest : public ::testing::Test {
     return sample;
   }
   void follow(double stiffness, const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
-    live_.add(expansionOf(stiffness, s, p));
-    live_.advance(LiveCorrection::fade);
+    live_.add(expansionOf(stiffness, s, p), 0);
+    live_.advance(1e-3);
   }
   LiveCorrection live_{radius};
   double share_ = 0;
@@ -81,7 +81,7 @@ TEST_F(LiveCorrectionTest, IsOneEnergyAlsoWhereExpansionsDisagree) {
 TEST_F(LiveCorrectionTest, FadesANewExpansionInWithoutAStep) {
   follow(150, place, pressed);
   Eigen::Vector3d before = at(place, pressed).force;
-  live_.add(expansionOf(130, place, pressed));
+  live_.add(expansionOf(130, place, pressed), 0.03);
   for (int tick = 0; tick < 30; ++tick) {
     live_.advance(1e-3);
     const Eigen::Vector3d now = at(place, pressed).force;
@@ -100,9 +100,9 @@ TEST_F(LiveCorrectionTest, ForgetsOldExpansions) {
 TEST_F(LiveCorrectionTest, FadesOutWhenTheHandIsReleased) {
   follow(150, place, pressed);
   live_.release();
-  live_.advance(LiveCorrection::fade / 2);
+  live_.advance(LiveCorrection::release_time / 2);
   EXPECT_GT(at(place, pressed).force[2], springAt(100, place, pressed).force[2]);
-  live_.advance(LiveCorrection::fade);
+  live_.advance(LiveCorrection::release_time);
   EXPECT_EQ(at(place, pressed).force, springAt(100, place, pressed).force);
 }
 

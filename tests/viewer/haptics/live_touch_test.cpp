@@ -27,30 +27,30 @@ void pass(LiveTouch& live, double seconds) {
 
 TEST(LiveTouch, GivesTheLoopTheNewestEquilibrium) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}});
+  live.publish({0, true, {}, {}, {0, 0, 2}});
   live.answer(push());
-  pass(live, LiveCorrection::fade);
+  pass(live, LiveCorrection::release_time);
   EXPECT_NEAR(forceOf(live), 2, 1e-3);
 }
 
 TEST(LiveTouch, TakesAnEquilibriumOnce) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}});
+  live.publish({0, true, {}, {}, {0, 0, 2}});
   live.answer(push());
-  pass(live, LiveCorrection::fade);
-  live.publish({0.03, false, {}, {}});
-  pass(live, LiveCorrection::fade);
+  pass(live, LiveCorrection::release_time);
+  live.publish({0.03, false, {}, {}, {}});
+  pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0) << "it has faded out with the contact";
-  live.publish({0.06, true, {}, {}});
-  pass(live, LiveCorrection::fade);
+  live.publish({0.06, true, {}, {}, {}});
+  pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0) << "and belongs to the contact before";
 }
 
 TEST(LiveTouch, IgnoresAnAnswerThatComesAfterTheContact) {
   LiveTouch live(0.02);
-  live.publish({0, false, {}, {}});
+  live.publish({0, false, {}, {}, {}});
   live.answer(push());
-  pass(live, LiveCorrection::fade);
+  pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0);
 }
 
@@ -65,17 +65,33 @@ TEST(LiveTouch, KnowsNothingOfAGuessThatIsNotFollowed) {
   EXPECT_FALSE(sample.inside);
   EXPECT_EQ(sample.coverage, 0);
   EXPECT_GE(sample.error_bound, 3);
-  live.publish({0, true, {}, {}});
+  live.publish({0, true, {}, {}, {0, 0, 2}});
   live.answer(push());
-  pass(live, LiveCorrection::fade);
+  pass(live, LiveCorrection::release_time);
   live.correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), sample);
   EXPECT_TRUE(sample.inside);
   EXPECT_LT(sample.error_bound, 0.1);
 }
 
+TEST(LiveTouch, ChangesTheForceByAFewMillinewtonsInATick) {
+  LiveTouch live(0.02);
+  live.publish({});
+  live.publish({0, true, {}, {}, {}});
+  Expansion weak = push();
+  weak.equilibrium.force[2] = 0.5;
+  live.answer(weak);
+  double before = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    live.begin(period);
+    EXPECT_LT(forceOf(live) - before, 0.0055) << tick;
+    before = forceOf(live);
+  }
+  EXPECT_NEAR(before, 0.5, 1e-3);
+}
+
 TEST(LiveTouch, ShowsTheHandToTheAskingThread) {
   LiveTouch live(0.02);
-  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}});
+  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}, {}});
   EXPECT_EQ(live.hand().time, 0.5);
   EXPECT_TRUE(live.hand().touching);
   EXPECT_EQ(live.hand().displacement, Eigen::Vector3d(4, 5, 6));

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -17,13 +16,7 @@ constexpr double radius = 0.06;
 class FollowServerTest : public ::testing::Test {
  protected:
   FollowServerTest() {
-    Scene scene = test::mooneyRivlinScene();
-    scene.fixed.groups = {"xmin"};
-    scene.active = {{.name = "finger",
-                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
-                     .radius = radius,
-                     .tool = ToolKind::finger}};
-    problem_ = resolve(std::move(scene), test::blobMesh());
+    problem_ = test::fingeredBlob(radius);
     hand_ = {problem_.active[0].finger->center, {-0.008, 0.012, 0.006}};
   }
 

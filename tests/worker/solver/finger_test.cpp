@@ -20,13 +20,8 @@ const Eigen::Vector3d pushed(-0.008, 0.012, 0.006);
 class FingerOnABlob : public ::testing::Test {
  protected:
   void clamp(Scene scene) {
-    scene.fixed.groups = {"xmin"};
-    scene.active = {{.name = "finger",
-                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
-                     .radius = pad_radius,
-                     .tool = ToolKind::finger}};
     solver_.reset();
-    problem_ = resolve(std::move(scene), test::blobMesh());
+    problem_ = test::fingeredBlob(pad_radius, std::move(scene));
     solver_.emplace(problem_, chooseKernels());
   }
   const Eigen::Vector3d& center() const { return problem_.active[0].finger->center; }

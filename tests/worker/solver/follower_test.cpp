@@ -4,7 +4,6 @@
 
 #include "common/problem/finger.hpp"
 #include "tests/support/expect_error.hpp"
-#include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/worker/solver/start_at_rest.hpp"
 
@@ -16,13 +15,7 @@ constexpr double radius = 0.06;
 class FollowerTest : public ::testing::Test {
  protected:
   FollowerTest() {
-    Scene scene = test::mooneyRivlinScene();
-    scene.fixed.groups = {"xmin"};
-    scene.active = {{.name = "finger",
-                     .near = Eigen::Vector3d(0.1, 0.013, 0.02),
-                     .radius = radius,
-                     .tool = ToolKind::finger}};
-    problem_ = resolve(std::move(scene), test::blobMesh());
+    problem_ = test::fingeredBlob(radius);
     hand_ = {.place = problem_.active[0].finger->center, .displacement = {-0.008, 0.012, 0.006}};
   }
   Equilibrium exactAt(const Expansion& expansion) {
