@@ -176,7 +176,8 @@ class ViewSession {
     link_.emplace(*live_, std::move(link_options));
     constexpr std::chrono::seconds patience{10};
     if (!link_->waitUntilReady(patience))
-      spdlog::warn("the hand is not followed yet: {}", link_->trouble());
+      spdlog::warn("the hand is not followed yet{}{}", link_->trouble().empty() ? "" : ": ",
+                   link_->trouble());
   }
 
   void makeTick() {

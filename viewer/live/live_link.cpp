@@ -21,8 +21,11 @@ using namespace std::chrono_literals;
 constexpr auto poll_interval = 1ms;
 /// Analysing the pattern of a large body, and loading the libraries.
 constexpr auto greeting_patience = 30s;
+constexpr auto connection_patience = 5s;
 /// A solve that begins from rest takes longer than any other.
 constexpr auto answer_patience = 3s;
+/// The user is told of a hand that waits longer for its answer.
+constexpr auto late_after = 300ms;
 constexpr auto pause_after_trouble = 500ms;
 /// The speed of a hand is its motion over at least this time, s.
 constexpr double speed_time = 0.004;
@@ -178,9 +181,10 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const auto asked = Clock::now();
   const auto reply = ask(question, {}, answer_patience, stop);
   if (stop.stop_requested()) return;
-  if (!reply) return tell("the follower does not answer; what is felt comes from the dataset");
+  if (!reply) return tell("the follower does not answer; asking again");
   if (reply->has_refused())
     return tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+  tell({});
   if (!reply->has_followed()) return;
   const auto followed = fromWire(reply->followed());
   const bool found = followed && followed->converged();
@@ -202,13 +206,16 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
     return Clock::now() < until && !stop.stop_requested() && !(follower_ && follower_->ended());
   };
   // Until the connection stands, the socket takes nothing.
+  const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {
-    if (!goes_on()) return std::nullopt;
+    if (!goes_on() || Clock::now() - began > connection_patience) return std::nullopt;
     std::this_thread::sleep_for(poll_interval);
   }
   while (goes_on()) {
     waitForMessages(socket_, 20ms);
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
+    if (question.has_hand_motion() && Clock::now() - began > late_after)
+      tell("the follower is late: the hand moves faster than it can solve");
   }
   return std::nullopt;
 }
