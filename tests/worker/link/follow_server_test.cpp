@@ -10,13 +10,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double radius = 0.06;
+constexpr double served_radius = 0.06;
 
 /// A follower and clients of it, in one thread.
 class FollowServerTest : public ::testing::Test {
  protected:
   FollowServerTest() {
-    problem_ = test::fingeredBlob(radius);
+    problem_ = test::fingeredBlob(served_radius);
     hand_ = {problem_.active[0].finger->center, {-0.008, 0.012, 0.006}};
   }
 
@@ -39,7 +39,7 @@ class FollowServerTest : public ::testing::Test {
                       std::uint32_t protocol = protocol_version) {
     wire::Message question;
     question.mutable_follow_request()->set_protocol(protocol);
-    question.mutable_follow_request()->set_finger_radius(radius);
+    question.mutable_follow_request()->set_finger_radius(served_radius);
     question.mutable_follow_request()->set_payload_bytes(
         static_cast<std::uint32_t>(problem.size()));
     return ask(socket, question, problem);

@@ -10,17 +10,17 @@
 namespace palpate {
 namespace {
 
-constexpr double radius = 0.06;
+constexpr double followed_radius = 0.06;
 
 class FollowerTest : public ::testing::Test {
  protected:
   FollowerTest() {
-    problem_ = test::fingeredBlob(radius);
+    problem_ = test::fingeredBlob(followed_radius);
     hand_ = {.place = problem_.active[0].finger->center, .displacement = {-0.008, 0.012, 0.006}};
   }
   Equilibrium exactAt(const Expansion& expansion) {
     TransitionSolver solver(problem_, chooseKernels());
-    solver.placeFinger("here", {expansion.place, radius});
+    solver.placeFinger("here", {expansion.place, followed_radius});
     return walk(solver, test::startAtRest(solver), expansion.displacement, 2).outcome.equilibrium();
   }
 
@@ -29,7 +29,7 @@ class FollowerTest : public ::testing::Test {
 };
 
 TEST_F(FollowerTest, FindsTheEquilibriaOfARestingHandAndOfAMovingOne) {
-  Follower follower(problem_, chooseKernels(), radius);
+  Follower follower(problem_, chooseKernels(), followed_radius);
   Followed found = follower.follow(hand_);
   for (int n = 0; n < 4; ++n) {
     ASSERT_TRUE(found.converged()) << describe(found.failure());
@@ -43,7 +43,7 @@ TEST_F(FollowerTest, FindsTheEquilibriaOfARestingHandAndOfAMovingOne) {
 }
 
 TEST_F(FollowerTest, AimsWhereTheHandGoes) {
-  Follower follower(problem_, chooseKernels(), radius);
+  Follower follower(problem_, chooseKernels(), followed_radius);
   const Followed still = follower.follow(hand_);
   hand_.displacement_speed = {-0.1, 0, 0};
   const Followed moving = follower.follow(hand_);
@@ -53,9 +53,9 @@ TEST_F(FollowerTest, AimsWhereTheHandGoes) {
 }
 
 TEST_F(FollowerTest, BeginsFromRestAfterAJump) {
-  Follower follower(problem_, chooseKernels(), radius);
+  Follower follower(problem_, chooseKernels(), followed_radius);
   ASSERT_TRUE(follower.follow(hand_).converged());
-  hand_.place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, radius).center;
+  hand_.place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, followed_radius).center;
   hand_.displacement *= -0.5;
   const Followed jumped = follower.follow(hand_);
   ASSERT_TRUE(jumped.converged()) << describe(jumped.failure());
@@ -64,7 +64,7 @@ TEST_F(FollowerTest, BeginsFromRestAfterAJump) {
 }
 
 TEST_F(FollowerTest, SaysWhyThereIsNoEquilibriumAndGoesOn) {
-  Follower follower(problem_, chooseKernels(), radius);
+  Follower follower(problem_, chooseKernels(), followed_radius);
   const Eigen::Vector3d pushed = hand_.displacement;
   hand_.displacement = {-0.6, 0, 0};  // through the body
   EXPECT_NE(follower.follow(hand_).failure().cause, Cause::none);
@@ -73,7 +73,7 @@ TEST_F(FollowerTest, SaysWhyThereIsNoEquilibriumAndGoesOn) {
 }
 
 TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {
-  Follower follower(problem_, chooseKernels(), radius);
+  Follower follower(problem_, chooseKernels(), followed_radius);
   hand_.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
   test::expectBadInput([&] { follower.follow(hand_); }, {"hand"});
 }
