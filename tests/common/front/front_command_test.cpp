@@ -96,7 +96,11 @@ TEST_F(FrontCommand, TheSceneInTheOverviewIsValid) {
   const std::string text = palpate("--help").output;
   const std::size_t begin = text.find("  mesh = ");
   ASSERT_NE(begin, std::string::npos);
-  EXPECT_NO_THROW(parseScene(text.substr(begin, text.find("\nsay\n") - begin), "overview"));
+  // The scene is indented; the next line is not.
+  std::size_t end = begin;
+  while (text[text.find('\n', end) + 1] == ' ') end = text.find('\n', end) + 1;
+  end = text.find('\n', end);
+  EXPECT_NO_THROW(parseScene(text.substr(begin, end - begin), "overview"));
 }
 
 TEST_F(FrontCommand, HelpVerbShowsTheProgramsHelp) {
