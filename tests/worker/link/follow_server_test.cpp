@@ -28,7 +28,12 @@ class FollowServerTest : public ::testing::Test {
   /// What the server answers; an empty message if it does not.
   wire::Message ask(zmq::socket_t& socket, const wire::Message& question,
                     std::string_view payload = {}) {
-    EXPECT_EQ(sendMessage(socket, "", question, payload), Sent::yes);
+    Sent sent = Sent::full;  // until the connection stands
+    for (int n = 0; n < 200 && sent != Sent::yes; ++n) {
+      sent = sendMessage(socket, "", question, payload);
+      server_.turn(5ms);
+    }
+    EXPECT_EQ(sent, Sent::yes);
     for (int n = 0; n < 200; ++n) {
       server_.turn(5ms);
       if (auto reply = receiveMessage(socket, false)) return reply->message;
