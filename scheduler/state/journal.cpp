@@ -37,7 +37,7 @@ struct Head {
     return sizeof(Head) + std::uint64_t{header_bytes} + payload_bytes;
   }
 };
-static_assert(sizeof(Head) == 20, "docs/state.md states this size");
+static_assert(sizeof(Head) == 20, "docs/internals/state.md states this size");
 
 std::uint32_t crcOf(std::string_view bytes, uLong before = 0) {
   return static_cast<std::uint32_t>(

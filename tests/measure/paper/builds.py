@@ -1,7 +1,7 @@
 """Fig. 7 of the paper: time and size of a configuration space, by lattice and row of Table 1.
 
 Minutes by one and two workers here (quadratic elements only by local workers), and by up to 64 workers of the scheduler's
-simulator, which repeats the recorded build: the same transitions with the durations recorded here (docs/benchmarks.md).
+simulator, which repeats the recorded build: the same transitions with the durations recorded here (docs/internals/benchmarks.md).
 The elements satisfy inf-sup, as by default; the paper's were of equal order."""
 import pathlib
 

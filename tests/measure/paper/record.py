@@ -20,7 +20,7 @@ from interruption import end_with_parent, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 ALL = "all"  # marks a target that was not made at all, in what is not measured
-BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
+BUILD_THEM = "build the targets all and benchmarks (docs/internals/benchmarks.md)"
 
 
 class Incomplete(Exception):

@@ -1,7 +1,7 @@
 // Speed-up of a build with more workers. Repeats a recorded build with 1 to 10,000 simulated
 // workers under the real scheduler, and compares it with the limit from the dependencies of its
 // transitions (the ideal) and its two bounds: all work divided by the workers, and the longest
-// chain. Prints one JSON object. docs/performance.md has figures with an explanation.
+// chain. Prints one JSON object. docs/evaluation.md has figures with an explanation.
 //
 //   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--cut-ms 250]
 //                          [--latency-ms 0.2] [--scheduler-us 100 | --measured] [--no-checks]

@@ -273,7 +273,7 @@ TEST(NetworkDevice, IgnoresGarbageAndCountsIt) {
   far.sendRaw("\xff\xff\xff\xff");
   far.sendRaw("");
   far.sayHello(-1);
-  EXPECT_TRUE(eventually([&] { return device.trouble().find("3 messages") != std::string::npos; }))
+  EXPECT_TRUE(eventually([&] { return device.trouble().find("3 invalid messages") != std::string::npos; }))
       << device.trouble();
   far.sayHello();
   far.sendReading(1, 0.25);

@@ -113,7 +113,7 @@ TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
   }
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0004.vtu"));
   options.steps = 1;
-  expectBadInput([&] { run(); }, {"press is there already"});
+  expectBadInput([&] { run(); }, {"press already exists"});
   options.replace = true;
   EXPECT_EQ(run(), ExitCode::done);
   EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0002.vtu")) << "of the longer one";
@@ -165,7 +165,7 @@ TEST_F(ExportCommand, RefusesUnknownNamesMethodsAndDatasets) {
   expectBadInput([&] { run(); }, {"cubic", "potential, trilinear"});
   options.method = "potential";
   options.at = {"0", "0", "0"};
-  expectBadInput([&] { run(); }, {"--at", "\"tip\" is no finger"});
+  expectBadInput([&] { run(); }, {"--at", "\"tip\" is not a finger"});
   options.at.clear();
   options.dataset = directory / "other.h5";
   expectBadInput([&] { run(); }, {"other.h5", "no such dataset"});

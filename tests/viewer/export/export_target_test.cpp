@@ -33,7 +33,7 @@ TEST_F(ExportTargetTest, AnExistingFileIsKeptUnlessItMayBeReplaced) {
   target.refuseWhatIsThere(dataset, false);
   touch(target.file());
   expectBadInput([&] { target.refuseWhatIsThere(dataset, false); },
-                 {"touch.vtu is there already", "--replace"});
+                 {"touch.vtu already exists", "--replace"});
   target.refuseWhatIsThere(dataset, true);
   for (const char* folder : {"folder.vtu", "folder.pvd"}) {
     std::filesystem::create_directory(directory / folder);
