@@ -15,8 +15,8 @@ struct ViewOptions {
   /// At least one; the first one is shown at the start. It may be a scene (SCENE.toml), which is
   /// solved around the hand.
   std::vector<std::filesystem::path> datasets;
-  std::string device;                           ///< a word of device_choice.hpp
-  KeyOptions keys = {};                         ///< for a network device
+  std::string device;          ///< a word of device_choice.hpp
+  KeyOptions keys = {};        ///< for a network device
   std::string profile;         ///< a name in device_profiles; empty: the device's own limits
   std::filesystem::path live;  ///< scene of the first dataset; empty: nothing follows the hand
   std::string follower;        ///< endpoint of a follower; empty: one is started

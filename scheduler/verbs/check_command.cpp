@@ -34,7 +34,8 @@ ExitCode checkState(const CheckStateOptions& options) {
 
 std::function<ExitCode()> prepareCheckState(CLI::App& app) {
   auto options = std::make_shared<CheckStateOptions>();
-  app.add_option("DIRECTORY", options->directory, "State directory (docs/internals/state.md)")->required();
+  app.add_option("DIRECTORY", options->directory, "State directory (docs/internals/state.md)")
+      ->required();
   app.add_flag("--repair", options->repair,
                "Drop damaged records and rebuild damaged tables; no scheduler may run");
   app.add_flag("--json", options->json, "Print one JSON object (docs/commands.md)");

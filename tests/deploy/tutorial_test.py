@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs docs/tutorial.md command by command: unchanged with PALPATE_LONG_TESTS (ten minutes), otherwise with a coarser
+"""Runs the tutorials command by command: docs/tutorial.md unchanged with PALPATE_LONG_TESTS (ten minutes), else with a coarser
 mesh. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/tutorial_test.py."""
 import os
 import pathlib
@@ -16,8 +16,8 @@ SOME_POINTS_FAILED = 3  # exit code of a build, explained on the page
 
 
 class FirstPages(unittest.TestCase):
-    def follow(self, page, made):
-        """Runs the blocks of shell and Python of a page, and writes its scene, in an empty folder."""
+    def follow(self, made, *pages):
+        """Runs the blocks of shell and Python of pages, and writes their scenes and programs, in an empty folder."""
         if palpate is None:
             self.skipTest(missing)
         if shutil.which("gmsh") is None:
@@ -49,9 +49,15 @@ class FirstPages(unittest.TestCase):
                 self.assertGreater(pathlib.Path(folder, file).stat().st_size, 500, file)
 
     def testTheTutorialRunsFromASurfaceToAPlot(self):
-        page = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
-        self.follow(page, ("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
-                           "curve.csv", "side.h5"))
+        self.assertEqual((ROOT / "docs/tutorial.md").read_text(encoding="utf-8").count("--nodes 500"), 1)
+        self.follow(("organ/scene.toml", "organ.h5", "organ.html", "stiffness.png", "curve.png", "touch.vtu", "press.pvd",
+                     "curve.csv", "side.h5"), "tutorial.md")
+
+    def testAStiffLumpIsFoundAndALoopSlidesOverIt(self):
+        self.follow(("lump.h5", "lump.png", "loop.txt", "loop.png"), "tutorial-lump.md", "tutorial-loop.md")
+
+    def testTwoMaterialsMakeAFigure(self):
+        self.follow(("neo.h5", "exp.h5", "two.png"), "tutorial-python.md")
 
     def testItsPythonStepsFindTheLibraryAfterTheDemo(self):
         built = re.search(r"cmake --build .*--target (.*)\)", (ROOT / "deploy/demo").read_text(encoding="utf-8"))
