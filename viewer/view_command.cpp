@@ -20,10 +20,10 @@ void check(const ViewOptions& options) {
     throw badInput("--rate {}: give 100 to {} ticks per second", options.rate,
                    most_ticks_per_second);
   if (!(options.friction >= 0 && options.friction <= 10))
-    throw badInput("--friction {}: between 0 and 10", options.friction);
-  if (!(options.reach >= 0)) throw badInput("--reach {}: metres, 0 or more", options.reach);
+    throw badInput("--friction {}: give a number from 0 to 10", options.friction);
+  if (!(options.reach >= 0)) throw badInput("--reach {}: give 0 or more metres", options.reach);
   if (!(options.hand_speed > 0 && options.hand_speed <= 10))
-    throw badInput("--hand-speed {}: m/s, more than 0 and at most 10", options.hand_speed);
+    throw badInput("--hand-speed {}: give a speed above 0 and at most 10 m/s", options.hand_speed);
   if (!(options.duration >= 0))
     throw badInput("--duration {}: give 0 or more seconds", options.duration);
   if (options.fast && options.duration <= 0 && !options.device.starts_with("replay"))
@@ -34,8 +34,7 @@ void check(const ViewOptions& options) {
                    options.device);
   if (!options.follower.empty() && options.live.empty())
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
-  if (options.fast && !options.live.empty())
-    throw badInput("--live follows a hand in time: leave out --fast, which has no clock");
+  if (options.fast && !options.live.empty()) throw badInput("--live needs a clock: omit --fast");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
@@ -83,11 +82,11 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--follower", options->follower,
                  "Follower on another machine for --live (palpate follow) [one is started]")
       ->type_name("ENDPOINT");
-  app.add_option("--method", options->method, "Interpolation to begin with")
+  app.add_option("--method", options->method, "Interpolation method at the start")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
   addTouchOptions(app, *options, *contact);
-  app.add_option("--duration", options->duration, "s after which it ends; 0: never")
+  app.add_option("--duration", options->duration, "Length of the run, s (0: no limit)")
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");
   app.add_flag("--fast", options->fast,

@@ -97,7 +97,7 @@ class ViewSession {
       throw badInput("--live {}: {} is a scene, and is followed without --live",
                      options.live.string(), first.string());
     if (options.fast)
-      throw badInput("{}: a scene is solved in time: leave out --fast", first.string());
+      throw badInput("{}: a scene is solved while the clock runs: omit --fast", first.string());
     guess_.emplace(loadProblem(first));
     options.live = std::exchange(first, guess_->file());
     return options;

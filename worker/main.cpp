@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   chooseBlasKernels(argv);
   const std::array verbs = {mesh_verb,  new_verb,    check_verb,  work_verb,
                             solve_verb, follow_verb, kernels_verb};
-  const int code = runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
+  const int code = runProgram(argc, argv, "palpate-worker: meshing, checking and solving", verbs);
   if (solver_left_running) std::_Exit(code);
   return code;
 }

@@ -480,7 +480,7 @@ LatticePoint fromWire(const wire::Point& point) { return {point.i(), point.j(), 
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result) {
   toWire(outcome.cost, *result.mutable_cost());
   if (!outcome.converged()) {
-    PALPATE_ASSERT(stopsTransitions(outcome.failure().cause), "fromWire takes no other");
+    PALPATE_ASSERT(stopsTransitions(outcome.failure().cause), "fromWire accepts no other causes");
     return toWire(outcome.failure(), *result.mutable_failure());
   }
   PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
