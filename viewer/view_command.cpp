@@ -32,9 +32,10 @@ void check(const ViewOptions& options) {
       !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
     throw badInput("--fast works only with the virtual hand and replays; {} runs in real time",
                    options.device);
-  if (!options.follower.empty() && options.live.empty())
+  const bool follows = !options.live.empty() || options.datasets.front().extension() == ".toml";
+  if (!options.follower.empty() && !follows)
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
-  if (options.fast && !options.live.empty()) throw badInput("--live needs a clock: omit --fast");
+  if (options.fast && follows) throw badInput("following a hand needs a clock: omit --fast");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
@@ -72,7 +73,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--device", options->device, deviceHelp(true))
       ->type_name("WORD")
       ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
-  options->keys.addTo(app, "Accept a network device that requires no key");
+  options->keys.addTo(app, "Use a network device or follower that requires no key");
   app.add_option("--profile", options->profile,
                  "Use this device's force and stiffness limits [the device's own]")
       ->check(oneOf(device_words));

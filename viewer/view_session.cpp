@@ -96,9 +96,8 @@ class ViewSession {
     if (!options.live.empty())
       throw badInput("--live {}: {} is a scene, and is followed without --live",
                      options.live.string(), first.string());
-    if (options.fast)
-      throw badInput("{}: a scene is solved while the clock runs: omit --fast", first.string());
-    guess_.emplace(loadProblem(first));
+    followed_ = loadProblem(first);
+    guess_.emplace(*followed_);
     options.live = std::exchange(first, guess_->file());
     return options;
   }
@@ -158,9 +157,8 @@ class ViewSession {
   /// its dataset has no finger.
   void startLive() {
     const HapticModel& model = loaded_->first();
-    const Problem problem = loadProblem(options_.live);
-    live_build_ = problemId(problem);
-    if (guess_) live_build_ = model.buildId();
+    if (!guess_) followed_ = loadProblem(options_.live);
+    live_build_ = guess_ ? model.buildId() : problemId(*followed_);
     if (live_build_ != model.buildId())
       throw badInput("{} is not the scene of {}: give the scene from which it was built",
                      options_.live.string(), model.file());
@@ -171,8 +169,9 @@ class ViewSession {
       if (area.radius != areas.front().radius)
         throw badInput("--live follows fingers of one radius, and {} has several", model.file());
     live_.emplace(areas.front().radius, guess_.has_value());
-    LiveLinkOptions link_options = {encodeProblem(problem), options_.follower};
+    LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
+    followed_.reset();
     link_.emplace(*live_, std::move(link_options));
     constexpr std::chrono::seconds patience{10};
     if (!link_->waitUntilReady(patience))
@@ -188,7 +187,6 @@ class ViewSession {
     tick_options.contact.friction = options_.friction;
     if (live_ && model.buildId() == live_build_) {
       tick_options.live = &*live_;
-      tick_options.contact.live = &*live_;
       tick_options.contact.live_model = &model;
     }
     tick_options.guard = guardFor(limits(), tick_options.period);
@@ -426,6 +424,7 @@ class ViewSession {
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
+  std::optional<Problem> followed_;      ///< of the scene, until the follower has it
   std::optional<GuessedDataset> guess_;  ///< if the user gave a scene
   const ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/base/scratch_folder.hpp"
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
@@ -10,7 +11,6 @@
 #include "worker/meshing/guessed_unit.hpp"
 #include "worker/meshing/mesh_conversion.hpp"
 #include "worker/meshing/proposed_scene.hpp"
-#include "worker/meshing/scratch_folder.hpp"
 #include "worker/meshing/tetrahedra.hpp"
 #include "worker/verbs.hpp"
 

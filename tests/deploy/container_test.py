@@ -71,7 +71,8 @@ def not_in(packages):
 def image_system():
     """Returns whether this machine is the Debian of the image, whose packages have the names in its file."""
     with open("/etc/os-release", encoding="utf-8") as file:
-        return re.search(r"VERSION_CODENAME=(\w+)", file.read())[1] in stages()[1][0]
+        codename = re.search(r"VERSION_CODENAME=(\w+)", file.read())
+    return codename is not None and codename[1] in stages()[1][0]
 
 
 class Container(unittest.TestCase):

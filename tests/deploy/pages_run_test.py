@@ -253,8 +253,9 @@ class PagesInPython(unittest.TestCase):
         self.assertEqual(len(blocks), 4)
         for block in blocks:
             if "meshio" in block and sys.version_info >= (3, 13):
-                continue  # meshio 5.3 cannot read appended arrays with this Python
-            if "paraview" not in block:
+                with self.subTest("meshio"):
+                    self.skipTest("meshio 5.3 cannot read appended arrays with this Python: NOT run")
+            elif "paraview" not in block:
                 self.assertTrue(self.run_here(sys.executable, "-c", block))
             elif shutil.which("pvpython") and shutil.which("Xvfb"):
                 (self.folder / "render.py").write_text(block, encoding="utf-8")

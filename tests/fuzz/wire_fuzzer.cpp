@@ -16,6 +16,16 @@ void readResult(const wire::Result& result) {
   require(fromWire(again).has_value(), "an outcome is not read as it was written");
 }
 
+/// What a follower and its client accept must survive being sent on.
+template <class Message>
+void readFollowing(const Message& message) {
+  const auto accepted = fromWire(message);
+  if (!accepted) return;
+  Message again;
+  toWire(*accepted, again);
+  require(fromWire(again).has_value(), "a hand or an equilibrium is not read as it was written");
+}
+
 /// The first byte selects the receiver; the frames of one message follow.
 void readWireMessage(std::string_view bytes) {
   Choices choices(bytes);
@@ -28,6 +38,8 @@ void readWireMessage(std::string_view bytes) {
     for (const Incoming& part : unbundled(std::move(*incoming))) {
       require(!part.message.has_bundle(), "a bundle is left");
       if (part.message.has_result()) readResult(part.message.result());
+      if (part.message.has_hand_motion()) readFollowing(part.message.hand_motion());
+      if (part.message.has_followed()) readFollowing(part.message.followed());
     }
   }
 }
@@ -57,6 +69,11 @@ std::vector<std::string> wireSeeds() {
   hello.mutable_hello()->add_ended("another");
   wire::Message job;
   *job.mutable_job()->add_targets()->mutable_point() = toWire(LatticePoint{-1, 0, 2});
+  wire::Message hand, followed, failed;
+  toWire(HandMotion{{1, 2, 3}, {4, 5, 6}}, *hand.mutable_hand_motion());
+  toWire(Followed{Expansion{}, {}}, *followed.mutable_followed());
+  toWire(Followed{Failure{.cause = Cause::inverted_element}, {}}, *failed.mutable_followed());
+  for (const wire::Message& message : {hand, followed, failed}) seeds.push_back(frames(message));
   seeds.push_back(frames(hello));
   seeds.push_back(frames(job));
   return seeds;

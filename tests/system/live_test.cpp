@@ -152,6 +152,9 @@ TEST_F(LiveTest, TheSceneOfAnotherBuildIsRefused) {
   EXPECT_EQ(view({"--live", "nothing.toml", "--duration", "1"})->wait(), 2);
   EXPECT_EQ(view({"--live", "cube.toml", "--fast", "--duration", "1"})->wait(), 2);
   EXPECT_EQ(view({"--follower", "ipc:///tmp/f", "--duration", "1"})->wait(), 2);
+  Process scene("palpate-viewer", {"view", "cube.toml", "--headless", "--fast", "--duration", "1"},
+                directory_->path());
+  EXPECT_EQ(scene.wait(), 2) << scene.output();
 }
 
 }  // namespace

@@ -129,9 +129,9 @@ TEST_F(ShareTroubleTest, ExplainsAnIncompleteFile) {
   changeOrgan("o.replace(b'palpate-organ-3', b'palpate-organ-0', 1)");
   expect("version 0");
   changeOrgan("b'something else'");
-  expect("organ");
+  expect("No organ");
   changeOrgan("o[:len(o) // 2]");
-  expect("damaged");
+  expect("truncated");
   // After the version, the name with its length, the largest force, and the number of vertices.
   changeOrgan("(lambda at: o[:at] + b'\\xff' * 8 + o[at + 8:])(16 + 4 + o[16] + 8 + 4)");
   expect("vertex 0");

@@ -81,12 +81,14 @@ TEST_F(BrokenScene, IsRefusedWithFileLineKeyAndRemedy) {
   refuses("cube.msh", "meshes/", {"scene.toml:1: mesh", "is a folder"});
   refuses("mesh = \"cube.msh\"", "", {"scene.toml:1", "\"mesh\" is missing"});
   refuses("[material]", "length_unit = \"mm\"\n[material]",
-          {"scene.toml:1: the mesh is only 0.0001 m wide", "length_unit = \"m\""});
+          {"scene.toml:1: the mesh is only 0.0001 m wide", "Write length_unit = \"m\""});
   refuses("[material]", "length_unit = \"inch\"\n[material]",
           {"scene.toml:2: length_unit", "m, cm or mm"});
   // Fixed nodes.
-  refuses("[fixed]\ngroup = \"xmin\"\n", "", {"scene.toml:1: \"fixed\" is missing", "[fixed]"});
-  refuses("group = \"xmin\"", "", {"scene.toml:6: [fixed] selects no node", "[fixed]"});
+  refuses("[fixed]\ngroup = \"xmin\"\n", "",
+          {"scene.toml:1: \"fixed\" is missing", "a [fixed] table"});
+  refuses("group = \"xmin\"", "",
+          {"scene.toml:6: [fixed] selects no node", "nothing holds the body"});
   refuses("\"xmin\"", "\"base\"",
           {"scene.toml:7: fixed.group: there is no \"base\"", "the mesh has body, xmax, xmin"});
   refuses("group = \"xmin\"", "box = { lowest = [1, 1, 1], highest = [2, 2, 2] }",

@@ -16,10 +16,11 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Returns the options with the guard's period set to the tick's. The force limit is never above
-/// the device's, whatever the options say.
+/// Returns the options with the guard's period and the contact's equilibria set to the tick's. The
+/// force limit is never above the device's, whatever the options say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
+  options.contact.live = options.live;
   const double most = device.profile().max_force;
   if (most > 0) options.guard.max_force = std::min(options.guard.max_force, most);
   options.guard.max_slew = slewOf(options.guard);
@@ -62,7 +63,7 @@ HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& dev
     : models_(std::move(models)),
       device_(device),
       options_(limited(options, device)),
-      contact_(firstOf(models_), options.contact),
+      contact_(firstOf(models_), options_.contact),
       guard_(options_.guard) {
   PALPATE_ASSERT(options_.period > 0, "time increases with every tick");
   PALPATE_ASSERT(options_.map.scale > 0, "the device workspace has a positive size in the scene");

@@ -64,8 +64,8 @@ struct TickOptions {
   ContactOptions contact;
   GuardOptions guard;
   WorkspaceMap map;
-  /// Equilibria around the hand; null: none. Must outlive the tick. Set contact.live and
-  /// contact.live_model too.
+  /// Equilibria around the hand, for contact.live_model; null: none. Must outlive the tick, which
+  /// sets contact.live.
   LiveTouch* live = nullptr;
 };
 

@@ -27,8 +27,9 @@ class LiveTouch {
   double fingerRadius() const { return radius_; }  ///< m
 
   // The haptic thread; real time.
-  /// Takes a new equilibrium, if there is one, and lets `period` seconds of fades pass. A fade
-  /// takes so long that it changes the force by at most 1 % or 5 mN in a tick.
+  /// Takes a new equilibrium, if there is one, and lets `period` seconds of the fade pass. A fade
+  /// changes the force by at most 1 % or 5 mN in a tick, unless it would then take longer than
+  /// 0.3 s, or a newer equilibrium that differs arrives during the fade.
   void begin(double period) noexcept;
   /// Publishes the hand.
   void publish(const LiveHand& hand) noexcept;

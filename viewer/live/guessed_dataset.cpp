@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Stiffness of a finger on a body, divided by Young's modulus and the finger's radius: a third of
-/// that of a half-space, because organs are thin and give way as a whole.
+/// Stiffness of a finger on a body, divided by Young's modulus and the finger's radius. It is lower
+/// than that of a half-space, because organs are thin and give way as a whole.
 constexpr double stiffness_share = 0.5;
 /// Distance from the finger, in its radii, at which the guessed shape ends.
 constexpr double shape_radii = 3;
@@ -67,13 +67,6 @@ SpaceTable springAt(const Problem& problem, const ActivePatch& patch) {
 
 }  // namespace
 
-std::filesystem::path makePrivateFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr)
-    throw failure("{}: the directory cannot be made: {}", pattern, errnoText());
-  return pattern;
-}
-
 GuessedDataset::GuessedDataset(Problem whole) {
   const Problem problem = withoutProbes(std::move(whole));
   std::vector<SpaceTable> spaces;
@@ -85,18 +78,12 @@ GuessedDataset::GuessedDataset(Problem whole) {
           problem.scene.name, patch.name);
     spaces.push_back(springAt(problem, patch));
   }
-  folder_ = makePrivateFolder();
   file_ = folder_ / (problem.scene.name + ".h5");
   sealDataset(file_, problem, rowsOf(spaces), "guessed",
               [&](std::size_t space, std::int32_t point) {
                 return shapeAt(problem, *problem.active[space].finger,
                                spaces[space].lattice.displacement(point));
               });
-}
-
-GuessedDataset::~GuessedDataset() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
 }
 
 }  // namespace palpate

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <filesystem>
-
+#include "common/base/scratch_folder.hpp"
 #include "common/problem/problem.hpp"
 
 namespace palpate {
@@ -15,17 +14,12 @@ class GuessedDataset {
   /// Error (bad input) if no finger touches the scene. Error if the file cannot be written, in the
   /// directory for temporary files.
   explicit GuessedDataset(Problem problem);
-  ~GuessedDataset();
-  GuessedDataset(const GuessedDataset&) = delete;
-  GuessedDataset& operator=(const GuessedDataset&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
 
  private:
-  std::filesystem::path folder_, file_;
+  ScratchFolder folder_;
+  std::filesystem::path file_;
 };
-
-/// Makes a directory for temporary files that only this user can open. Error if that fails.
-std::filesystem::path makePrivateFolder();
 
 }  // namespace palpate

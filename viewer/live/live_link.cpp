@@ -5,13 +5,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <filesystem>
-
 #include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
+#include "common/base/scratch_folder.hpp"
 #include "common/base/text.hpp"
-#include "viewer/live/guessed_dataset.hpp"
 
 namespace palpate {
 namespace {
@@ -35,7 +33,6 @@ constexpr double speed_time = 0.004;
 /// A follower with a socket in a directory that only this user can open.
 struct LiveLink::Follower {
   Follower() {
-    folder = makePrivateFolder();
     pid = startChild({programBeside("palpate-worker").string(), "follow", "--quiet", "--insecure",
                       "--listen", endpoint()});
   }
@@ -45,8 +42,6 @@ struct LiveLink::Follower {
       while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
       }
     }
-    std::error_code ignored;
-    std::filesystem::remove_all(folder, ignored);
   }
   Follower(const Follower&) = delete;
   Follower& operator=(const Follower&) = delete;
@@ -57,7 +52,7 @@ struct LiveLink::Follower {
     return over;
   }
 
-  std::filesystem::path folder;
+  ScratchFolder folder;
   pid_t pid = -1;
   bool over = false;
 };

@@ -24,7 +24,7 @@ struct LiveStatistics {
   std::uint64_t answers = 0;   ///< equilibria
   std::uint64_t failures = 0;  ///< hands without an equilibrium
   std::uint64_t restarts = 0;  ///< times that the follower was started or connected again
-  double seconds = 0;          ///< s, sum over answers: from the question to the answer
+  double seconds = 0;          ///< s from the question to the answer, sum over answers and failures
   double largest_seconds = 0;  ///< s
 };
 
@@ -33,7 +33,7 @@ struct LiveStatistics {
 /// the loop goes on with the equilibria that it has.
 class LiveLink {
  public:
-  /// `touch` must outlive this object. Error (bad input) for an invalid endpoint or key folder.
+  /// `touch` must outlive this object. Error (bad input) for an invalid endpoint.
   LiveLink(LiveTouch& touch, LiveLinkOptions options);
   ~LiveLink();  ///< ends a follower that was started
 

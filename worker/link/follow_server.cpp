@@ -70,7 +70,11 @@ void FollowServer::follow(const Incoming& incoming) {
     try {
       toWire(follower_->follow(*hand), *reply.mutable_followed());
     } catch (const Error& error) {
-      spdlog::debug("no equilibrium: {}", error.what());
+      if (error.exitCode() != ExitCode::usage) {
+        spdlog::warn("{}", error.what());
+        return refuse(client_, error.what());
+      }
+      spdlog::debug("no finger can be there: {}", error.what());
       toWire(Followed{Failure{}, {}}, *reply.mutable_followed());
     }
   } else {

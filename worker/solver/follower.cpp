@@ -49,15 +49,21 @@ Reached Follower::fromRest(const Finger& finger, const Eigen::Vector3d& target) 
 }
 
 Followed Follower::follow(const HandMotion& hand) {
-  HandMotion aim = aimed(hand);
-  Finger finger;
   try {
-    finger = fingerNear("hand", problem_.mesh, aim.place, radius_);
-    checkedFinger("hand", problem_.mesh, problem_.fixed, finger);
-  } catch (const Error&) {
-    aim = hand;  // the hand moves toward fixed nodes
-    finger = fingerNear("hand", problem_.mesh, aim.place, radius_);
+    return solveAt(aimed(hand));
+  } catch (const Error& error) {
+    if (error.exitCode() != ExitCode::usage) throw;
   }
+  try {
+    return solveAt(hand);  // it moves toward fixed nodes
+  } catch (const Error&) {
+    release();  // the path to the next hand may lead over them: begin from rest
+    throw;
+  }
+}
+
+Followed Follower::solveAt(const HandMotion& aim) {
+  const Finger finger = fingerNear("hand", problem_.mesh, aim.place, radius_);
   Reached reached;
   Cost spent;
   if (isNear(aim)) {

@@ -26,6 +26,7 @@ class Follower {
 
  private:
   HandMotion aimed(const HandMotion& hand) const;
+  Followed solveAt(const HandMotion& aim);
   bool isNear(const HandMotion& aim) const;
   Reached fromRest(const Finger& finger, const Eigen::Vector3d& target);
 

@@ -33,6 +33,7 @@ TangentSolver::TangentSolver(const System& system)
                                !isInfSupStable(system.model().discretization))) {}
 
 Factorization TangentSolver::factorize(const Tangent& tangent) {
+  factorization_ = {};  // if factorize() throws, there are no factors
   factorization_ = solver_->factorize(tangent.values);
   pivots_of_K_ = factorization_.negative_pivots;
   border_ = tangent.border;

@@ -120,7 +120,7 @@ TEST_F(ExplanationTest, APlaceOnASurfaceMeansItsNearestSite) {
   test::expectBadInput([&] { known.named("skin", Eigen::Vector3d(NAN, 0, 0)); },
                        {"--at", "finite"});
   test::expectBadInput([&] { known.named("tip", Eigen::Vector3d(1, 0, 0)); },
-                       {"--at", "\"tip\""});
+                       {"--at", "\"tip\" is not a finger"});
 }
 
 /// Events name it like any other space.

@@ -98,7 +98,7 @@ TEST_F(RealTime, OutOfMemoryIsAStatus) {
   EXPECT_EQ(without_guard, PALPATE_OUT_OF_MEMORY);
   EXPECT_EQ(contact, nullptr);
   EXPECT_EQ(guard, nullptr);
-  EXPECT_NE(std::string(palpate_last_error()).find("memory"), std::string::npos);
+  EXPECT_NE(std::string(palpate_last_error()).find("out of memory"), std::string::npos);
   // The last tenth of the allocations prepares force fields; earlier ones are also HDF5's, which
   // has its own messages for a lack of memory. Threads share the preparation of fields, so this
   // thread may not need all allocations.

@@ -368,8 +368,9 @@ TEST_F(CDataset, RefusesSmallBuffersAndLeavesThemUnchanged) {
   const double p[3] = {0.001, 0, 0};
   const palpate_dataset_info info = test::describe(shared());
   std::vector<float> shape(3 * static_cast<std::size_t>(info.vertex_count) - 1, 7);
-  EXPECT_INVALID(palpate_displacements(shared(), 0, p, shape.data(), shape.size(), nullptr),
-                 std::to_string(shape.size() + 1));
+  EXPECT_INVALID(
+      palpate_displacements(shared(), 0, p, shape.data(), shape.size(), nullptr),
+      std::to_string(shape.size()) + " numbers, but " + std::to_string(shape.size() + 1));
   EXPECT_THAT(shape, Each(7.0F));
   std::vector<double> vertices(5, 7);
   EXPECT_INVALID(palpate_dataset_vertices(shared(), vertices.data(), 5), "holds 5 numbers");

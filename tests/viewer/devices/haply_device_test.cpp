@@ -253,7 +253,7 @@ TEST(HaplyDevice, IsLostWhileItIsUnplugged) {
   ASSERT_TRUE(becomes(device, DeviceStatus::fresh));
   service.answerWith(inventory("OTHER").dump());
   EXPECT_TRUE(becomes(device, DeviceStatus::lost));
-  EXPECT_TRUE(troubleSays(device, "OTHER")) << device.trouble();
+  EXPECT_TRUE(troubleSays(device, "one that it has: OTHER")) << device.trouble();
   service.answerWith(inventory().dump());
   EXPECT_TRUE(becomes(device, DeviceStatus::fresh));
 }

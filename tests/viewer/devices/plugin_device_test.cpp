@@ -30,7 +30,7 @@ PluginDeviceOptions broken(const std::string& fault) {
 
 TEST(PluginDevice, ListsItsDevicesIfTheRequestedOneIsMissing) {
   expectError(ExitCode::failed, [] { PluginDevice(circle("square")); },
-              {"square", "circle"});
+              {"square", "devices found: circle"});
 }
 
 TEST(PluginDevice, ReportsTheLimitsOfItsDevice) {

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Reads the files of palpate export with VTK, meshio and ParaView, and compares them with the numbers of the dataset.
 ctest runs each case separately; by hand PALPATE_BIN_DIR=build/release/bin tests/viewer/export/export_test.py."""
-import binascii
 import csv
 import itertools
 import json
@@ -36,6 +35,8 @@ try:
     import meshio
 except ImportError:
     meshio = None
+if sys.version_info >= (3, 13):
+    meshio = None  # 5.3 cannot read appended arrays with this Python; VTK reads them here too
 
 PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
 
@@ -115,10 +116,7 @@ class MeshioGrid:
     TYPES = {"triangle": 5, "tetra": 10, "tetra10": 24}
 
     def __init__(self, file):
-        try:
-            mesh = meshio.read(file)
-        except binascii.Error as error:  # meshio 5.3 on Python 3.13 decodes the array behind the one that it reads
-            raise unittest.SkipTest(f"this meshio cannot read appended arrays: {error}") from error
+        mesh = meshio.read(file)
         (block,) = mesh.cells
         self.points, self.cells, self.cell_type = mesh.points, block.data, self.TYPES[block.type]
         self.point, self.field = mesh.point_data, mesh.field_data

@@ -26,7 +26,7 @@ void expectFault(const std::function<void(CarriedOrgan&)>& change,
 
 TEST(CarriedOrgan, NamesAnotherVersionAndTheRemedy) {
   test::expectError(ExitCode::failed, [] { decode("palpate-organ-0\n..."); },
-                    {"version 0", "version 3", "palpate share"});
+                    {"version 0", "reads version 3", "palpate share"});
   for (const char* bytes : {"", "something else", "palpate-organ-", "palpate-organ-no version\n"})
     test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"organ", "palpate share"});
 }

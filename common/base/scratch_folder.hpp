@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A temporary folder for the files of external programs, deleted with the object.
+/// A temporary folder that only this user can open, deleted with the object.
 class ScratchFolder {
  public:
   /// Error if the system provides no folder.
@@ -17,7 +17,7 @@ class ScratchFolder {
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
     if (error)
       throw failure("no temporary folder: {}; set TMPDIR to an existing one", error.message());
-    std::string name = (parent / "palpate-mesh-XXXXXX").string();
+    std::string name = (parent / "palpate-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
       throw failure("{}: cannot make a temporary folder: {}; set TMPDIR to another one", name,
                     errnoText());
