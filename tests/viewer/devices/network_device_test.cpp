@@ -273,8 +273,9 @@ TEST(NetworkDevice, IgnoresGarbageAndCountsIt) {
   far.sendRaw("\xff\xff\xff\xff");
   far.sendRaw("");
   far.sayHello(-1);
-  EXPECT_TRUE(eventually([&] { return device.trouble().find("3 invalid messages") != std::string::npos; }))
-      << device.trouble();
+  EXPECT_TRUE(eventually([&] {
+    return device.trouble().find("3 invalid messages") != std::string::npos;
+  })) << device.trouble();
   far.sayHello();
   far.sendReading(1, 0.25);
   EXPECT_TRUE(eventually([&] { return device.read().position.x() == 0.25; }));
