@@ -119,7 +119,8 @@ void writeSparse(const std::filesystem::path& file, const std::string& bytes) {
   std::filesystem::resize_file(file, bytes.size());
 }
 
-/// The end of the first `count` records of a journal (docs/internals/state.md), or of all if it has fewer.
+/// The end of the first `count` records of a journal (docs/internals/state.md), or of all if it has
+/// fewer.
 std::size_t endOfRecords(const std::string& journal, std::size_t count) {
   std::size_t at = 0;
   constexpr std::size_t preamble = 20;
