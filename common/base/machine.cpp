@@ -1,12 +1,17 @@
 #include "common/base/machine.hpp"
 
 #include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
+
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +35,18 @@ void lowerToLimitOf(const std::filesystem::path& group, std::optional<double>& c
   const auto v1_quota = numberIn(std::ifstream(group / "cpu.cfs_quota_us"));
   const auto v1_period = numberIn(std::ifstream(group / "cpu.cfs_period_us"));
   if (v1_quota && v1_period) lower(*v1_quota / *v1_period);
+}
+
+/// Returns the limit that denies this process memory, with the remedy.
+std::string whyNotGranted() {
+  for (const auto& [resource, option] :
+       {std::pair{RLIMIT_AS, "-v"}, std::pair{RLIMIT_DATA, "-d"}}) {
+    struct rlimit limit {};
+    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+      return fmt::format("the limit is {} MiB (ulimit {}): raise it to 1000 MiB or more",
+                         limit.rlim_cur >> 20, option);
+  }
+  return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
 }
 
 }  // namespace
@@ -63,6 +80,15 @@ unsigned coreCount() {
   if (const auto quota = coresOfGroups(); quota && *quota < cores)
     cores = static_cast<unsigned>(std::ceil(*quota));
   return std::max(1U, cores);
+}
+
+void requireMemory(std::size_t bytes) {
+  void* const room =
+      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED)
+    throw failure("solving needs {} MiB more memory than the system grants: {}", bytes >> 20,
+                  whyNotGranted());
+  munmap(room, bytes);
 }
 
 }  // namespace palpate

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 
-// The cores that this process may use. Containers, cluster jobs and taskset can limit it to a part
-// of the machine. Any thread.
+// The cores and the memory that this process may use. Containers, cluster jobs, taskset and ulimit
+// can limit it to a part of the machine. Any thread.
 
 namespace palpate {
 
@@ -17,5 +18,13 @@ unsigned coreCount();
 /// process; `mounted` is the folder at which the group hierarchy is mounted.
 std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
+
+/// Bytes of memory that a solving program needs at its start, on top of the process that starts it.
+/// Try them in that process: from version 0.3.29 on, OpenBLAS waits for its memory while it is
+/// loaded, before a line of the program runs.
+inline constexpr std::size_t memory_of_a_solver = 384u << 20;
+/// Error, which names the limit and the remedy, if the system does not grant this process so many
+/// bytes now. They are not kept.
+void requireMemory(std::size_t bytes);
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 // The command `palpate VERB ...`, which replaces itself by the program that has this verb.
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/machine.hpp"
 #include "common/base/program.hpp"
 #include "common/base/text.hpp"
 
@@ -130,32 +130,13 @@ std::string programFor(const std::vector<std::string>& arguments) {
   return "";
 }
 
-/// Returns whether the system grants the memory that a solving program needs at start. The check is
-/// here, because OpenBLAS, while it is loaded, retries for ever if it does not get its 128 MiB.
-bool memorySuffices(const std::string& program, const std::string& verb) {
-  if (program != "palpate-worker" && verb != "build") return true;
-  constexpr std::size_t needed = 384u << 20;
-  void* const room =
-      mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (room != MAP_FAILED) return munmap(room, needed) == 0;
-  tell(
-      "palpate {}: solving needs at least {} MiB of memory, which the system does not grant ({}); "
-      "raise the limit (ulimit -v, ulimit -d) to 1000 MiB or more, or free memory\n",
-      verb, needed >> 20, errnoText());
-  return false;
-}
-
-/// Replaces this process by the program `name` in the same folder. Returns an exit code if that
-/// fails.
-int become(const std::string& name, std::vector<std::string> arguments) {
-  const std::string verb = arguments[0];
-  if (!memorySuffices(name, verb)) return static_cast<int>(ExitCode::failed);
+/// Replaces this process by the program `name` in the same folder. Error if that fails.
+[[noreturn]] void become(const std::string& name, std::vector<std::string> arguments) {
+  if (name == "palpate-worker") requireMemory(memory_of_a_solver);
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) {
-    tell("palpate: cannot find where it is installed: /proc/self/exe: {}\n", error.message());
-    return static_cast<int>(ExitCode::failed);
-  }
+  if (error)
+    throw failure("cannot find where Palpate is installed: /proc/self/exe: {}", error.message());
   const std::string program = self.parent_path() / name;
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
@@ -173,8 +154,7 @@ int become(const std::string& name, std::vector<std::string> arguments) {
                                             "`cmake --build --preset release`",
                                             name == "palpate-viewer" ? "palpate-viewer" : "palpate")
                                       : "";
-  tell("palpate {}: cannot start {}: {}{}\n", verb, program, why, hint);
-  return static_cast<int>(ExitCode::failed);
+  throw failure("cannot start {}: {}{}", program, why, hint);
 }
 
 int run(std::vector<std::string> arguments) {
@@ -191,7 +171,14 @@ int run(std::vector<std::string> arguments) {
     return static_cast<int>(ExitCode::done);
   }
   const std::string program = programFor(arguments);
-  return program.empty() ? refuseVerb(arguments[0]) : become(program, std::move(arguments));
+  if (program.empty()) return refuseVerb(arguments[0]);
+  const std::string verb = arguments[0];
+  try {
+    become(program, std::move(arguments));
+  } catch (const Error& error) {
+    tell("palpate {}: {}\n", verb, error.what());
+    return static_cast<int>(error.exitCode());
+  }
 }
 
 }  // namespace

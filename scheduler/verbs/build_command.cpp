@@ -92,6 +92,7 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, 130 "
       "interrupted.");
   return [options] {
+    requireMemory(memory_of_a_solver);  // for a worker
     Serving serving;
     serving.endpoint = "tcp://127.0.0.1:*";
     serving.own_keys = true;

@@ -40,6 +40,25 @@ TEST(Programs, NameTheLimitOfTheSystemThatStopsThem) {
   }
 }
 
+TEST(Programs, NameAMemoryLimitUnderWhichTheyCannotSolve) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
+#endif
+  const std::string scene = PALPATE_SOURCE_DIR "/deploy/scenes/liver/liver.toml";
+  const test::TemporaryDirectory directory;
+  // Without the front command too, as units and cluster jobs start them.
+  const std::vector<std::string> commands = {
+      "palpate-scheduler build -j 1 -o '" + (directory / "liver.h5").string() + "' " + scene,
+      "palpate-worker work --alone --insecure --give-up 5", "palpate-worker check " + scene};
+  for (const std::string& command : commands) {
+    const test::CommandResult result =
+        test::runCommand("(ulimit -v 300000; timeout 60 " PALPATE_BIN_DIR "/" + command + ")");
+    EXPECT_EQ(result.exit_code, 1) << command << ": " << result.output;
+    EXPECT_THAT(result.output, ::testing::HasSubstr("ulimit -v")) << command;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
+}
+
 TEST(Programs, FailIfTheirOutputCannotBeWritten) {
   const std::string scene = std::string(PALPATE_SOURCE_DIR) + "/deploy/scenes/liver/liver.toml";
   for (const std::string verb : {"doctor", "check", "solve --displacement 0.001 0 0"}) {

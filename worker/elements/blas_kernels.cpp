@@ -2,18 +2,16 @@
 
 #include <cblas.h>
 #include <strings.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
-#include <utility>
 
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
+#include "common/base/machine.hpp"
 
 namespace palpate {
 namespace {
@@ -25,9 +23,9 @@ constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
 /// has another value, the user set it.
 constexpr const char* pinned_variable = "PALPATE_OPENBLAS_PINNED";
 
-/// Bytes that OpenBLAS allocates at the first matrix product of a thread: 128 MiB and their
-/// alignment.
-constexpr std::size_t workspace = (128u << 20) + (64u << 10);
+/// Bytes that solving needs at least: OpenBLAS's workspace of 128 MiB, and as much for the stacks of
+/// threads and a small body. Without its workspace, OpenBLAS would ask for it again forever.
+constexpr std::size_t needed = 256u << 20;
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }
 
@@ -45,30 +43,10 @@ bool choosesWhenLoaded() {
   return std::string_view(openblas_get_config()).find("DYNAMIC_ARCH") != std::string_view::npos;
 }
 
-/// Returns whether the system grants the workspace. If the system refused it to OpenBLAS, OpenBLAS
-/// would ask again forever.
-bool workspaceIsGranted() {
-  void* const room =
-      mmap(nullptr, workspace, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  return room != MAP_FAILED && munmap(room, workspace) == 0;
-}
-
-/// Returns the limit that denies this process the workspace, with the remedy.
-std::string whyNotGranted() {
-  for (const auto& [resource, option] :
-       {std::pair{RLIMIT_AS, "-v"}, std::pair{RLIMIT_DATA, "-d"}}) {
-    struct rlimit limit {};
-    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-      return fmt::format("its limit is {} MiB (ulimit {}): raise it to 1000 MiB or more",
-                         limit.rlim_cur >> 20, option);
-  }
-  return "free memory, or let the system overcommit (sysctl vm.overcommit_memory=0)";
-}
-
 /// Makes OpenBLAS allocate its workspace, by a matrix product. The matrices are too large for the
-/// kernels of small matrices, which need no workspace.
+/// kernels of small matrices, which need no workspace: with AVX-512, those of at most 100 rows.
 void takeWorkspace() {
-  constexpr int n = 97;
+  constexpr int n = 128;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);
   Eigen::MatrixXd product(n, n);
   cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, n, n, 1, one.data(), n, one.data(), n,
@@ -118,15 +96,13 @@ std::string whyOtherBlasKernels() {
 }
 
 void prepareBlas() {
-  static const bool granted = [] {
+  // An initialisation that throws is tried again by the next call.
+  [[maybe_unused]] static const bool prepared = [] {
     openblas_set_num_threads(1);
-    if (!workspaceIsGranted()) return false;
+    requireMemory(needed);
     takeWorkspace();  // before other allocations take that memory
     return true;
   }();
-  if (!granted)
-    throw failure("OpenBLAS needs {} MiB more than the system grants this process: {}",
-                  workspace >> 20, whyNotGranted());
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -60,6 +61,12 @@ TEST(Machine, AProcessPinnedToOneCoreHasOne) {
     ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
     EXPECT_EQ(coreCount(), 1u);
   }).join();
+}
+
+TEST(Memory, IsRefusedWithTheRemedyIfTheSystemHasTooLittle) {
+  EXPECT_NO_THROW(requireMemory(1u << 20));
+  test::expectError(ExitCode::failed, [] { requireMemory(std::size_t{1} << 62); },
+                    {"solving needs", "MiB"});
 }
 
 }  // namespace

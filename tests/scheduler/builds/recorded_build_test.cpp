@@ -118,7 +118,7 @@ TEST_F(RecordedBuildTest, ADatasetLeftOpenForWritingIsNotReplaced) {
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("h5clear -s"));
-    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("--force")));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("--replace")));
   }
 }
 
