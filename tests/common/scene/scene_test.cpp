@@ -182,6 +182,7 @@ TEST(Scene, ReadsTheLiverScene) {
   EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.0582, 0.1344, 0.0025));
   EXPECT_EQ(scene.workspace.max_force, 8.5);
   EXPECT_TRUE(scene.workspace.reject_inverted);
+  EXPECT_EQ(parse("\xEF\xBB\xBF" + std::string(liver)).name, "liver") << "a byte order mark";
 }
 
 TEST(Scene, ConvertsEveryLengthToMetresExactly) {

@@ -28,6 +28,10 @@ def wrong(source, line, what):
     raise Wrong(f"{source}:{line}: {what}" if line else f"{source}: {what}")
 
 
+def counted(count, noun):
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 class Body:
     """Cells in blocks of one kind, and their groups."""
 
@@ -59,7 +63,7 @@ class Body:
 
     def note_missing(self, name, missing, what, by="set"):
         if missing:
-            self.notes.append(f"the {by} \"{name}\" names {missing} {what}(s) that do not exist")
+            self.notes.append(f"the {by} \"{name}\" names {counted(missing, 'missing ' + what)}")
 
 
 def plain(name):

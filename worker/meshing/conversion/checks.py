@@ -1,7 +1,7 @@
 """Checks and repairs of a mesh before it is written."""
 import numpy as np
 
-from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
+from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, counted, wrong
 
 # Node orders that files of other formats use by mistake.
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
@@ -11,8 +11,8 @@ ROUNDED = 2e-6  # relative to the largest coordinate: error of a midpoint in six
 
 
 def check_points(body, source):
-    if body.points.shape[1:] == (2,):
-        wrong(source, None, "its points have only two coordinates; a plane mesh has no volume")
+    if body.points.shape[1] < 3:
+        wrong(source, None, f"its points have only {body.points.shape[1]} coordinates; a plane mesh has no volume")
     body.points = np.ascontiguousarray(body.points[:, :3])
     bad = np.flatnonzero(~np.isfinite(body.points).all(axis=1))
     if len(bad):
@@ -47,7 +47,7 @@ def weld(body):
         np.minimum.at(lowest, first, least)
         np.minimum.at(lowest, second, least)
     count = np.count_nonzero(lowest != np.arange(len(points)))
-    body.notes.append(f"{count} nodes coincided with others and were merged")
+    body.notes.append(f"merged: {counted(count, 'node')} that coincided with others")
     same_as = np.arange(len(body.points))
     same_as[used] = used[lowest]
     body.blocks = [(kind, same_as[nodes]) for kind, nodes in body.blocks]

@@ -1,12 +1,15 @@
 """Reader for all other formats, by meshio."""
 import contextlib
 import io
+import pathlib
 import re
 import signal
+import tempfile
 
 import numpy as np
 
 from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
+from lines import bytes_of
 
 LONGEST_READING = 900  # s
 COMPRESSED = (".gz", ".bz2", ".xz", ".zip", ".zst", ".7z")
@@ -26,6 +29,19 @@ def heed_warnings(path, said):
     return [f"meshio: {text}" for text in dict.fromkeys(warnings)]
 
 
+@contextlib.contextmanager
+def without_mark(path):
+    """Yields the path of a file; if it has a UTF-8 byte order mark, which meshio takes for text, that of a copy without."""
+    with open(path, "rb") as file:
+        if file.read(3) != b"\xef\xbb\xbf" or file.read(1) == b"<":  # XML allows the mark, and may name files beside it
+            yield path
+            return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = pathlib.Path(folder) / path.name
+        copy.write_bytes(bytes_of(path))
+        yield copy
+
+
 def read_by_meshio(path, of_format=None):
     try:
         import meshio
@@ -35,8 +51,8 @@ def read_by_meshio(path, of_format=None):
     signal.signal(signal.SIGALRM, give_up)  # some meshio readers never return for truncated files
     signal.alarm(LONGEST_READING)
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            read = meshio.read(path, of_format)
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), without_mark(path) as file:
+            read = meshio.read(file, of_format)
     except ModuleNotFoundError:
         raise
     except BaseException as error:  # meshio calls sys.exit() if it cannot read a file

@@ -4,7 +4,7 @@ import urllib.parse
 import numpy as np
 
 from body import wrong
-from lines import ByteLines
+from lines import ByteLines, bytes_of
 from vtk_cells import body_of, refuse_grid
 
 TYPES = {"unsigned_char": "u1", "char": "i1", "signed_char": "i1", "unsigned_short": "u2", "short": "i2",
@@ -21,7 +21,7 @@ class VtkFile(ByteLines):
     """Reads the lines and arrays of a file in sequence."""
 
     def __init__(self, path):
-        super().__init__(path, path.read_bytes())
+        super().__init__(path, bytes_of(path))
         if not self.line().startswith("# vtk DataFile"):
             wrong(path, 1, "this is not a legacy VTK file: its first line is not \"# vtk DataFile Version\"; "
                            "an XML file must have the extension .vtu")
