@@ -224,6 +224,17 @@ TEST(Architecture, NoFilesIncludeEachOther) {
   EXPECT_THAT(circles(includeGraph(unitOf)), ::testing::IsEmpty());
 }
 
+TEST(Architecture, MessagesCountInWordsOfTheRightNumber) {
+  const std::regex either(R"(\{[^}"]*\}( [a-z{}]+)*\(s\))");
+  std::vector<std::string> wrong;
+  for (const std::string& file : sourceTree().files) {
+    if (!isProduct(file) || !(test::isCode(file) || file.ends_with(".py"))) continue;
+    for (const std::string& line : sourceTree().lines(file))
+      if (std::regex_search(line, either)) wrong.push_back(file + ": " + line);
+  }
+  EXPECT_THAT(wrong, ::testing::IsEmpty()) << "\"{} node(s)\": use counted()";
+}
+
 TEST(Architecture, ClangTidyReadsEveryHeader) {
   const std::string settings = sourceTree().text(".clang-tidy");
   std::smatch match;

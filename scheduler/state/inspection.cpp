@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/number_text.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
@@ -208,9 +209,9 @@ class Inspector {
 void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {
   if (found.foreign.empty()) return;
   throw failure(
-      "{}: {} record(s) belong to another build (the first: {}); nothing was changed: move the "
-      "segments of the other build elsewhere, or remove the segments that you do not need",
-      held.path().string(), found.foreign.size(), found.foreign.front().text);
+      "{}: found {} of another build (the first: {}); nothing was changed: move the segments of the "
+      "other build elsewhere, or remove the segments that you do not need",
+      held.path().string(), counted(found.foreign.size(), "record"), found.foreign.front().text);
 }
 
 }  // namespace
@@ -246,7 +247,8 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   for (const JournalDamage& damage : found.damage)
     if (damage.where.length > 0) journal.drop(damage.where);
   if (!found.damage.empty())
-    done.push_back(fmt::format("{} damaged place(s) of the journal dropped", found.damage.size()));
+    done.push_back(
+        fmt::format("dropped {} of the journal", counted(found.damage.size(), "damaged place")));
   using TableState = Inspection::TableState;
   const std::filesystem::path tables = held.database();
   if (found.tables == TableState::damaged) {
@@ -259,7 +261,8 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   Tables(held, *found.problem).forgetProgress();
   if (found.tables != TableState::whole) done.push_back(fmt::format("{} created", tables.string()));
   if (found.lost_results > 0)
-    done.push_back(fmt::format("{} lost result(s) no longer counted", found.lost_results));
+    done.push_back(
+        fmt::format("no longer counting {}", counted(found.lost_results, "lost result")));
   return done;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/base/number_text.hpp"
 #include "scheduler/fleet/slurm_fleet.hpp"
 #include "scheduler/fleet/ssh.hpp"
 #include "scheduler/state/tables.hpp"
@@ -115,7 +116,8 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   hosts.terminate(std::chrono::milliseconds(0));
-  fmt::print("the build is complete: no worker is left on {} machine(s)\n", options.hosts.size());
+  fmt::print("the build is complete: no worker is left on {}\n",
+             counted(options.hosts.size(), "machine"));
   return ExitCode::done;
 }
 

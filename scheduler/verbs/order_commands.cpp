@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/text.hpp"
 #include "scheduler/builds/asked_scheduler.hpp"
 #include "scheduler/builds/recorded_build.hpp"
@@ -121,10 +122,10 @@ ExitCode retry(const RetryOptions& options) {
   wire::Message question;
   question.mutable_retry_request()->set_cause(options.failed);
   const auto answer = order(options.asked, question, wire::Message::kRetryReply);
-  fmt::print("{}: {} transition(s) that {} {}\n", options.asked.where,
-             answer ? answer->retry_reply().transitions() : retryStored(options),
-             options.failed.empty() ? "were set aside" : "failed with " + options.failed,
-             answer ? "are tried again" : "will be tried again by the next build");
+  const auto count = answer ? answer->retry_reply().transitions() : retryStored(options);
+  fmt::print("{}: {} {} {}\n", options.asked.where,
+             answer ? "retrying" : "the next build will retry", counted(count, "transition"),
+             options.failed.empty() ? "set aside" : "that failed with " + options.failed);
   return ExitCode::done;
 }
 

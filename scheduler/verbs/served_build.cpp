@@ -97,15 +97,15 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
                      state);
   if (coordinator.disputedCount() > 0)
     tellOrLog(
-        "not sealed: workers disagree about {} result(s) (see above), and no other worker can "
+        "not sealed: workers disagree about {} (see above), and no other worker can "
         "decide. The same command solves them again; if possible, add a third machine.",
-        coordinator.disputedCount());
+        counted(coordinator.disputedCount(), "result"));
   if (coordinator.asideCount() > 0)
     tellOrLog(
-        "not sealed: {} transition(s) are set aside because workers died on them, and everything "
-        "else is computed (see above, and palpate status {}). After you remove the reason, run "
-        "palpate retry {} and the same command again.",
-        coordinator.asideCount(), shellWord(state), shellWord(state));
+        "not sealed: workers died on {}, set aside now, and everything else is computed (see above, "
+        "and palpate status {}). After you remove the reason, run palpate retry {} and the same "
+        "command again.",
+        counted(coordinator.asideCount(), "transition"), shellWord(state), shellWord(state));
 }
 
 // ---- The build ----

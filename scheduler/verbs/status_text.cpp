@@ -108,7 +108,7 @@ std::string probesOf(const SpaceRowsList& spaces) {
 std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   if (!scene.accuracy.adaptive()) return "";
   double least = 1, kept = 0;
-  std::size_t counted = 0, keeping = 0;
+  std::size_t judged = 0, keeping = 0;
   std::string least_name;
   for (const auto& space : spaces) {
     if (space->patch().probe) continue;
@@ -116,23 +116,23 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
     if (!isSolved(space->tag(0))) continue;
     const Refinement state = nextRefinement(tableOf(*space), scene);
     PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
-    ++counted;
+    ++judged;
     keeping += state.kept == 1;
     kept += state.kept;
     if (state.kept < least) least_name = space->patch().name;
     least = std::min(least, state.kept);
   }
-  if (counted == 0) return "";
+  if (judged == 0) return "";
   std::string text = fmt::format(
       "accuracy: the estimated error is below max({:g} %, {:g} N) in {:.4g} % of the workspace",
       100 * scene.accuracy.force_error, scene.accuracy.force_floor,
-      100 * kept / static_cast<double>(counted));
-  if (keeping < counted)
+      100 * kept / static_cast<double>(judged));
+  if (keeping < judged)
     text += fmt::format(
-        "; this holds everywhere for {} of {} active node(s), the worst is {} with {:.4g} %. More "
+        "; this holds everywhere for {} of {}, the worst is {} with {:.4g} %. More "
         "`levels` help where cells have been halved that often, but not between neighbours on "
         "different branches",
-        keeping, counted, least_name, 100 * least);
+        keeping, counted(judged, "active node"), least_name, 100 * least);
   return text + '\n';
 }
 
@@ -251,10 +251,10 @@ std::string describe(const wire::Status& status) {
   text += causesLine("failed points", status.failed_points()) +
           causesLine("failed transitions", status.failed_attempts());
   if (const auto aside = status.set_aside(); aside > 0)
-    text += fmt::format("set aside: {} transition(s) on which workers died; see palpate retry\n",
-                        aside);
+    text += fmt::format("set aside: {} on which workers died; see palpate retry\n",
+                        counted(aside, "transition"));
   if (const auto disputed = status.disputed(); disputed > 0)
-    text += fmt::format("disputed: {} result(s) about which workers disagree\n", disputed);
+    text += fmt::format("disputed: {} about which workers disagree\n", counted(disputed, "result"));
   for (const wire::KeptOut& k : status.kept_out()) text += keptOutLine(k);
   return text + alarmsOf(status) + workersOf(status);
 }

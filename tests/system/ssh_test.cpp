@@ -65,7 +65,7 @@ TEST_F(SshTest, WorkersRestartAfterABrokenConnectionAndNoneIsLeft) {
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();
   EXPECT_THAT(fleet->output(),
               testing::AllOf(HasSubstr("127.0.0.1:2: ssh ended with signal 9 (Killed)"),
-                             HasSubstr("no worker is left on 1 machine(s)")));
+                             HasSubstr("no worker is left on 1 machine\n")));
   EXPECT_TRUE(workers().empty());
 }
 

@@ -23,8 +23,8 @@ constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
 /// has another value, the user set it.
 constexpr const char* pinned_variable = "PALPATE_OPENBLAS_PINNED";
 
-/// Bytes that solving needs at least: OpenBLAS's workspace of 128 MiB, and as much for the stacks of
-/// threads and a small body. Without its workspace, OpenBLAS would ask for it again forever.
+/// Bytes that solving needs at least: OpenBLAS's workspace of 128 MiB, and as much for the stacks
+/// of threads and a small body. Without its workspace, OpenBLAS would ask for it again forever.
 constexpr std::size_t needed = 256u << 20;
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }

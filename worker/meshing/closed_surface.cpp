@@ -175,7 +175,7 @@ class SurfaceRepair {
     std::vector<std::int32_t> same_as = countUp(points_.size());
     for (const auto& [point, lowest] : merged) same_as[point] = lowest;
     renumber(triangles_, same_as);
-    note("{} corners within {:.2g} of others were merged with them", merged.size(), reach);
+    note("merged: {} within {:.2g} of others", counted(merged.size(), "corner"), reach);
   }
 
   static void renumber(std::vector<Triangle>& triangles, const std::vector<std::int32_t>& same_as) {
@@ -190,13 +190,14 @@ class SurfaceRepair {
   /// Drops triangles with two equal corners, and triangles that are there already.
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
-    if (flat > 0) note("{} triangles without area were left out", flat);
+    if (flat > 0)
+      note("left out: {}", counted(flat, "triangle without area", "triangles without area"));
     std::set<Triangle> known;
     const auto repeated = std::erase_if(triangles_, [&](Triangle corners) {
       std::ranges::sort(corners);
       return !known.insert(corners).second;
     });
-    if (repeated > 0) note("{} repeated triangles were left out", repeated);
+    if (repeated > 0) note("left out: {}", counted(repeated, "repeated triangle"));
     if (triangles_.empty()) throw wrong("none of its triangles has an area");
   }
 
@@ -246,8 +247,8 @@ class SurfaceRepair {
         joined.left.crowded.size() > before.crowded.size())
       return;
     renumber(triangles_, joined.same_as);
-    note("gaps were closed: {} corners at open edges were merged with others up to {:.2g} away",
-         joined.count, joined.farthest);
+    note("gaps were closed: {} at open edges merged with others up to {:.2g} away",
+         counted(joined.count, "corner"), joined.farthest);
     dropIdleTriangles();
   }
 
@@ -340,7 +341,7 @@ class SurfaceRepair {
     const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
     const std::size_t count = leaveOut(
         [&](const SurfaceShell& shell) { return shell.area < largest && shell.open_edges > 0; });
-    if (count > 0) note("{} open pieces besides the largest were left out", count);
+    if (count > 0) note("left out: {} besides the largest", counted(count, "open piece"));
   }
 
   /// Drops the shells for which `idle` returns true. Returns the number of dropped shells.
@@ -444,8 +445,8 @@ class SurfaceRepair {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       if (turned[t] == 1) std::swap(triangles_[t][1], triangles_[t][2]);
     if (total > 0)
-      note("{} of {} triangles faced the other side than their neighbours and were reversed", total,
-           triangles_.size());
+      note("reversed: {} of {}, which faced the other side than the neighbours", total,
+           counted(triangles_.size(), "triangle"));
   }
 
   void measureShells() {
@@ -462,7 +463,7 @@ class SurfaceRepair {
     if (left_out == 0) return;
     if (triangles_.empty())
       throw wrong("the surface encloses no volume: it is flat or folded onto itself");
-    note("{} pieces that enclose no volume were left out", left_out);
+    note("left out: {} without a volume", counted(left_out, "piece"));
     measureShells();
   }
 

@@ -127,8 +127,8 @@ TEST(ClosedSurface, LeavesOutTrianglesWithoutAreaAndRepeatedOnes) {
   soup.triangles.push_back({t[1], t[2], t[0]});
   const ClosedSurface surface = closed(soup);
   EXPECT_EQ(surface.triangles.size(), soup.triangles.size() - 2);
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 triangles without area")));
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 repeated triangles")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("left out: 1 triangle without area")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 repeated triangle")));
 }
 
 TEST(ClosedSurface, TurnsASurfaceThatFacesInward) {
@@ -248,7 +248,7 @@ TEST(ClosedSurface, LeavesOutAnOpenScrapBesideTheLargest) {
   scrap.triangles.pop_back();
   soup = together(soup, scrap);
   refuses(soup, {"is open", "2 separate pieces", "--largest"});
-  EXPECT_THAT(closed(soup, Bodies::largest).notes, Contains(HasSubstr("1 open pieces")));
+  EXPECT_THAT(closed(soup, Bodies::largest).notes, Contains(HasSubstr("1 open piece")));
 }
 
 TEST(ClosedSurface, RefusesASurfaceThatEnclosesNothing) {
