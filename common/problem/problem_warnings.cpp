@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "common/base/assertion.hpp"
@@ -25,6 +26,9 @@ constexpr double largest_stretch = 3;
 /// is smaller. Measured on a cube pulled along its fibres: at 2, 10 and 50 times k1 the force is
 /// 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
+/// Ratio of a region's Young's modulus to the smallest shear modulus above which the region holds
+/// its neighbours as fixed nodes do.
+constexpr double rigid_contrast = 1e3;
 
 /// Lists names for a message, such as `"a", "b" and 398 more`.
 std::string listOf(const std::vector<std::string>& names) {
@@ -161,22 +165,40 @@ class Warnings {
     }
   }
 
-  /// Warns about single layers of linear elements between the tool and fixed nodes, because such
-  /// elements cannot bulge.
+  /// Returns whether a region is nearly rigid compared with the softest one, for each region.
+  std::vector<bool> rigidRegions() const {
+    double softest = std::numeric_limits<double>::infinity();
+    for (const Region& region : scene_.regions)
+      softest = std::min(softest, shearModulus(region.material));
+    std::vector<bool> rigid;
+    for (const Region& region : scene_.regions)
+      rigid.push_back(youngModulus(region.material) > rigid_contrast * softest);
+    return rigid;
+  }
+
+  /// Warns about single layers of linear elements between the tool and nodes that are fixed or
+  /// belong to a nearly rigid region, because such elements cannot bulge.
   void warnOfLayers() {
     if (scene_.discretization.displacement != DisplacementSpace::p1) return;
-    std::set<std::int32_t> beside_fixed;
-    for (const Tetrahedron& element : problem_.mesh.tetrahedra)
-      if (std::ranges::any_of(element, [&](std::int32_t n) { return contains(problem_.fixed, n); }))
-        beside_fixed.insert(element.begin(), element.end());
+    const std::vector<Tetrahedron>& elements = problem_.mesh.tetrahedra;
+    const std::vector<bool> rigid = rigidRegions();
+    std::set<std::int32_t> held(problem_.fixed.begin(), problem_.fixed.end()), beside_held;
+    for (std::size_t e = 0; e < elements.size(); ++e)
+      if (rigid[problem_.region_of[e]]) held.insert(elements[e].begin(), elements[e].end());
+    for (std::size_t e = 0; e < elements.size(); ++e)
+      if (!rigid[problem_.region_of[e]] &&
+          std::ranges::any_of(elements[e], [&](std::int32_t n) { return held.contains(n); }))
+        beside_held.insert(elements[e].begin(), elements[e].end());
     std::vector<std::string> thin;
     for (const ActivePatch& patch : problem_.active)
-      if (beside_fixed.contains(patch.node)) thin.push_back(patch.name);
+      if (beside_held.contains(patch.node) && !held.contains(patch.node))
+        thin.push_back(patch.name);
     // Warn only if most active nodes are affected: among many, some always lie beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
-          "active {}: the single element between the tool and the fixed nodes cannot bulge, so "
-          "forces are a third too large; refine the mesh there, or use displacement = \"P2\"",
+          "active {}: the single element between the tool and what is fixed or nearly rigid cannot "
+          "bulge, so forces are a third too large; refine the mesh there, or use displacement = "
+          "\"P2\"",
           listOf(thin));
   }
 

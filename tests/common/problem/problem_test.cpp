@@ -226,6 +226,16 @@ TEST_F(Problem, WarnsOfCoincidentNodes) {
               Contains(AllOf(HasSubstr("coincident nodes: 25"), HasSubstr("--weld"))));
 }
 
+TEST_F(Problem, RefusesAContrastInWhichForcesWouldBeLost) {
+  scene.regions[0].material = {.law = LawName::neo_hookean, .mu = 3000};
+  Region bone{"", {.law = LawName::st_venant_kirchhoff, .young = 1e10, .poisson = 0.3}};
+  bone.spheres = {{{0.1, 0.1, 0.1}, 0.05}};
+  scene.regions.push_back(bone);
+  EXPECT_NO_THROW(resolved());
+  scene.regions[1].material.young = 1e11;
+  refuses({"1e+11 Pa", "1e+07 times", "3e+03 Pa", "nearly rigid"});
+}
+
 TEST_F(Problem, RegionsSelectTetrahedraByTheirCentroid) {
   Region lump{"", scene.regions[0].material};
   lump.material.c10 = 9000;
@@ -587,6 +597,13 @@ TEST_F(Problem, RefusesAReportedMeshThatHangsByAHinge) {
   PALPATE_REFERENCE_FILE(reports, "cases/reports");
   for (const char* name : {"k04_node.toml", "k04_edge.toml", "k04_dangling.toml"})
     expectBadInput([&] { loadProblem(reports / name); }, {name, "2 pieces", "turn"});
+}
+
+TEST_F(Problem, RefusesReportedBodiesThatHangByAnEdge) {
+  PALPATE_REFERENCE_FILE(numerics, "cases/numerics");
+  for (const char* name :
+       {"F5_edge.toml", "F5_edge_finger.toml", "F5_edge_gravity.toml", "F5_edge_linear.toml"})
+    expectBadInput([&] { loadProblem(numerics / name); }, {name, "2 pieces", "turn"});
 }
 
 TEST_F(Problem, ResolvesTheRealLiver) {

@@ -5,14 +5,17 @@
 
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/support/reference_data.hpp"
 
 namespace palpate {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// The blob of 20 cm with fixed side xmin and a patch of 4 cm at the other end.
 class ProblemWarnings : public ::testing::Test {
@@ -118,6 +121,67 @@ TEST_F(ProblemWarnings, ReportASingleLinearElementBetweenToolAndFixedNodes) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("single element between the tool and")));
   mesh = test::boxMesh({0.01, 0.06, 0.06}, {2, 4, 4});
   EXPECT_THAT(warnings(), IsEmpty());
+}
+
+TEST_F(ProblemWarnings, ReportASingleLinearElementBetweenToolAndBone) {
+  mesh = test::boxMesh({0.03, 0.06, 0.06}, {3, 4, 4});
+  near = {0.03, 0.03, 0.03};
+  patch_radius = 0.02;
+  scene.workspace.radius = 0.005;
+  scene.workspace.spacing = 0.0025;
+  Region bone{"bone", {.law = LawName::st_venant_kirchhoff, .young = 1e8, .poisson = 0.3}};
+  scene.regions.push_back(bone);
+  const auto setBoneUpTo = [&](double x) {
+    mesh.element_groups["bone"].clear();
+    for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+      if (middleOf(mesh, e)[0] < x)
+        mesh.element_groups["bone"].push_back(static_cast<std::int32_t>(e));
+  };
+  const auto of_the_layer = Contains(HasSubstr("single element between the tool and"));
+  setBoneUpTo(0.02);
+  EXPECT_THAT(warnings(), of_the_layer);
+  setBoneUpTo(0.01);
+  EXPECT_THAT(warnings(), Not(of_the_layer)) << "two elements";
+  setBoneUpTo(0.02);
+  scene.regions[1].material.young = 1e6;
+  EXPECT_THAT(warnings(), Not(of_the_layer)) << "no more rigid than gristle";
+}
+
+/// A scene of a report.
+struct ReportedScene {
+  std::string name;
+  const char* warning;  ///< a part of its only warning; empty: it has none
+};
+
+TEST(ReportedScenes, HaveTheWarningsOfTheirMistakes) {
+  PALPATE_REFERENCE_FILE(numerics, "cases/numerics");
+  const std::vector<ReportedScene> scenes = {{"tip", ""},
+                                             {"F3_yeoh", "unstable beyond a shear of 0.22"},
+                                             {"F4_bulk_1", "Poisson's ratio -0.999"},
+                                             {"F4_bulk_100", "Poisson's ratio -0.864"},
+                                             {"F4_bulk_2200", ""},
+                                             {"F4_bulk_20000", ""},
+                                             {"F4_density_gcc", "looks like g/cm^3"},
+                                             {"F4_density_si", ""},
+                                             {"F4_k1_kPa", "looks like kPa"},
+                                             {"F8_linear_0499_P1", "much too stiff"},
+                                             {"F8_linear_0499_P2", "neo-hookean with mu and bulk"},
+                                             {"F8_penalty_P2_1e6", "remove pressure"},
+                                             {"F8_penalty_P2_1e7", "remove pressure"},
+                                             {"F8_penalty_P2_1e8", "remove pressure"},
+                                             {"F9_hgo_bulk_4000", "the fibres are too soft"},
+                                             {"F9_hgo_bulk_20000", "the fibres are too soft"},
+                                             {"F9_hgo_bulk_100000", "the fibres are too soft"},
+                                             {"F10_pad8_1", "single element between"},
+                                             {"F10_pad16_4", ""}};
+  for (const auto& [name, warning] : scenes) {
+    SCOPED_TRACE(name);
+    const std::vector<std::string> warnings = warningsOf(loadProblem(numerics / (name + ".toml")));
+    if (std::string(warning).empty())
+      EXPECT_THAT(warnings, IsEmpty());
+    else
+      EXPECT_THAT(warnings, ElementsAre(HasSubstr(warning)));
+  }
 }
 
 TEST_F(ProblemWarnings, NameElementsThatViolateInfSup) {
