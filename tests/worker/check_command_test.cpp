@@ -120,7 +120,9 @@ TEST_F(CheckCommand, PrintsRegionsAndGravity) {
   EXPECT_EQ(body.at("poisson"), 0.5);
   EXPECT_TRUE(body.at("bulk").is_null()) << "infinite";
   EXPECT_NEAR(body.at("mass"), 1060 * body.at("volume").get<double>(), 1e-9);
-  EXPECT_THAT(check().output, AllOf(HasSubstr("1060 kg/m^3"), HasSubstr("(0, 0, -9.81) m/s^2")));
+  EXPECT_THAT(check().output,
+              AllOf(HasSubstr("1060 kg/m^3"), HasSubstr("(0, 0, -9.81) m/s^2"),
+                    HasSubstr("at rest    Young's modulus 1.548e+04 Pa, Poisson's ratio 0.5,")));
 }
 
 /// problem_warnings_test covers all of them.
@@ -169,6 +171,7 @@ TEST_F(CheckCommand, EstimatesNothingIfNothingCanBeSolved) {
   scene.workspace.radius = 0.08;
   scene.workspace.spacing = 0.08;
   EXPECT_LT(report().at("measured").at("reached"), 0.1);
+  EXPECT_THAT(warnings(), Contains(HasSubstr("trial paths from rest reaches its first point")));
 }
 
 TEST_F(CheckCommand, WarnsOfTwoActiveNodesInOnePlace) {
