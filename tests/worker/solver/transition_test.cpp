@@ -1,5 +1,6 @@
 #include "worker/solver/transition.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -185,6 +186,24 @@ TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   for (int n = 1; n <= 5; ++n) at = *solver_->reach(at, target * n / 5).end;
   const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium();
   EXPECT_LT((direct.force - stepwise.force).norm(), 1e-8 * direct.force.norm());
+}
+
+/// A column under a soft tool buckles in two ways at once. If it is solved one day, choose another.
+TEST_F(TransitionTest, ABodyThatBucklesInManyWaysFailsWithItsCause) {
+  Scene scene;
+  scene.name = "column";
+  scene.regions = {{"", {.law = LawName::neo_hookean, .mu = 3000}}};
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
+  scene.fixed.groups = {"zmin"};
+  scene.active = {{.name = "tip",
+                   .near = Eigen::Vector3d(0.005, 0.005, 0.05),
+                   .radius = 0.0072,
+                   .tool = ToolKind::weighted_average}};
+  clamp(resolve(scene, test::boxMesh({0.01, 0.01, 0.05}, {2, 2, 6})));
+  const Outcome outcome = reach({0, 0, -7e-3});
+  ASSERT_FALSE(outcome.converged());
+  EXPECT_EQ(outcome.failure().cause, Cause::bifurcation);
+  EXPECT_THAT(describe(outcome.failure()), testing::HasSubstr("the body buckles"));
 }
 
 TEST_F(TransitionTest, ASolveGivesTheSameBitsWhateverCameBefore) {

@@ -6,8 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
+#include <sstream>
 #include <string>
+#include <vector>
 
+#include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/long_tests.hpp"
 #include "worker/verification/case.hpp"
@@ -28,20 +31,41 @@ using test::runCommand;
 /// The problems of `palpate verify`, one test each.
 class Verification : public ::testing::TestWithParam<Case> {
  protected:
-  static void holdToItsTolerances() {
-    const std::vector<Row> rows = rowsOf(GetParam());
-    ASSERT_FALSE(rows.empty());
+  static std::vector<Row> holdToItsTolerances() {
+    std::vector<Row> rows = rowsOf(GetParam());
+    EXPECT_FALSE(rows.empty());
     for (const Row& row : rows)
       EXPECT_TRUE(row.ok()) << row.name << ": " << row.computed << " " << row.unit << ", should be "
                             << row.reference << " to " << row.tolerance;
+    return rows;
   }
 };
 class LongVerification : public Verification {};
 class HardCase : public Verification {};
 
+/// The names of a problem's rows in a table that `palpate verify` printed.
+std::vector<std::string> rowsInTable(const std::string& table, const std::string& problem) {
+  std::vector<std::string> rows;
+  std::istringstream lines(readText(std::string(PALPATE_SOURCE_DIR "/docs/tables/") + table, ""));
+  bool inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  ")) inside = line.starts_with(problem + " (");
+    if (inside && line.starts_with("  ")) {
+      const std::string row = line.substr(2, 64);
+      rows.push_back(row.substr(0, row.find_last_not_of(' ') + 1));
+    }
+  }
+  return rows;
+}
+
 TEST_P(Verification, IsWithinItsTolerances) { holdToItsTolerances(); }
 
-TEST_P(HardCase, IsReachedWithItsForce) { holdToItsTolerances(); }
+TEST_P(HardCase, IsReachedWithItsForceAndStandsInTheTable) {
+  std::vector<std::string> rows;
+  for (const Row& row : holdToItsTolerances()) rows.push_back(row.name);
+  EXPECT_EQ(rowsInTable("verify-hard.txt", GetParam().name), rows)
+      << "write the output of palpate verify --hard there";
+}
 
 TEST_P(LongVerification, IsWithinItsTolerances) {
   if (!test::longTestsAreWanted())
@@ -121,6 +145,13 @@ TEST(VerifyCommand, PrintsOneObjectPerRowAndEndsWithZeroWhenAllAreOk) {
   EXPECT_TRUE(row["ok"].get<bool>());
   const auto table = runCommand(program + "homogeneous-st-venant");
   EXPECT_THAT(table.output, ::testing::HasSubstr("3 rows ok, 0 not ok"));
+}
+
+TEST(VerifyCommand, RunsAHardCaseByItsName) {
+  const auto result =
+      runCommand(PALPATE_BIN_DIR "/palpate-verify verify --hard hard-contrast --json");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, ::testing::HasSubstr("\"row\":\"bone of 1e+10 Pa"));
 }
 
 TEST(VerifyCommand, RefusesAProblemItDoesNotHave) {
