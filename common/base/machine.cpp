@@ -86,7 +86,7 @@ void requireMemory(std::size_t bytes) {
   void* const room =
       mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED)
-    throw failure("solving needs {} MiB more memory than the system grants: {}", bytes >> 20,
+    throw failure("solving needs {} MiB more, which the system does not grant: {}", bytes >> 20,
                   whyNotGranted());
   munmap(room, bytes);
 }

@@ -110,7 +110,7 @@ TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
   for (std::size_t n = 0; n < soup.points.size(); n += 2) soup.points[n][0] += 5e-7;
   const ClosedSurface surface = closed(soup);
   EXPECT_EQ(surface.points.size(), box.points.size());
-  EXPECT_THAT(surface.notes, Contains(HasSubstr("merged with them")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("merged: 25 corners")));
 }
 
 TEST(ClosedSurface, IgnoresUnusedPointsInItsSize) {
