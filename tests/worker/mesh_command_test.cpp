@@ -7,6 +7,7 @@
 #include "common/scene/scene.hpp"
 #include "tests/support/file_bytes.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
 #include "tests/support/shell_script.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/worker/meshing/surfaces.hpp"
@@ -136,6 +137,14 @@ TEST_F(MeshCommand, RefusesImpossibleOptionsBeforeMeshing) {
 TEST_F(MeshCommand, ProposesNoOtherFingerForABodyThatIsThinEverywhere) {
   test::writeGmsh22(test::boxMesh({0.06, 0.06, 0.004}, {6, 6, 1}), directory / "plate.msh");
   const CommandResult made = worker("new plate --mesh plate.msh");
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_THAT(made.output,
+              AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));
+}
+
+TEST_F(MeshCommand, ProposesNoOtherFingerForAReportedPatch) {
+  PALPATE_REFERENCE_FILE(patch, "cases/reports/k17_patch.msh");
+  const CommandResult made = worker("new patch --mesh '" + patch.string() + "'");
   EXPECT_EQ(made.exit_code, 0) << made.output;
   EXPECT_THAT(made.output,
               AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));

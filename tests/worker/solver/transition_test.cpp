@@ -14,6 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
+#include "tests/support/reference_data.hpp"
 #include "tests/worker/solver/dense_tangent.hpp"
 #include "tests/worker/solver/start_at_rest.hpp"
 
@@ -186,6 +187,20 @@ TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   for (int n = 1; n <= 5; ++n) at = *solver_->reach(at, target * n / 5).end;
   const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium();
   EXPECT_LT((direct.force - stepwise.force).norm(), 1e-8 * direct.force.norm());
+}
+
+TEST_F(TransitionTest, AReportedArchSnapsThroughToOneForceInAnyNumberOfSteps) {
+  PALPATE_REFERENCE_FILE(arch, "cases/numerics/P_arch.toml");
+  clamp(loadProblem(arch));
+  const Eigen::Vector3d target(0, 0, -0.012);
+  const Equilibrium direct = equilibriumAt(target);
+  EXPECT_LT(direct.force.norm(), 0.6 * equilibriumAt(target / 3).force.norm()) << "it snaps";
+  for (const int steps : {2, 8}) {
+    Start at = rest_;
+    for (int n = 1; n < steps; ++n) at = *solver_->reach(at, target * n / steps).end;
+    const Equilibrium stepwise = solver_->reach(at, target).outcome.equilibrium();
+    EXPECT_LT((direct.force - stepwise.force).norm(), 1e-6 * direct.force.norm()) << steps;
+  }
 }
 
 /// A column under a soft tool buckles in two ways at once. If it is solved one day, choose another.
