@@ -32,7 +32,7 @@ constexpr auto look_every = std::chrono::milliseconds(500);  // interval for che
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
-  PALPATE_ASSERT(known != nullptr, "the command line accepts only known profiles");
+  PALPATE_ASSERT(known != nullptr, "the device profile must be a known one");
   return *known;
 }
 
@@ -70,7 +70,7 @@ class ViewSession {
       spdlog::info("stopped during preparation; nothing was recorded");
       return ExitCode::done;
     }
-    PALPATE_ASSERT(device_ && tick_, "a running session has a device");
+    PALPATE_ASSERT(device_ && tick_, "a running session must have a device");
     catchInterrupts();
     // Ignore the signal of a broken output pipe, which must not end the program while a force is
     // applied.
@@ -230,7 +230,7 @@ class ViewSession {
   }
 
   void startLoop() {
-    PALPATE_ASSERT(!loop_, "one loop drives the device");
+    PALPATE_ASSERT(!loop_, "the haptic loop must not run already");
     LoopOptions loop_options;
     loop_options.rate = options_.rate;
     loop_options.real_time = options_.real_time;
@@ -312,7 +312,7 @@ class ViewSession {
   }
 
   PictureRequests drawFrame(const HapticState& state) {
-    PALPATE_ASSERT(picture_, "only a run with a picture draws");
+    PALPATE_ASSERT(picture_, "only a run with a picture can draw");
     status_.device = device_->name();
     status_.mouse = device_->isMouse();
     status_.contact = tick_->options().contact.mode;
@@ -372,7 +372,7 @@ class ViewSession {
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {
-    PALPATE_ASSERT(fresh, "a reload that fails throws");
+    PALPATE_ASSERT(fresh, "a reload must have a result");
     const bool ran = loop_ != nullptr;
     endLoop();
     tick_.reset();
@@ -389,7 +389,7 @@ class ViewSession {
   /// files.
   void saveRecording() const {
     if (!recorder_) return;
-    PALPATE_ASSERT(!loop_, "the loop has delivered all states");
+    PALPATE_ASSERT(!loop_, "the haptic loop must have ended");
     try {
       recorder_->save(options_.record);
     } catch (const Error& error) {

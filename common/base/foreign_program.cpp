@@ -128,7 +128,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
 }  // namespace
 
 Ran runToItsEnd(const ForeignProgram& program) {
-  PALPATE_ASSERT(!program.words.empty(), "the first word is the program");
+  PALPATE_ASSERT(!program.words.empty(), "a command must begin with its program");
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");

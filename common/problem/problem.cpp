@@ -341,7 +341,7 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
 }
 
 std::int32_t probesIn(const Scene& scene, std::size_t space) {
-  PALPATE_ASSERT(space < scene.active.size(), "there is a space for each active node");
+  PALPATE_ASSERT(space < scene.active.size(), "the active node must exist in the scene");
   const ActiveSelection& active = scene.active[space];
   if (active.isProbe()) return 1;
   const auto measures = [&](const ActiveSelection& other) {
@@ -368,7 +368,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   PALPATE_ASSERT(
       std::ranges::none_of(
           scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),
-      "expandSurfaces left no surface");
+      "areas must be split into sites");
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);

@@ -369,7 +369,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
       {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
   PALPATE_ASSERT(!scene.active.empty() && !scene.regions.empty(),
-                 "a scene has a region and an active node");
+                 "a scene must have a region and an active node");
   scene.device = readDevice(root);
   scene.workspace = readWorkspace(root, scene.device);
   scene.accuracy = readAccuracy(root);

@@ -87,13 +87,13 @@ SpaceTable tableOf(const SpaceRows& rows) {
   rows.eachAttempt([&](const FailedAttempt& attempt) { table.attempts.push_back(attempt); });
   for (std::int32_t n = 0; n < rows.probes(); ++n) table.probes.push_back(rows.probe(n));
   PALPATE_ASSERT(std::ssize(table.points) == table.lattice.size(),
-                 "the points of a space are the first of its lattice");
+                 "each lattice point must have a record");
   return table;
 }
 
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
-                 "points[n] belongs to lattice number n");
+                 "each lattice point must have a record");
   double largest = 0;
   for (const PointRecord& point : space.points)
     if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
@@ -111,7 +111,7 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
 std::string faultOf(const SpaceRows& space) {
   const Lattice& lattice = space.lattice();
   const std::int32_t size = space.points();
-  PALPATE_ASSERT(size <= lattice.size(), "a space has no more points than its lattice");
+  PALPATE_ASSERT(size <= lattice.size(), "a space cannot have more points than its lattice");
   const auto isPoint = [size](std::int32_t n) { return n >= 0 && n < size; };
   for (std::int32_t n = 0; n < size; ++n) {
     if (isFarOutside(lattice.point(n), lattice))

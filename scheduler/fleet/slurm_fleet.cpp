@@ -104,7 +104,7 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {
     const std::vector<std::string> ids = idsOf(jobs.queued);
-    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "running workers stay");
+    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "only queued jobs may be ended");
     engine_.cancel({ids.end() + more, ids.end()});
   }
 } catch (const Error& error) {

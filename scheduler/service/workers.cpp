@@ -264,7 +264,7 @@ void Workers::processEnded(const std::string& worker_id) {
 void Workers::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases.blame(suspects)) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
-    PALPATE_ASSERT(transition, "plans request only transitions between their own points");
+    PALPATE_ASSERT(transition, "a transition must join points of its plan");
     state_.tables.writeLosses({key.space, *transition}, losses);
     if (losses.deaths == deaths_before_aside) state_.chronicle.setAside(key, losses.deaths);
   }
@@ -278,7 +278,7 @@ void Workers::addReady(const std::vector<ResultKey>& keys) {
   for (const ResultKey& key : keys) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
     PALPATE_ASSERT(transition && state_.plans[key.space].isOpen(*transition),
-                   "only open transitions of a plan are handed out");
+                   "only open transitions of a plan may be leased");
     const auto known = losses_.find({key.space, *transition});
     leases.add(key, known == losses_.end() ? Losses() : known->second);
   }

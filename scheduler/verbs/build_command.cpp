@@ -68,7 +68,7 @@ class LocalWorkers : public Crew {
           "the same command continues from the recorded results",
           deaths_, ended.how);
     spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-    PALPATE_ASSERT(pool_.running() < workers_, "a worker is started only in place of an ended one");
+    PALPATE_ASSERT(pool_.running() < workers_, "a worker must replace one that ended");
     pool_.start();
   }
 

@@ -27,7 +27,7 @@ double springOf(const Scene& scene, double radius) {
 /// Leaves the sites alone, on the coarsest lattice. The guess has nothing to refine or to measure.
 Problem withoutProbes(Problem problem) {
   PALPATE_ASSERT(problem.active.size() == problem.scene.active.size(),
-                 "a resolved scene has an entry for each space");
+                 "areas must be split into sites");
   std::erase_if(problem.active, [](const ActivePatch& patch) { return patch.probe.has_value(); });
   std::erase_if(problem.scene.active, [](const ActiveSelection& a) { return a.isProbe(); });
   problem.scene.accuracy = {};

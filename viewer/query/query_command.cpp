@@ -173,7 +173,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
                [&](const TouchInput& touch) {
                  const ForceAnswer answer = answers.answer(touch);
                  PALPATE_ASSERT(answer.finger.has_value() == touch.at.has_value(),
-                                "an answer has a place if its touch has one");
+                                "an answer must have a place if its touch has one");
                  if (!answer.sample.inside) code = ExitCode::partly_failed;
                  // Flushed at once: a caller that sends line by line waits for each answer.
                  output << answerText(answers, touch.displacement, answer, options.json)

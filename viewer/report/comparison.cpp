@@ -213,7 +213,7 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places) {
   PALPATE_ASSERT(datasets.size() == 2 && most_places > 0,
-                 "two datasets are compared at some places");
+                 "a comparison needs two datasets and a place");
   Comparison comparison;
   comparison.open = std::move(datasets);
   comparison.method = method;

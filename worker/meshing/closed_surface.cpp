@@ -408,7 +408,7 @@ class SurfaceRepair {
     std::vector<std::array<bool, 3>> alike(triangles_.size());
     std::vector<std::uint8_t> count(triangles_.size());
     forEachEdge(sides, [&](std::span<const Side> edge) {
-      PALPATE_ASSERT(edge.size() == 2, "refuseEdges() refuses other edges");
+      PALPATE_ASSERT(edge.size() == 2, "each edge must join two triangles");
       for (const auto& [one, other] : {std::pair(0, 1), std::pair(1, 0)}) {
         const std::int32_t t = edge[one].triangle;
         neighbours[t][count[t]] = edge[other].triangle;
@@ -669,7 +669,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
 }
 
 double edgeFor(double volume, double area, double nodes) {
-  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses empty surfaces");
+  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "volume, area and nodes must be positive");
   // The number of nodes falls with the edge length h, so bisection finds h.
   double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
   for (int n = 0; n < 60; ++n) {
