@@ -35,7 +35,7 @@ void check(const ViewOptions& options) {
   const bool follows = !options.live.empty() || options.datasets.front().extension() == ".toml";
   if (!options.follower.empty() && !follows)
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
-  if (options.fast && follows) throw badInput("following a hand needs a clock: omit --fast");
+  if (options.fast && follows) throw badInput("solving near the hand needs a clock: omit --fast");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
@@ -67,21 +67,21 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option(
          "DATASET", options->datasets,
          "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
-         "which is solved around the hand")
+         "which is solved near the hand")
       ->required()
       ->type_name("FILE");
   app.add_option("--device", options->device, deviceHelp(true))
       ->type_name("WORD")
       ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
-  options->keys.addTo(app, "Use a network device or follower that requires no key");
+  options->keys.addTo(app, "Use a network device or live solver that requires no key");
   app.add_option("--profile", options->profile,
                  "Use this device's force and stiffness limits [the device's own]")
       ->check(oneOf(device_words));
   app.add_option("--live", options->live,
-                 "Scene of the first dataset: solve it around the hand, and correct the dataset")
+                 "Scene of the first dataset: solve it near the hand, and correct the forces")
       ->type_name("SCENE");
   app.add_option("--follower", options->follower,
-                 "Follower on another machine for --live (palpate follow) [one is started]")
+                 "Live solver on another machine (palpate follow) [one is started here]")
       ->type_name("ENDPOINT");
   app.add_option("--method", options->method, "Interpolation method at the start")
       ->check(CLI::IsMember(forceFieldMethods()))

@@ -94,7 +94,7 @@ class ViewSession {
     std::filesystem::path& first = options.datasets.front();
     if (first.extension() != ".toml") return options;
     if (!options.live.empty())
-      throw badInput("--live {}: {} is a scene, and is followed without --live",
+      throw badInput("--live {}: omit it, because {} is a scene, which is solved live anyway",
                      options.live.string(), first.string());
     followed_ = loadProblem(first);
     guess_.emplace(*followed_);
@@ -164,10 +164,10 @@ class ViewSession {
                      options_.live.string(), model.file());
     const std::vector<TouchArea>& areas = model.surface().areas();
     if (areas.empty())
-      throw badInput("--live follows a finger, and no finger touches {}", model.file());
+      throw badInput("--live needs a finger, but no finger touches {}", model.file());
     for (const TouchArea& area : areas)
       if (area.radius != areas.front().radius)
-        throw badInput("--live follows fingers of one radius, and {} has several", model.file());
+        throw badInput("--live needs fingers of one radius; {} has several radii", model.file());
     live_.emplace(areas.front().radius, guess_.has_value());
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
@@ -175,7 +175,7 @@ class ViewSession {
     link_.emplace(*live_, std::move(link_options));
     constexpr std::chrono::seconds patience{10};
     if (!link_->waitUntilReady(patience))
-      spdlog::warn("the hand is not followed yet{}{}", link_->trouble().empty() ? "" : ": ",
+      spdlog::warn("live solving has not started yet{}{}", link_->trouble().empty() ? "" : ": ",
                    link_->trouble());
   }
 
@@ -407,8 +407,8 @@ class ViewSession {
     const double count =
         static_cast<double>(std::max<std::uint64_t>(1, live.answers + live.failures));
     spdlog::info(
-        "the follower found {}, {:.1f} ms after the question in the mean and {:.1f} ms at most; {} "
-        "had none; it was started again {}",
+        "the live solver found {}, on average {:.1f} ms and at most {:.1f} ms after the request; "
+        "it found none for {} and was restarted {}",
         counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.seconds / count,
         1e3 * live.largest_seconds, counted(live.failures, "hand"), counted(live.restarts, "time"));
   }

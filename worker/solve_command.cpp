@@ -204,7 +204,7 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
   addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
   app.add_option("--steps", options->steps,
-                 "Number of equal transitions from rest [one per lattice spacing]")
+                 "Number of equal steps from rest [one per lattice spacing]")
       ->check(CLI::Range(1, 100000));
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(

@@ -52,16 +52,16 @@ From a mesh to forces
 On several machines
   serve    Run the scheduler of a scene; workers may join and leave at any time
   work     Run workers for a scheduler, on any machine
-  follow   Solve around the hand of a haptic client on another machine
+  follow   Solve configurations near the hand of a haptic client on another machine
   fleet    Start as many workers as a build can use, by Slurm or ssh
-  status   Show the progress of a build: tags, rate, time left, workers, failures by cause
+  status   Show the progress of a build: points, rate, time left, workers, failures by cause
   stop     Let workers finish their solves, then end the build; serve continues it later
-  pause    Stop handing out work until resume; workers stay
+  pause    Give workers no work until resume; they stay connected
   resume   Continue a paused build
   seal     Write a dataset of the results so far, while the build continues
-  priority Compute one space before others
-  retry    Retry transitions that are set aside or failed with a given cause
-  explain  Show how a lattice point was reached, or why it failed
+  priority Compute one active node before others
+  retry    Repeat solves that were set aside or failed with a given cause
+  explain  Show how a lattice point was solved, or why it failed
   events   Print the events of a build: failures, workers, stages
   key      Make a key; allow other machines and people, or withdraw their keys
   check    Check a state directory for damage; repair it

@@ -77,8 +77,8 @@ void refuseLoosePieces(const Problem& problem) {
   if (nodes.empty())
     throw badInputAt(
         mesh_line,
-        "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix it, "
-        "remove it, or join it to the others (palpate mesh --weld merges coincident nodes)",
+        "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix some of "
+        "its nodes, remove it, or join it to the others (palpate mesh --weld merges equal nodes)",
         pieces.size(), where);
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
@@ -201,9 +201,9 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
     for (const std::int32_t node : allNodesOf(mesh, element))
       if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
         throw badInput(
-            "active \"{}\": all nodes around node {} at {} are fixed or move with the tool, so "
-            "that {} cannot keep its volume when the tool moves; make radius smaller, fix fewer "
-            "nodes, or give the material a bulk modulus",
+            "active \"{}\": every node around node {} at {} is fixed or moves with the tool. {} "
+            "can then not keep its volume; make radius smaller, fix fewer nodes, or give the "
+            "material a bulk modulus",
             patch.name, node, placeText(mesh.nodes[node]), placeOf(mesh, element));
 }
 

@@ -25,20 +25,20 @@ std::string faultOfSplits(const SpaceRows& space) {
     return !coarserFirst(a, b);
   };
   if (std::ranges::adjacent_find(splits, notBefore) != splits.end())
-    return "splits are not sorted by level and lowest";
+    return "split cells are not sorted by level and lowest corner";
   for (std::size_t i = 0; i < splits.size(); ++i) {
     const LatticeCell& cell = splits[i];
     // The table may come from a file, so check the level before a shift, which is undefined for 31
     // and more.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
-      return fmt::format("split {} has level {}, which cannot be halved", i, cell.level);
+      return fmt::format("split cell {} has level {}, which cannot be halved", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
     const bool aligned = std::ranges::all_of(
         cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
     if (!aligned || isFarOutside(cell.lowest, space.lattice()))
-      return fmt::format("split {} is not a cell of the lattice", i);
+      return fmt::format("split cell {} is not a cell of the lattice", i);
     if (cell.level > 0 && !isSplit(splits, parentOf(cell, divisions)))
-      return fmt::format("split {} lies in a cell that is not split", i);
+      return fmt::format("split cell {} lies in a cell that is not split", i);
   }
   return {};
 }
@@ -144,7 +144,7 @@ std::string faultOf(const SpaceTable& space) {
   const auto isPoint = [&](std::int32_t n) { return n >= 0 && n < space.lattice.size(); };
   for (const LatticeEdge& edge : space.inconsistent_edges)
     if (!isPoint(edge.a) || !isPoint(edge.b) || edge.a >= edge.b)
-      return fmt::format("an inconsistent edge joins invalid points, {} and {}", edge.a, edge.b);
+      return fmt::format("an inconsistent edge has invalid points, {} and {}", edge.a, edge.b);
   return "";
 }
 

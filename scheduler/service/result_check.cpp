@@ -116,7 +116,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
     return "a residual that is invalid or too large for an equilibrium";
   if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
     return "derivatives that are not symmetric";
-  if (hasDrive(e) && !patch.finger) return "a drive although the tool is not a finger";
+  if (hasDrive(e) && !patch.finger) return "a configurational force without a finger";
   for (const std::int32_t node : problem_->fixed)
     if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";
 

@@ -163,7 +163,7 @@ void Workers::reassignOverdue() {
 
 void Workers::reassignLast(Worker& worker) {
   if (!worker.overdue_until)
-    state_.chronicle.info("worker {} on {} is overdue; its last target goes to another worker",
+    state_.chronicle.info("worker {} on {} is overdue; its last solve goes to another worker",
                           worker.pid, worker.host);
   ++state_.counters["overdue_targets"];
   leases.giveBackLast(worker.id);
@@ -189,7 +189,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} does not solve its targets; they are handed out again",
+    state_.chronicle.warn("worker {} on {} does not work on its solves; others get them",
                           worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();

@@ -73,8 +73,8 @@ GuessedDataset::GuessedDataset(Problem whole) {
   for (const ActivePatch& patch : problem.active) {
     if (!patch.finger)
       throw badInput(
-          "scene \"{}\": active \"{}\" is no finger: a scene is touched before it is "
-          "built by a finger (tool = \"finger\")",
+          "scene \"{}\": active \"{}\" is not a finger; a scene without a dataset can be touched "
+          "only by fingers (tool = \"finger\")",
           problem.scene.name, patch.name);
     spaces.push_back(springAt(problem, patch));
   }

@@ -116,7 +116,7 @@ void LiveLink::attend(const std::stop_token& stop) {
     const LiveHand hand = touch_.hand();
     if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
       std::this_thread::sleep_for(poll_interval);
-      if (follower_ && follower_->ended()) return tell("the follower has ended; starting another");
+      if (follower_ && follower_->ended()) return tell("the live solver ended; restarting it");
       continue;
     }
     askAbout(hand, stop);
@@ -145,11 +145,11 @@ bool LiveLink::greet(const std::stop_token& stop) {
   if (reply && reply->has_follow_reply()) return true;
   if (stop.stop_requested()) return false;
   if (reply && reply->has_refused())
-    tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+    tell(fmt::format("the live solver refuses: {}", printable(reply->refused().reason())));
   else if (options_.endpoint.empty())
-    tell("the follower could not be started");
+    tell("the live solver could not be started");
   else
-    tell(fmt::format("no follower answers at {}: start one there with palpate follow --listen",
+    tell(fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
                      options_.endpoint));
   return false;
 }
@@ -176,9 +176,9 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const auto asked = Clock::now();
   const auto reply = ask(question, {}, answer_patience, stop);
   if (stop.stop_requested()) return;
-  if (!reply) return tell("the follower does not answer; asking again");
+  if (!reply) return tell("the live solver does not answer; asking again");
   if (reply->has_refused())
-    return tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+    return tell(fmt::format("the live solver refuses: {}", printable(reply->refused().reason())));
   tell({});
   if (!reply->has_followed()) return;
   const auto followed = fromWire(reply->followed());
@@ -210,7 +210,7 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
     waitForMessages(socket_, 20ms);
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
     if (question.has_hand_motion() && Clock::now() - began > late_after)
-      tell("the follower is late: the hand moves faster than it can solve");
+      tell("live solving is late: the hand moves faster than the solver can follow");
   }
   return std::nullopt;
 }

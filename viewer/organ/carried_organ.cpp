@@ -176,14 +176,14 @@ void checkLattice(double radius, double spacing, std::int32_t divisions, std::si
     throw damaged("invalid lattice");
   const double narrow = std::clamp(part.width / radius, least_narrow, 1.0);
   if (in_ball * least_share_of_ball * narrow * narrow > static_cast<double>(points))
-    throw damaged(fmt::format("a lattice for about {:.0f} points has only {}", in_ball, points));
+    throw damaged(fmt::format("a lattice has {1} points instead of {0:.0f}", in_ball, points));
 }
 
 void checkAdded(const LatticePoint& point, const Lattice& lattice) {
   const auto farthest = static_cast<std::int32_t>(2 + lattice.radius() / lattice.spacing());
   for (const std::int32_t x : point)
     if (x < -farthest * lattice.divisions() || x > farthest * lattice.divisions())
-      throw damaged("a point far outside its ball");
+      throw damaged("a lattice point far outside its ball");
 }
 
 /// Visits the lattice of a space. Returns the number of its points.

@@ -73,7 +73,7 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
         formatNumber(probes.area.bound_over_error.median, 3),
         formatNumber(probes.area.bound_over_error.percentile_95, 3));
   if (probes.unanswered > 0)
-    text += fmt::format(" The area has no answer at {}.", counted(probes.unanswered, "place"));
+    text += fmt::format(" No force is available at {}.", counted(probes.unanswered, "place"));
   if (area.jumps > 0)
     text += fmt::format(" Lattice edges between different branches: {}.", area.jumps);
   return text;

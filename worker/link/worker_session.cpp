@@ -217,7 +217,7 @@ void WorkerSession::handleFields(const wire::FieldsReply& reply, const std::stri
   const auto id = ContentId::fromBytes(reply.id());
   if (!id || !problem_) return;
   if (reply.unknown() || ContentId::of(payload) != *id) {
-    spdlog::warn("the scheduler could not send start configuration {}; its jobs are handed back",
+    spdlog::warn("the scheduler could not send start configuration {}; its jobs are returned",
                  id->shortHex());
     introduceAgain(now);
     return;
@@ -324,8 +324,8 @@ bool WorkerSession::solverHangs(Time now) {
   const auto limit = progress.hung_after;
   if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
   spdlog::error(
-      "the solver hangs: {} s on one target, many times the longest solve of this build; this "
-      "worker ends, and its targets go to others",
+      "the solver hangs: {} s on one solve, many times the longest of this build; this worker "
+      "ends, and its solves go to others",
       std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count());
   return true;
 }

@@ -197,7 +197,7 @@ class SurfaceRepair {
       return !known.insert(corners).second;
     });
     if (repeated > 0) note("{} repeated triangles were left out", repeated);
-    if (triangles_.empty()) throw wrong("none of its triangles has an area");
+    if (triangles_.empty()) throw wrong("all its triangles have zero area");
   }
 
   /// The result of merging corners at open edges with corners near them. `left` has the odd edges

@@ -66,7 +66,7 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindUnexpandablePoints) {
   EXPECT_EQ(explanation.cause(), "unreachable");
   EXPECT_THAT(explanation.text(),
               testing::AllOf(testing::HasSubstr("failed, unreachable"),
-                             testing::HasSubstr("no neighbour can be expanded")));
+                             testing::HasSubstr("every neighbour failed")));
 }
 
 TEST_F(ExplanationTest, EndsOnACycleOfParents) {
