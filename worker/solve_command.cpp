@@ -212,7 +212,7 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
       "energy in J.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 a displacement was not reached "
       "(the\n"
-      "answer gives the reason), 130 interrupted.");
+      "output gives the reason), 130 interrupted.");
   return [options] { return solve(*options); };
 }
 

@@ -18,7 +18,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
     throw badInput("{}: is an HDF5 file, but not a Palpate dataset (no attribute format = \"{}\")",
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers(layout::version_attribute);
-  if (version.size() != 2) throw in.damaged(layout::version_attribute, "is not (major, minor)");
+  if (version.size() != 2) throw in.damaged(layout::version_attribute, "must be (major, minor)");
   // Check for older versions first, because the user can seal those datasets again.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(

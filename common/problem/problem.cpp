@@ -78,7 +78,7 @@ void refuseLoosePieces(const Problem& problem) {
     throw badInputAt(
         mesh_line,
         "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix some of "
-        "its nodes, remove it, or join it to the others (palpate mesh --weld merges equal nodes)",
+        "its nodes, remove it, or join it to the others (palpate mesh --weld)",
         pieces.size(), where);
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
@@ -122,7 +122,7 @@ void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
   if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
       (weighted && !(std::abs(sum - 1) < 1e-9)))
-    throw badInput("active \"{}\": {} weights with the sum {} for {} nodes", patch.name,
+    throw badInput("active \"{}\": its {} weights (sum {}) do not fit its {} nodes", patch.name,
                    patch.weights.size(), sum, patch.nodes.size());
 }
 
@@ -155,7 +155,7 @@ void checkRegions(const Problem& problem) {
       std::ranges::any_of(problem.region_of, [&](auto r) { return r >= n_regions; }))
     throw badInput("the regions of the {} tetrahedra do not match the scene", n_elements);
   if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
-    throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
+    throw badInput("there are {} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
   for (const auto& fibers : problem.fibers)
     for (const Eigen::Vector3d& fiber : fibers)
       if (!fiber.isZero(0) && !(std::abs(fiber.squaredNorm() - 1) < 1e-12))
@@ -297,8 +297,8 @@ void checkProblem(const Problem& problem) {
   checkRegions(problem);
   const NodeSet surface = surfaceNodes(problem.mesh);
   if (problem.active.size() != scene.active.size())
-    throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
-                   scene.active.size());
+    throw badInput("there are {} patches for the {} active nodes of the scene",
+                   problem.active.size(), scene.active.size());
   for (std::size_t i = 0; i < problem.active.size(); ++i)
     atLine(scene.active[i].lines.of("name"), [&] { checkActive(problem, i, surface); });
   refuseLoosePieces(problem);

@@ -42,8 +42,8 @@ void Chronicle::left(const Worker& worker, const std::string& reason) {
 
 void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets) {
   if (!mayTell()) return;
-  spdlog::warn("worker {} on {} is {}; others get its {} solves", worker.pid, worker.host, how,
-               targets);
+  spdlog::warn("worker {} on {} is {}; other workers get its {} solves", worker.pid, worker.host,
+               how, targets);
   add(eventOf("worker_lost", worker)
           .with("how", how)
           .with("targets", targets)
@@ -52,7 +52,7 @@ void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets)
 
 void Chronicle::ended(const Worker& worker, std::size_t targets) {
   if (!mayTell()) return;
-  spdlog::warn("worker {} on {} ended unexpectedly; others get its {} solves", worker.pid,
+  spdlog::warn("worker {} on {} ended unexpectedly; other workers get its {} solves", worker.pid,
                worker.host, targets);
   add(eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
 }

@@ -155,8 +155,8 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
       "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
-      "coverage (--json): share of the answer based on solved lattice points of one branch.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some answer is not reliable: it is beyond\n"
+      "coverage (--json): share of the force based on solved lattice points of one branch.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some force is not reliable: it is beyond\n"
       "the workspace or the solved points, or its place is away from the surface, has no site\n"
       "nearby, or rests on fixed nodes (printed as not inside), 130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };

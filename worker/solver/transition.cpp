@@ -523,7 +523,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       break;
     }
   }
-  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "it must reach its target or fail");
+  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "a path must reach its end or fail");
   if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;

@@ -63,7 +63,7 @@ TEST_F(JudgedResult, ResultsThatNoSolverProducesAreRefused) {
   refuses(there, "drive", [](Outcome& o) { o.configuration().equilibrium.drive[0] = 1; });
   refuses(there, "fixed node",
           [&](Outcome& o) { o.configuration().fields.displacement[held] = 1e-9F; });
-  refuses(there, "not at the target",
+  refuses(there, "requested displacement",
           [&](Outcome& o) { o.configuration().fields.displacement[tool] += 1e-3F; });
   refuses(there, "costs", [](Outcome& o) { o.cost.factorizations = -1; });
   refuses(there, "costs", [](Outcome& o) { o.cost.seconds = std::nan(""); });
