@@ -45,7 +45,7 @@ std::string readWhole(const FileDescriptor& file) {
   for (;;) {
     const ssize_t read = pread(file.get(), part.data(), part.size(), std::ssize(text));
     if (read < 0 && errno == EINTR) continue;
-    if (read < 0) throw failure("a file in memory: {}", errnoText());
+    if (read < 0) throw failure("memory file failed: {}", errnoText());
     if (read == 0) return text;
     text.append(part.data(), static_cast<std::size_t>(read));
   }
@@ -132,7 +132,7 @@ Ran runToItsEnd(const ForeignProgram& program) {
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
-  if (!writeAt(in.get(), 0, program.input)) throw failure("a file in memory: {}", errnoText());
+  if (!writeAt(in.get(), 0, program.input)) throw failure("memory file failed: {}", errnoText());
   const pid_t child = start(program, {in.get(), out.get(), err.get()});
   int status = 0;
   switch (endOf(child, program, status)) {

@@ -27,7 +27,7 @@ std::string meaningOf(const Failure& f) {
                          f.residual, f.element, f.element_det_F);
     case Cause::inverted_element:
       return fmt::format(
-          "element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually helps",
+          "element {} has det F = {:.3g}; constraint ln-det-F or a larger radius usually helps",
           f.element, f.element_det_F);
     case Cause::wrong_inertia:
       return fmt::format(

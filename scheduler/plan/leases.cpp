@@ -65,7 +65,7 @@ void Leases::lease(const ResultKey& key, const std::string& worker, std::uint64_
 
 void Leases::addCheck(const ResultKey& key) {
   const auto [where, fresh] = entries_.try_emplace(key);
-  PALPATE_ASSERT(fresh, "a result to check must have no lease and no other check");
+  PALPATE_ASSERT(fresh, "a transition must not be leased or checked twice");
   where->second.is_check = true;
   putBack(key, where->second);
 }

@@ -155,7 +155,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
   const auto place = pursuits_.find(transition.target);
   Pursuit& pursuit = place->second;
   PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(),
-                 "the point must have a parent that was not tried");
+                 "the point must have a start point left to try");
   ++pursuit.tried;
   // Compare alternatives only when the round ends, so that the order of arrival has no influence.
   if (converged && pursuit.every_parent) {

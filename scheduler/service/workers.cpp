@@ -278,7 +278,7 @@ void Workers::addReady(const std::vector<ResultKey>& keys) {
   for (const ResultKey& key : keys) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
     PALPATE_ASSERT(transition && state_.plans[key.space].isOpen(*transition),
-                   "only open transitions of a plan may be leased");
+                   "only requested transitions may be leased");
     const auto known = losses_.find({key.space, *transition});
     leases.add(key, known == losses_.end() ? Losses() : known->second);
   }

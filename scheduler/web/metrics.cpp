@@ -46,7 +46,7 @@ constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>
      {"wrong_results", "Workers, machines or keys excluded because a result was wrong."},
      {"overdue_targets", "Overdue solves that were also given to another worker."},
      {"closed_connections", "Connections closed because of too large or too many messages."},
-     {"unread_answers", "Requests not answered because earlier answers were not read."}});
+     {"unread_answers", "Requests not answered because the client left earlier answers unread."}});
 
 std::vector<Gauge> gaugesOf(const wire::Status& status, double age) {
   const auto ifKnown = [](bool known, double value) {

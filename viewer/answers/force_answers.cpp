@@ -51,10 +51,10 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
 
 ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   if (!area_) {
-    PALPATE_ASSERT(!touch.at, "only a touch of an area can have a place");
+    PALPATE_ASSERT(!touch.at, "only a touch of a surface can have a place");
     return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   }
-  PALPATE_ASSERT(touch.at.has_value(), "a touch of an area must have a place");
+  PALPATE_ASSERT(touch.at.has_value(), "a touch of a surface must have a place");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses places far outside the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
   if (place.triangle >= 0) area_->prepareAt(place.at);

@@ -46,14 +46,14 @@ NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
     addTo(pressures, factor, row->second.pressure);
   }
   PALPATE_ASSERT(displacements.size() == 3 * std::ssize(dataset_.storedNodes()),
-                 "a configuration must have all stored nodes");
+                 "a configuration must have values at all stored nodes");
   return {toFloats(displacements), toFloats(pressures)};
 }
 
 std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
     const std::optional<Eigen::Vector3d>& place) {
   if (!surface_) return {{choice_.spaces.front(), 1.0}};
-  PALPATE_ASSERT(place.has_value(), "a touch of an area must have a place");
+  PALPATE_ASSERT(place.has_value(), "a touch of a surface must have a place");
   const SpaceBlend blend = surface_->blendAt(nearestOnSurface(dataset_.mesh(), *place));
   std::vector<std::pair<std::size_t, double>> spaces;
   double sum = 0;

@@ -105,7 +105,7 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "the number of the method must exist");
+  PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
   // Make the areas before the spaces, because they use all cores themselves.
   if (!makeAreas(stop)) return;
   inParallel(spaces_.size(), [&](std::size_t space) {
@@ -114,7 +114,7 @@ void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
 }
 
 void HapticModel::prepareAlone(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "the number of the method must exist");
+  PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
   if (!makeAreas(stop)) return;
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);

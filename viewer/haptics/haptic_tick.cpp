@@ -11,8 +11,8 @@ namespace palpate {
 namespace {
 
 const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
-  PALPATE_ASSERT(!models.empty(), "a tick must have at least one model");
-  PALPATE_ASSERT(models.front()->isPrepared(0), "the first method must be prepared before contact");
+  PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
+  PALPATE_ASSERT(models.front()->isPrepared(0), "the first method must be prepared");
   return *models.front();
 }
 

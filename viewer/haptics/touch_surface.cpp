@@ -227,7 +227,7 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
 
 void TouchSurface::setTouchable() {
   PALPATE_ASSERT(shares_.size() == vertices_.size(), "each vertex must have a list of weights");
-  PALPATE_ASSERT(area_of_.size() == triangles_.size(), "each triangle must have an area or -1");
+  PALPATE_ASSERT(area_of_.size() == triangles_.size(), "each triangle needs an area number or -1");
   corner_shares_.resize(triangles_.size());
   std::vector<Triangle> touchable;
   for (std::size_t n = 0; n < triangles_.size(); ++n) {

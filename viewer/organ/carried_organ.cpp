@@ -267,7 +267,7 @@ void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
     for (const SpaceTable& space : spaces) shapes.shares.emplace_back(space.points.size() * count);
   }
   PALPATE_ASSERT(shapes.modes.size() == count * width && shapes.shares.size() == spaces.size(),
-                 "modes must move all vertices, and spaces have weights of them");
+                 "each mode must have all vertices, and each space its weights");
   for (std::size_t mode = 0; mode < count; ++mode) {
     carrySteps<std::int16_t>(bytes, mode_steps, [&](auto visit) {
       for (std::size_t i = 0; i < width; ++i) visit(shapes.modes[mode * width + i]);
@@ -301,7 +301,7 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
     organ.touch_of_triangle.resize(triangles);
   }
   PALPATE_ASSERT(organ.touch_of_triangle.size() == triangles,
-                 "each triangle must have the number of its touch or -1");
+                 "each triangle must have the number of its part or -1");
   for (std::size_t t = 0; t < triangles; ++t)
     carry(bytes, organ.triangles[t], organ.touch_of_triangle[t]);
   carryList(bytes, organ.touches, least_touch, [&](auto& touch) { carryTouch(bytes, touch); });

@@ -21,9 +21,9 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
   PALPATE_ASSERT(
       organ_.shapes.modes.size() == 3 * organ_.vertices.size() * organ_.shapes.mode_count &&
           organ_.shapes.shares.size() == organ_.spaces.size(),
-      "modes must move all vertices, and spaces have weights of them");
+      "each mode must have all vertices, and each space its weights");
   for (const CarriedTouch& touch : organ_.touches) {
-    PALPATE_ASSERT(!touch.spaces.empty(), "a touch must have a space");
+    PALPATE_ASSERT(!touch.spaces.empty(), "a touchable part must have a space");
     Touched& touched = touched_.emplace_back();
     if (touch.finger_radius == 0) continue;
     std::vector<const SpaceTable*> sites;

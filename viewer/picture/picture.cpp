@@ -45,7 +45,7 @@ struct Picture::Impl {
 
   void use(std::int32_t number) {
     if (number == model) return;
-    PALPATE_ASSERT(at(number) < shown.size(), "a state must refer to one of the models");
+    PALPATE_ASSERT(at(number) < shown.size(), "a state must refer to a loaded dataset");
     const std::optional<FramedSphere> before =
         model < 0 ? std::nullopt : std::optional(inUse().sphere());
     model = number;
@@ -290,7 +290,7 @@ struct Picture::Impl {
 };
 
 Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOptions& options) {
-  PALPATE_ASSERT(!models.empty(), "a picture must have at least one model");
+  PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
   impl_ = std::make_unique<Impl>(models, options);
 }
 

@@ -249,7 +249,7 @@ std::shared_ptr<const NodalFields> WorkerSession::cached(const ContentId& id) {
 
 void WorkerSession::remember(const ContentId& id, const std::string& payload) {
   if (cached(id)) return;
-  PALPATE_ASSERT(problem_, "start configurations need their problem");
+  PALPATE_ASSERT(problem_, "the problem must arrive before start configurations");
   const std::size_t n_nodes = problem_->mesh.nodes.size(),
                     n_pressures = problem_->pressures.count();
   cache_.emplace_front(

@@ -30,7 +30,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
   body.region_of.assign(body.mesh.tetrahedra.size(), 0);
   if (!material.fibers.empty()) {
     std::array<Eigen::Vector3d, 2> directions = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-    PALPATE_ASSERT(material.fibers.size() <= directions.size(), "a law has at most two families");
+    PALPATE_ASSERT(material.fibers.size() <= directions.size(), "at most two fibre families");
     std::copy(material.fibers.begin(), material.fibers.end(), directions.begin());
     body.fibers.assign(body.mesh.tetrahedra.size(), directions);
   }
