@@ -216,7 +216,7 @@ ActiveSelection readActive(const TomlSection& section) {
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
-    throw section.wrong("area", "is only for single fingers; a surface is its own area");
+    throw section.wrong("area", "is only for fingers without surface, which is an area itself");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong(
         "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",

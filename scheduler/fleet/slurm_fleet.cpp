@@ -99,7 +99,7 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   // Keep running and queued jobs, because the scheduler may soon be back.
   if (!status) return tell(jobs, 0, "the scheduler does not answer");
   const int more = moreFor(jobs, *status);
-  tell(jobs, more, fmt::format("{} transitions are ready", status->ready()));
+  tell(jobs, more, fmt::format("{} solves are ready to start", status->ready()));
   if (options_.dry_run) return;
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {

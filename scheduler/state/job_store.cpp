@@ -30,7 +30,7 @@ void JobStore::dropWhatLiarsGave() {
   if (theirs.empty()) return;
   drop(theirs);
   found_.recorded.damage.push_back(
-      fmt::format("{} results came from excluded workers", theirs.size()));
+      fmt::format("{} results of excluded workers are dropped", theirs.size()));
 }
 
 void JobStore::drop(const JournalPosition& damaged) {

@@ -36,7 +36,7 @@ std::string textOf(const wire::Explanation& e) {
     text +=
         fmt::format("  from {}: {}\n", pointText(fromWire(t.parent()), e.divisions()), t.text());
   if (e.path_size() > 0 || e.attempts_size() > 0) return text;
-  text += e.cause().empty() ? "no transition to it has been tried yet"
+  text += e.cause().empty() ? "no solve of this point has been tried yet"
                             : describe(Failure{.cause = Cause::unreachable});
   text += '\n';
   return text;
