@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays travel as they are in memory");
+static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
 template <class Array>
 std::string bytesOfArray(const Array& values) {

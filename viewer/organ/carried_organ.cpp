@@ -24,7 +24,7 @@ constexpr float mode_steps = 32767;
 /// precision, in which the fields store these numbers, would not suffice: forces of stiff organs
 /// were wrong by up to 1.7e-6 N.
 constexpr std::size_t left_out_bytes = 2;
-static_assert(std::endian::native == std::endian::little, "the least significant bytes are first");
+static_assert(std::endian::native == std::endian::little, "bytes must be little-endian");
 
 // Largest Lattice::divisions that is accepted: more than the lattice of any page has, but small
 // enough that products of lattice coordinates do not overflow.

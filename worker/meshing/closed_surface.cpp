@@ -138,7 +138,7 @@ class SurfaceRepair {
     if (triangles_.empty()) throw wrong("there are no triangles");
     for (const Eigen::Vector3d& point : points_) {
       if (!(point.array().abs() <= farthest_node).all())
-        throw wrong("a corner at {} is not finite, or far beyond any body", placeText(point));
+        throw wrong("a corner at {} is not finite, or too far away", placeText(point));
     }
     for (const Triangle& triangle : triangles_)
       for (const std::int32_t corner : triangle) {
