@@ -201,9 +201,9 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
     for (const std::int32_t node : allNodesOf(mesh, element))
       if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
         throw badInput(
-            "active \"{}\": every node around node {} at {} is fixed or moves with the tool. {} "
-            "can then not keep its volume; make radius smaller, fix fewer nodes, or give the "
-            "material a bulk modulus",
+            "active \"{}\": every node around node {} at {} is fixed or moves with the tool, so {} "
+            "cannot keep its volume; make radius smaller, fix fewer nodes, or give the material a "
+            "bulk modulus",
             patch.name, node, placeText(mesh.nodes[node]), placeOf(mesh, element));
 }
 
