@@ -28,7 +28,7 @@ const std::vector<std::pair<std::string, Words>>& programs() {
         "explain", "events", "key"}},
       {"palpate-verify", {"verify"}},
       {"palpate-answers", {"query", "report", "share", "export"}},
-      {"palpate-viewer", {"doctor", "view", "device"}}};
+      {"palpate-viewer", {"touch", "doctor", "view", "device"}}};
   return all;
 }
 
@@ -39,6 +39,7 @@ lattice of positions of one displaced surface node, and answers with forces inte
 Usage: palpate VERB [ARGUMENTS]        palpate VERB --help prints the options of a verb
 
 From a mesh to forces
+  touch    Feel an organ at once, from a closed surface, a mesh or a scene
   mesh     Make a mesh from a closed surface (.stl, .obj, .ply, .off) or a mesh of another format
   new      Write a first, commented scene around a mesh
   check    Validate a scene; print sizes, mesh quality, warnings and the cost of a build
@@ -74,7 +75,9 @@ How far to trust it
   report   Compare speed and error of the interpolation methods on a dataset; --html writes a page
   doctor   Check whether this machine can run the haptic client: timer, limits, display, devices
 
-In five minutes, from a closed surface organ.stl:
+At once, from a closed surface organ.stl:
+  palpate touch organ.stl
+In five minutes, with a dataset:
   palpate mesh organ.stl -o organ.msh
   palpate new organ --mesh organ.msh
   palpate check organ/scene.toml

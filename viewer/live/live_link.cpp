@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto poll_interval = 1ms;
+constexpr auto answer_poll = 1ms;
 /// Analysing the pattern of a large body, and loading the libraries.
 constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
@@ -115,7 +115,7 @@ void LiveLink::attend(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const LiveHand hand = touch_.hand();
     if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
-      std::this_thread::sleep_for(poll_interval);
+      std::this_thread::sleep_for(answer_poll);
       if (follower_ && follower_->ended()) return tell("the live solver ended; restarting it");
       continue;
     }
@@ -158,7 +158,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
 void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const bool follows = before_.touching && hand.time > before_.time;
   if (hand.touching && follows && hand.time - before_.time < speed_time)
-    return std::this_thread::sleep_for(poll_interval);
+    return std::this_thread::sleep_for(answer_poll);
   wire::Message question;
   wire::HandMotion& message = *question.mutable_hand_motion();
   if (hand.touching) {
@@ -204,7 +204,7 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
   const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {
     if (!goes_on() || Clock::now() - began > connection_patience) return std::nullopt;
-    std::this_thread::sleep_for(poll_interval);
+    std::this_thread::sleep_for(answer_poll);
   }
   while (goes_on()) {
     waitForMessages(socket_, 20ms);
