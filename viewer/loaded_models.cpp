@@ -49,7 +49,7 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
 LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
                            const HapticModelOptions& options)
     : files_(std::move(files)) {
-  PALPATE_ASSERT(!files_.empty(), "the command line requires a dataset");
+  PALPATE_ASSERT(!files_.empty(), "at least one dataset must be given");
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {

@@ -69,7 +69,7 @@ class ModelsReload {
   double share() const { return share_; }
   /// Returns the models. Call once, and only when ended(). Throws the errors of LoadedModels.
   std::unique_ptr<LoadedModels> take() {
-    PALPATE_ASSERT(whole_.valid(), "a reload is taken once");
+    PALPATE_ASSERT(whole_.valid(), "the result of a reload must be taken only once");
     return whole_.get();
   }
 

@@ -9,6 +9,6 @@
 int main(int argc, char** argv) {
   using namespace palpate;
   hdf5::leaveOpenFilesAtExit();
-  const std::array verbs = {viewVerb(), deviceVerb(), doctorVerb()};
+  const std::array verbs = {viewVerb(), touchVerb(), deviceVerb(), doctorVerb()};
   return runProgram(argc, argv, "Palpate's haptic client: lets a hand feel datasets", verbs);
 }

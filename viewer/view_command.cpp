@@ -35,7 +35,7 @@ void check(const ViewOptions& options) {
   const bool follows = !options.live.empty() || options.datasets.front().extension() == ".toml";
   if (!options.follower.empty() && !follows)
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
-  if (options.fast && follows) throw badInput("following a hand needs a clock: omit --fast");
+  if (options.fast && follows) throw badInput("solving near the hand needs a clock: omit --fast");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
@@ -61,27 +61,19 @@ void addTouchOptions(CLI::App& app, ViewOptions& options, std::string& contact) 
       ->capture_default_str();
 }
 
-std::function<ExitCode()> prepareView(CLI::App& app) {
-  auto options = std::make_shared<ViewOptions>();
+}  // namespace
+
+std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOptions>& options) {
   auto contact = std::make_shared<std::string>();
-  app.add_option(
-         "DATASET", options->datasets,
-         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
-         "which is solved around the hand")
-      ->required()
-      ->type_name("FILE");
   app.add_option("--device", options->device, deviceHelp(true))
       ->type_name("WORD")
       ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
-  options->keys.addTo(app, "Use a network device or follower that requires no key");
+  options->keys.addTo(app, "Use a network device or live solver that requires no key");
   app.add_option("--profile", options->profile,
                  "Use this device's force and stiffness limits [the device's own]")
       ->check(oneOf(device_words));
-  app.add_option("--live", options->live,
-                 "Scene of the first dataset: solve it around the hand, and correct the dataset")
-      ->type_name("SCENE");
   app.add_option("--follower", options->follower,
-                 "Follower on another machine for --live (palpate follow) [one is started]")
+                 "Live solver on another machine (palpate follow) [one is started here]")
       ->type_name("ENDPOINT");
   app.add_option("--method", options->method, "Interpolation method at the start")
       ->check(CLI::IsMember(forceFieldMethods()))
@@ -99,11 +91,6 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--record-video", options->video, "Write every picture to DIR as numbered PNG")
       ->type_name("DIR");
   app.add_flag("--json", options->json, "Print the statistics of the loop as one JSON object");
-  app.footer(
-      "Ends when the window is closed, after --duration, at the end of a replay, or on Ctrl-C;\n"
-      "then prints the statistics of the loop. The force never exceeds the limit of the device\n"
-      "(docs/client.md).\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.");
   return [options, contact] {
     if (!contact->empty())
       options->contact =
@@ -111,6 +98,30 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
     if (options->device.empty())
       options->device = options->headless || options->fast ? default_device : window_device;
     check(*options);
+  };
+}
+
+namespace {
+
+std::function<ExitCode()> prepareView(CLI::App& app) {
+  auto options = std::make_shared<ViewOptions>();
+  app.add_option(
+         "DATASET", options->datasets,
+         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
+         "which is solved near the hand")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--live", options->live,
+                 "Scene of the first dataset: solve it near the hand, and correct the forces")
+      ->type_name("SCENE");
+  const std::function<void()> complete = addViewOptions(app, options);
+  app.footer(
+      "Ends when the window is closed, after --duration, at the end of a replay, or on Ctrl-C;\n"
+      "then prints the statistics of the loop. The force never exceeds the limit of the device\n"
+      "(docs/client.md).\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.");
+  return [options, complete] {
+    complete();
     return view(*options, std::cout);
   };
 }

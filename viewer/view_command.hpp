@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -44,9 +45,17 @@ struct ViewOptions {
 /// dataset, and the errors of datasets, window and device.
 ExitCode view(const ViewOptions& options, std::ostream& output);
 
+/// Declares the options of `palpate view`, except the datasets and --live. Returns the function
+/// that completes and checks `options` after parsing; it throws Error (bad input).
+std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOptions>& options);
+
 /// Returns the verb `view` of palpate-viewer, the haptic client. The verb throws Error (bad input)
 /// for wrong options before it opens the device, and Error if a picture is needed but there is no
 /// display.
 Verb viewVerb();
+
+/// Returns the verb `touch`, which makes the mesh and the scene of an organ, unless they are there,
+/// and runs view() with the scene.
+Verb touchVerb();
 
 }  // namespace palpate

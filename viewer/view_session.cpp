@@ -32,7 +32,7 @@ constexpr auto look_every = std::chrono::milliseconds(500);  // interval for che
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
-  PALPATE_ASSERT(known != nullptr, "the command line accepts only known profiles");
+  PALPATE_ASSERT(known != nullptr, "the device profile must be a known one");
   return *known;
 }
 
@@ -70,7 +70,7 @@ class ViewSession {
       spdlog::info("stopped during preparation; nothing was recorded");
       return ExitCode::done;
     }
-    PALPATE_ASSERT(device_ && tick_, "a running session has a device");
+    PALPATE_ASSERT(device_ && tick_, "a running session must have a device");
     catchInterrupts();
     // Ignore the signal of a broken output pipe, which must not end the program while a force is
     // applied.
@@ -94,7 +94,7 @@ class ViewSession {
     std::filesystem::path& first = options.datasets.front();
     if (first.extension() != ".toml") return options;
     if (!options.live.empty())
-      throw badInput("--live {}: {} is a scene, and is followed without --live",
+      throw badInput("--live {}: omit it, because {} is a scene, which is solved live anyway",
                      options.live.string(), first.string());
     followed_ = loadProblem(first);
     guess_.emplace(*followed_);
@@ -164,10 +164,10 @@ class ViewSession {
                      options_.live.string(), model.file());
     const std::vector<TouchArea>& areas = model.surface().areas();
     if (areas.empty())
-      throw badInput("--live follows a finger, and no finger touches {}", model.file());
+      throw badInput("--live needs a finger, but no finger touches {}", model.file());
     for (const TouchArea& area : areas)
       if (area.radius != areas.front().radius)
-        throw badInput("--live follows fingers of one radius, and {} has several", model.file());
+        throw badInput("--live needs fingers of one radius; {} has several radii", model.file());
     live_.emplace(areas.front().radius, guess_.has_value());
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
@@ -175,7 +175,7 @@ class ViewSession {
     link_.emplace(*live_, std::move(link_options));
     constexpr std::chrono::seconds patience{10};
     if (!link_->waitUntilReady(patience))
-      spdlog::warn("the hand is not followed yet{}{}", link_->trouble().empty() ? "" : ": ",
+      spdlog::warn("live solving has not started yet{}{}", link_->trouble().empty() ? "" : ": ",
                    link_->trouble());
   }
 
@@ -230,7 +230,7 @@ class ViewSession {
   }
 
   void startLoop() {
-    PALPATE_ASSERT(!loop_, "one loop drives the device");
+    PALPATE_ASSERT(!loop_, "the haptic loop must not run already");
     LoopOptions loop_options;
     loop_options.rate = options_.rate;
     loop_options.real_time = options_.real_time;
@@ -312,7 +312,7 @@ class ViewSession {
   }
 
   PictureRequests drawFrame(const HapticState& state) {
-    PALPATE_ASSERT(picture_, "only a run with a picture draws");
+    PALPATE_ASSERT(picture_, "only a run with a picture can draw");
     status_.device = device_->name();
     status_.mouse = device_->isMouse();
     status_.contact = tick_->options().contact.mode;
@@ -372,7 +372,7 @@ class ViewSession {
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {
-    PALPATE_ASSERT(fresh, "a reload that fails throws");
+    PALPATE_ASSERT(fresh, "a reload must have a result");
     const bool ran = loop_ != nullptr;
     endLoop();
     tick_.reset();
@@ -389,7 +389,7 @@ class ViewSession {
   /// files.
   void saveRecording() const {
     if (!recorder_) return;
-    PALPATE_ASSERT(!loop_, "the loop has delivered all states");
+    PALPATE_ASSERT(!loop_, "the haptic loop must have ended");
     try {
       recorder_->save(options_.record);
     } catch (const Error& error) {
@@ -407,8 +407,8 @@ class ViewSession {
     const double count =
         static_cast<double>(std::max<std::uint64_t>(1, live.answers + live.failures));
     spdlog::info(
-        "the follower found {}, {:.1f} ms after the question in the mean and {:.1f} ms at most; {} "
-        "had none; it was started again {}",
+        "the live solver found {}, on average {:.1f} ms and at most {:.1f} ms after the request; "
+        "it found none for {} and was restarted {}",
         counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.seconds / count,
         1e3 * live.largest_seconds, counted(live.failures, "hand"), counted(live.restarts, "time"));
   }

@@ -29,12 +29,12 @@ ExitCode follow(const FollowOptions& options) {
 std::function<ExitCode()> prepareFollow(CLI::App& app) {
   auto options = std::make_shared<FollowOptions>();
   app.add_option("--listen", options->endpoint,
-                 "Where `palpate view --live` finds it: tcp://HOST:PORT or ipc://PATH")
+                 "Endpoint for `palpate view --live`: tcp://HOST:PORT or ipc://PATH")
       ->required()
       ->type_name("ENDPOINT");
   options->keys.addTo(app, "Serve clients without a key");
   app.footer(
-      "Solves around the hand of one haptic client at a time, so that a client on another machine\n"
+      "Solves configurations near the hand of one haptic client at a time, so that this client\n"
       "needs no solver. Ends with Ctrl-C. Exit codes: 0 done, 1 failed, 2 wrong usage.");
   return [options] { return follow(*options); };
 }
@@ -42,6 +42,6 @@ std::function<ExitCode()> prepareFollow(CLI::App& app) {
 }  // namespace
 
 const Verb follow_verb = {
-    "follow", "Solve around the hand of a haptic client (palpate view --live)", prepareFollow};
+    "follow", "Solve configurations near a client's hand (palpate view --live)", prepareFollow};
 
 }  // namespace palpate

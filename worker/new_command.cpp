@@ -14,28 +14,29 @@ namespace palpate {
 namespace {
 
 struct NewOptions {
-  std::string directory, mesh, unit;
+  std::string place, mesh, unit;
 };
 
-constexpr const char* scene_file_name = "scene.toml";
+bool namesScene(const std::filesystem::path& place) { return place.extension() == ".toml"; }
 
-/// Returns a valid scene name, made from the name of the scene's folder.
-std::string sceneNameOf(const std::filesystem::path& directory) {
-  const std::filesystem::path plain = (directory / "").parent_path();
+/// Returns a valid scene name, made from the name of the scene's folder or of its file.
+std::string sceneNameOf(const std::filesystem::path& place) {
+  const std::filesystem::path plain = namesScene(place) ? place.stem() : (place / "").parent_path();
   std::string name;
   for (const char c : plain.filename().string())
     name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '-';
   return name.find_first_not_of('-') == std::string::npos ? "organ" : name;
 }
 
-void refuseDirectory(const std::filesystem::path& directory) {
+void refuseScene(const std::filesystem::path& scene) {
+  const std::filesystem::path directory = scene.parent_path();
   std::error_code ignored;
   if (std::filesystem::exists(directory, ignored) &&
       !std::filesystem::is_directory(directory, ignored))
     throw badInput("{}: is a file; give the name of a folder", directory.string());
-  if (std::filesystem::exists(directory / scene_file_name, ignored))
-    throw badInput("{}: this scene exists already; give another folder, or remove it",
-                   (directory / scene_file_name).string());
+  if (std::filesystem::exists(scene, ignored))
+    throw badInput("{}: this scene exists already; give another name, or remove it",
+                   scene.string());
 }
 
 /// Returns whether `copy` exists and contains this mesh. Error if it contains anything else,
@@ -64,6 +65,7 @@ GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
 }
 
 void makeFolder(const std::filesystem::path& directory) {
+  if (directory.empty()) return;  // the current one
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error)
@@ -71,26 +73,27 @@ void makeFolder(const std::filesystem::path& directory) {
 }
 
 ExitCode writeScene(const NewOptions& options) {
-  const std::filesystem::path directory = options.directory, mesh_file = options.mesh;
-  refuseDirectory(directory);
+  const std::filesystem::path place = options.place, mesh_file = options.mesh;
+  const std::filesystem::path scene_file = namesScene(place) ? place : place / "scene.toml";
+  refuseScene(scene_file);
   if (mesh_file.extension() != ".msh")
     throw badInput("--mesh {}: a scene needs a Gmsh .msh file; run: palpate mesh {} -o {}",
                    options.mesh, shellWord(options.mesh),
                    shellWord(std::filesystem::path(mesh_file).replace_extension(".msh").string()));
   refuseMeshName(mesh_file, "--mesh");
   const std::string msh = readText(mesh_file, "mesh");
-  const std::filesystem::path copy = directory / mesh_file.filename();
+  const std::filesystem::path copy = scene_file.parent_path() / mesh_file.filename();
   const bool is_there = isThereAlready(copy, msh);
   const GuessedUnit unit = unitOfMesh(options, parseGmsh(msh, options.mesh));
   const ProposedScene scene =
-      proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(directory),
+      proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(place),
                     mesh_file.filename().string(), unit.unit, unit.doubt);
-  makeFolder(directory);
+  makeFolder(scene_file.parent_path());
   // The scene is written last, so that a folder with a scene has everything.
   if (!is_there) replaceFile(copy, msh, "mesh");
-  replaceFile(directory / scene_file_name, scene.toml, "scene");
+  replaceFile(scene_file, scene.toml, "scene");
 
-  const std::string file = (directory / scene_file_name).string();
+  const std::string file = scene_file.string();
   fmt::print("scene      {}, with {}\n", file, mesh_file.filename().string());
   fmt::print("unit       {}{}\n", unit.unit.name,
              !options.unit.empty() ? ""
@@ -105,7 +108,8 @@ ExitCode writeScene(const NewOptions& options) {
 
 std::function<ExitCode()> prepareNew(CLI::App& app) {
   auto options = std::make_shared<NewOptions>();
-  app.add_option("DIRECTORY", options->directory, "Folder to make, for scene.toml and the mesh")
+  app.add_option("PLACE", options->place,
+                 "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml")
       ->required()
       ->type_name("FOLDER");
   app.add_option("--mesh", options->mesh, "Mesh, written by palpate mesh or Gmsh")

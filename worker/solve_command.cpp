@@ -41,7 +41,7 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
 /// spacing.
 Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
                 const Eigen::Vector3d& target) {
-  PALPATE_ASSERT(!steps || *steps > 0, "--steps is checked when it is read");
+  PALPATE_ASSERT(!steps || *steps > 0, "--steps must be positive");
   Failure failure;
   const auto rest = solver.startAtRest(failure);
   if (!rest) return {failure, {}};
@@ -71,7 +71,7 @@ class Solving {
 
   /// Moves the finger to the point of the surface nearest to `near`.
   void moveTo(const Eigen::Vector3d& near) {
-    PALPATE_ASSERT(finger().has_value(), "only fingers can be moved");
+    PALPATE_ASSERT(finger().has_value(), "only a finger can move along the surface");
     const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
     if (const double distance = (moved.center - near).norm();
         distance > mostPlaceDistance(problem_.mesh, moved.radius))
@@ -204,7 +204,7 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
   addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
   app.add_option("--steps", options->steps,
-                 "Number of equal transitions from rest [one per lattice spacing]")
+                 "Number of equal steps from rest [one per lattice spacing]")
       ->check(CLI::Range(1, 100000));
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
@@ -212,7 +212,7 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
       "energy in J.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 a displacement was not reached "
       "(the\n"
-      "answer gives the reason), 130 interrupted.");
+      "output gives the reason), 130 interrupted.");
   return [options] { return solve(*options); };
 }
 

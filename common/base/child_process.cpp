@@ -22,7 +22,7 @@ namespace {
 }  // namespace
 
 pid_t startChild(std::vector<std::string> words) {
-  PALPATE_ASSERT(!words.empty(), "the first word is the program");
+  PALPATE_ASSERT(!words.empty(), "a command must begin with its program");
   // Allocate now, because the child must not allocate between fork() and exec.
   std::vector<char*> arguments;
   for (std::string& argument : words) arguments.push_back(argument.data());

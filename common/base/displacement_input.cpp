@@ -110,7 +110,7 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
 }
 
 bool looksLikeMillimetres(const Eigen::Vector3d& displacement, double workspace_radius) {
-  PALPATE_ASSERT(workspace_radius > 0, "Lattice::check refuses a radius of 0");
+  PALPATE_ASSERT(workspace_radius > 0, "the workspace must have a positive radius");
   const double length = displacement.stableNorm();
   return length > far_beyond * workspace_radius && 1e-3 * length <= workspace_radius;
 }

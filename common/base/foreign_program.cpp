@@ -45,7 +45,7 @@ std::string readWhole(const FileDescriptor& file) {
   for (;;) {
     const ssize_t read = pread(file.get(), part.data(), part.size(), std::ssize(text));
     if (read < 0 && errno == EINTR) continue;
-    if (read < 0) throw failure("a file in memory: {}", errnoText());
+    if (read < 0) throw failure("memory file failed: {}", errnoText());
     if (read == 0) return text;
     text.append(part.data(), static_cast<std::size_t>(read));
   }
@@ -105,21 +105,29 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
 
 enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
 
+/// Time for an interrupted program to remove its temporary files.
+constexpr std::chrono::seconds time_to_tidy{2};
+
 /// Waits for the end of the child and sets `status` as waitpid does. Kills the child if it takes
-/// longer than `patience`, or on an interrupt if `heeds_interrupts` is set. Returns why the child
-/// ended.
+/// longer than `patience`. On an interrupt, if `heeds_interrupts` is set, terminates it (SIGTERM)
+/// and kills it if it does not end. Returns why the child ended.
 WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
-  const auto deadline = std::chrono::steady_clock::now() + program.patience;
+  auto deadline = std::chrono::steady_clock::now() + program.patience;
+  WhyEnded why = WhyEnded::by_itself;
   for (;;) {
     const pid_t ended = waitpid(child, &status, WNOHANG);
-    if (ended == child) return WhyEnded::by_itself;
+    if (ended == child) return why;
     if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
-    const bool stop = program.heeds_interrupts && interrupted();
-    if (stop || std::chrono::steady_clock::now() > deadline) {
-      kill(-child, SIGKILL);  // with the child's own children
+    if (why == WhyEnded::by_itself && program.heeds_interrupts && interrupted()) {
+      why = WhyEnded::interrupted;
+      kill(-child, SIGTERM);  // with the child's own children
+      deadline = std::chrono::steady_clock::now() + time_to_tidy;
+    }
+    if (std::chrono::steady_clock::now() > deadline) {
+      kill(-child, SIGKILL);
       while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
       }
-      return stop ? WhyEnded::interrupted : WhyEnded::out_of_patience;
+      return why == WhyEnded::interrupted ? why : WhyEnded::out_of_patience;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -128,11 +136,11 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
 }  // namespace
 
 Ran runToItsEnd(const ForeignProgram& program) {
-  PALPATE_ASSERT(!program.words.empty(), "the first word is the program");
+  PALPATE_ASSERT(!program.words.empty(), "a command must begin with its program");
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
-  if (!writeAt(in.get(), 0, program.input)) throw failure("a file in memory: {}", errnoText());
+  if (!writeAt(in.get(), 0, program.input)) throw failure("memory file failed: {}", errnoText());
   const pid_t child = start(program, {in.get(), out.get(), err.get()});
   int status = 0;
   switch (endOf(child, program, status)) {

@@ -13,7 +13,7 @@ struct ForeignProgram {
   std::string input = {};  ///< contents of its stdin
   /// The program is killed after this time.
   std::chrono::seconds patience = std::chrono::seconds(60);
-  /// Whether an interrupt of this process (interrupted()) kills the program and makes runToItsEnd()
+  /// Whether an interrupt of this process (interrupted()) ends the program and makes runToItsEnd()
   /// throw an Error with exit code 130. Otherwise the call waits until the program ends.
   bool heeds_interrupts = false;
 };

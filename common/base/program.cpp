@@ -26,7 +26,7 @@ constexpr std::int64_t same_interrupt = 1000;
 
 /// Time of the first signal, CLOCK_MONOTONIC, ms; 0 before that signal.
 std::atomic<std::int64_t> first_interrupt = 0;
-static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
+static_assert(decltype(first_interrupt)::is_always_lock_free, "signal handlers must not wait");
 
 void onInterrupt(int) {
   timespec time{};

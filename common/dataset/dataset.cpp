@@ -18,7 +18,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
     throw badInput("{}: is an HDF5 file, but not a Palpate dataset (no attribute format = \"{}\")",
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers(layout::version_attribute);
-  if (version.size() != 2) throw in.damaged(layout::version_attribute, "is not (major, minor)");
+  if (version.size() != 2) throw in.damaged(layout::version_attribute, "must be (major, minor)");
   // Check for older versions first, because the user can seal those datasets again.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
@@ -125,7 +125,7 @@ Dataset::Dataset(const std::filesystem::path& file)
   input_->fields.emplace(in, scene_, body_.mesh, spaces_);
   probe_places_ = splitOff(spaces_);
   PALPATE_ASSERT(spaces_.size() + probe_places_.size() == scene_.active.size(),
-                 "areasOf() numbers spaces and probes in scene order");
+                 "each active node of the scene needs a space or a probe");
   for (SpaceTable& space : spaces_) space.max_force = scene_.workspace.max_force;
   content_id_ = idIn(in, layout::content_attribute);
   build_id_ = idIn(in, layout::build_attribute);
@@ -145,7 +145,7 @@ NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
                    point, table.patch.name, name(record.tag));
   NodalFields kept = input_->fields->read(space, table, static_cast<std::size_t>(point), 1);
   PALPATE_ASSERT(kept.displacement.size() == 3 * body_.stored.size(),
-                 "readMesh and FieldsReader agree on what the scene stores");
+                 "each stored node must have a displacement");
   return kept;
 }
 
@@ -155,7 +155,7 @@ NodalFields Dataset::surfaceFields(std::size_t space) const {
   const std::size_t n_points = table.points.size();
   NodalFields all = input_->fields->read(space, table, 0, n_points);
   if (surface.size() == stored.size() && all.pressure.empty()) return all;
-  PALPATE_ASSERT(stored.size() == body_.mesh.nodes.size(), "all nodes are stored");
+  PALPATE_ASSERT(stored.size() == body_.mesh.nodes.size(), "the dataset must store all nodes");
   return {rowsOfNodes(all.displacement, stored.size(), 3, surface),
           rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
 }

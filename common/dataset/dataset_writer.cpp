@@ -9,15 +9,14 @@ namespace {
 
 void checkArguments(const std::string& file, const Problem& problem, const SpaceRowsList& spaces) {
   if (spaces.empty() || spaces.size() != problem.active.size())
-    throw failure("{}: {} spaces to seal for {} active nodes", file, spaces.size(),
+    throw failure("{}: the dataset would have {} spaces for {} active nodes", file, spaces.size(),
                   problem.active.size());
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     const ActivePatch &given = spaces[s]->patch(), &active = problem.active[s];
     const Lattice expected = uniformLattice(problem.scene, active);
     if (given != active)
-      throw failure(
-          "{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
-          given.name, active.name);
+      throw failure("{}: space {} is \"{}\", but the active node of the scene is \"{}\"", file, s,
+                    given.name, active.name);
     const Lattice& lattice = spaces[s]->lattice();
     if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing() ||
         lattice.divisions() != expected.divisions() || lattice.uniformSize() != expected.size())

@@ -60,7 +60,7 @@ std::string describe(const Shape& shape) {
 
 Shape NamedFile::selectRows(const Handle& space, const ArrayInfo& info, hsize_t first,
                             hsize_t count) const {
-  PALPATE_ASSERT(!info.shape.empty() && first + count <= info.shape[0], "rows must exist");
+  PALPATE_ASSERT(!info.shape.empty() && first + count <= info.shape[0], "the rows must exist");
   Shape start(info.shape.size(), 0), counts = info.shape;
   start[0] = first;
   counts[0] = count;

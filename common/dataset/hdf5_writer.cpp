@@ -13,7 +13,7 @@ constexpr unsigned gzip_level = 4;
 /// Returns the bytes of `count` missing values: NaN, or the lowest int16.
 std::string noValues(Element element, std::size_t count) {
   PALPATE_ASSERT(element == Element::float32 || element == Element::int16,
-                 "Reader reads only these elements by rows");
+                 "only rows of float32 or int16 can be read");
   const std::vector<float> floats(count, std::numeric_limits<float>::quiet_NaN());
   const std::vector<std::int16_t> integers(count, std::numeric_limits<std::int16_t>::lowest());
   return std::string(element == Element::float32 ? bytesOf(std::span(floats))
@@ -84,7 +84,7 @@ void Writer::setNumber(const std::string& object, const char* attribute, double 
 
 Handle Writer::create(const std::string& path, Element element, const Shape& shape,
                       hid_t properties, const char* unit) {
-  PALPATE_ASSERT(path.starts_with('/'), "the hash sorts arrays by their absolute paths");
+  PALPATE_ASSERT(path.starts_with('/'), "the path of an array must be absolute");
   check(H5Pset_obj_track_times(properties, false), path);
   const Handle space =
       own(shape.empty() ? H5Screate(H5S_SCALAR)
@@ -140,7 +140,7 @@ RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape sh
 void RowWriter::addBytes(std::string_view row) {
   constexpr std::size_t at_once = std::size_t{1} << 20;
   PALPATE_ASSERT(row.size() == row_bytes_ && next_ < info_.shape[0],
-                 "a row must be complete, and none too many");
+                 "a row must be complete and fit into the array");
   ++next_;
   hasher_.add(row);
   pending_ += row;

@@ -188,8 +188,8 @@ NodalFields FieldsReader::read(std::size_t space, const SpaceTable& table, std::
                              [step = steps_[row]](std::int16_t n) { return step * n; });
     }
     if (rowHash(stored, quantized_ ? &steps_[row] : nullptr, of_row) != hashes_[row])
-      throw in_.damaged(fmt::format("{} or pressure, row {} (point {} of {})", displacement_path,
-                                    row, first + i, table.patch.name),
+      throw in_.damaged(fmt::format("{} or the pressure in row {} (point {} of {})",
+                                    displacement_path, row, first + i, table.patch.name),
                         "does not match stored_id");
   }
   return rows;

@@ -65,7 +65,7 @@ void writeMesh(hdf5::Writer& out, const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   PALPATE_ASSERT(
       mesh.edges.empty() == (problem.scene.discretization.displacement == DisplacementSpace::p1),
-      "readMesh expects mid-edge nodes only with P2 displacement");
+      "only meshes with P2 displacement can have mid-edge nodes");
   out.makeGroup("/mesh");
   out.writeList(points_path, mesh.nodes, "m");
   out.writeList(tetrahedra_path, mesh.tetrahedra, "1");

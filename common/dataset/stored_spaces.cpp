@@ -473,7 +473,7 @@ void writeSplitsAndAttempts(Writer& out, const SpacesToWrite& spaces) {
 
 void writeSpaces(Writer& out, const SpaceRowsList& rows,
                  const std::vector<std::vector<LatticeEdge>>& jumps) {
-  PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene has an active node");
+  PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene must have an active node");
   SpacesToWrite spaces;
   for (std::size_t s = 0; s < rows.size(); ++s) spaces.push_back({*rows[s], jumps[s]});
   const auto points = columnsOf<PointRecord>(

@@ -28,7 +28,7 @@ const std::vector<std::pair<std::string, Words>>& programs() {
         "explain", "events", "key"}},
       {"palpate-verify", {"verify"}},
       {"palpate-answers", {"query", "report", "share", "export"}},
-      {"palpate-viewer", {"doctor", "view", "device"}}};
+      {"palpate-viewer", {"touch", "doctor", "view", "device"}}};
   return all;
 }
 
@@ -39,6 +39,7 @@ lattice of positions of one displaced surface node, and answers with forces inte
 Usage: palpate VERB [ARGUMENTS]        palpate VERB --help prints the options of a verb
 
 From a mesh to forces
+  touch    Feel an organ at once, from a closed surface, a mesh or a scene
   mesh     Make a mesh from a closed surface (.stl, .obj, .ply, .off) or a mesh of another format
   new      Write a first, commented scene around a mesh
   check    Validate a scene; print sizes, mesh quality, warnings and the cost of a build
@@ -52,16 +53,16 @@ From a mesh to forces
 On several machines
   serve    Run the scheduler of a scene; workers may join and leave at any time
   work     Run workers for a scheduler, on any machine
-  follow   Solve around the hand of a haptic client on another machine
+  follow   Solve configurations near the hand of a haptic client on another machine
   fleet    Start as many workers as a build can use, by Slurm or ssh
-  status   Show the progress of a build: tags, rate, time left, workers, failures by cause
+  status   Show the progress of a build: points, rate, time left, workers, failures by cause
   stop     Let workers finish their solves, then end the build; serve continues it later
-  pause    Stop handing out work until resume; workers stay
+  pause    Give workers no work until resume; they stay connected
   resume   Continue a paused build
   seal     Write a dataset of the results so far, while the build continues
-  priority Compute one space before others
-  retry    Retry transitions that are set aside or failed with a given cause
-  explain  Show how a lattice point was reached, or why it failed
+  priority Compute one active node before others
+  retry    Repeat solves that were set aside or failed with a given cause
+  explain  Show how a lattice point was solved, or why it failed
   events   Print the events of a build: failures, workers, stages
   key      Make a key; allow other machines and people, or withdraw their keys
   check    Check a state directory for damage; repair it
@@ -74,7 +75,9 @@ How far to trust it
   report   Compare speed and error of the interpolation methods on a dataset; --html writes a page
   doctor   Check whether this machine can run the haptic client: timer, limits, display, devices
 
-In five minutes, from a closed surface organ.stl:
+At once, from a closed surface organ.stl:
+  palpate touch organ.stl
+In five minutes, with a dataset:
   palpate mesh organ.stl -o organ.msh
   palpate new organ --mesh organ.msh
   palpate check organ/scene.toml

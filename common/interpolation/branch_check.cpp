@@ -82,7 +82,7 @@ std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<L
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   PALPATE_ASSERT(space.points.size() == static_cast<std::size_t>(space.lattice.size()),
-                 "points[n] belongs to lattice number n");
+                 "each lattice point must have a record");
   const auto equilibriumOf = [&](std::int32_t n) -> const ToolEquilibrium* {
     const PointRecord& point = space.points[static_cast<std::size_t>(n)];
     return isSolved(point.tag) ? &point.equilibrium : nullptr;

@@ -34,7 +34,7 @@ CellTree::CellTree(const SpaceTable& space)
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
                   space.patch.name);
   PALPATE_ASSERT(space.points.size() == at(space.lattice.size()),
-                 "points[n] belongs to lattice number n");
+                 "each lattice point must have a record");
   const auto side = 2 * static_cast<std::size_t>(extent_);
   nodes_.assign(side * side * side, no_cell);
   std::size_t place = 0;
@@ -42,7 +42,7 @@ CellTree::CellTree(const SpaceTable& space)
     for (std::int32_t j = -extent_; j < extent_; ++j)
       for (std::int32_t k = -extent_; k < extent_; ++k)
         addCell(space, {{i * divisions_, j * divisions_, k * divisions_}, 0}, place++);
-  PALPATE_ASSERT(!leaves_.empty(), "cells at rest reach into the ball");
+  PALPATE_ASSERT(!leaves_.empty(), "some cell must lie in the ball of displacements");
   makeSlots(space);
   markUnsupported();
 }
@@ -110,7 +110,7 @@ void CellTree::hang(CellSlot& slot) const {
         (coarsest.leaf < 0 || leaves_[at(place.leaf)].level < leaves_[at(coarsest.leaf)].level))
       coarsest = place;
   }
-  PALPATE_ASSERT(coarsest.leaf >= 0, "every slot is a corner of a leaf");
+  PALPATE_ASSERT(coarsest.leaf >= 0, "every corner must belong to a cell");
   if (isCorner(coarsest.local)) return;
   slot.kind = SlotKind::hanging;
   slot.number = -1;

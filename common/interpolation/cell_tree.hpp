@@ -139,7 +139,7 @@ inline std::array<double, 8> trilinearWeights(const Eigen::Vector3d& local) noex
 /// `evaluate` reads `values` at the corners of the leaf.
 template <class Values, class Evaluate>
 void fillHanging(const CellTree& tree, Values& values, Evaluate evaluate) {
-  PALPATE_ASSERT(values.size() == tree.slots().size(), "there is one value per slot");
+  PALPATE_ASSERT(values.size() == tree.slots().size(), "each corner of a cell must have a value");
   for (const std::int32_t s : tree.hangingSlots()) {
     const CellSlot& slot = tree.slots()[at(s)];
     values[at(s)] = evaluate(slot.leaf, slot.local);

@@ -25,10 +25,9 @@ class Fitter {
         interpolated_(interpolatedPoints(space)),
         fits_(fits),
         inconsistent_(inconsistent) {
-    PALPATE_ASSERT(std::ranges::is_sorted(inconsistent),
-                   "inconsistentEdges sorts edges, joined() searches them");
+    PALPATE_ASSERT(std::ranges::is_sorted(inconsistent), "inconsistent edges must be sorted");
     PALPATE_ASSERT(inconsistent.empty() || inconsistent.back().a < space.lattice.size(),
-                   "inconsistentEdges joins points of this space");
+                   "inconsistent edges must join points of this space");
     PALPATE_ASSERT(tree.spacing() == space.lattice.spacing() && tree.unit() == space.lattice.unit(),
                    "the tree must have the lattice of the space");
     const std::int32_t divisions = space.lattice.divisions();
@@ -243,7 +242,7 @@ void addProduct(const AxisBasis& of_x, const AxisBasis& of_y, const AxisBasis& o
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits) {
-  PALPATE_ASSERT(ghosts.size() == tree.slots().size(), "ghostPolynomials made one per slot");
+  PALPATE_ASSERT(ghosts.size() == tree.slots().size(), "each corner of a cell needs a polynomial");
   Fitter fitter(tree, space, inconsistent, fits);
   for (std::size_t slot = 0; slot < ghosts.size(); ++slot)
     if (tree.slots()[slot].kind == SlotKind::solved) ghosts[slot] = fitter.complete(slot);
@@ -270,7 +269,7 @@ std::vector<EnergyJet> slotJets(const CellTree& tree,
 
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials) {
-  PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "slotPolynomials made one per slot");
+  PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "each cell corner needs a polynomial");
   std::vector<EnergyJet> jets = slotJets(tree, polynomials);
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf<double>(

@@ -132,7 +132,7 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
                        const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
     : nodes_(tree.leaves().size()) {
   PALPATE_ASSERT(polynomials.size() == tree.slots().size() && jets.size() == tree.slots().size(),
-                 "polynomials and jets must be of the same tree");
+                 "polynomials and energies must be of the same cells");
   Disagreement disagreement(tree, polynomials, jets, suspect);
   for (const std::int32_t leaf : coarseFirst(tree))
     for (std::size_t node = 0; node < 27; ++node)

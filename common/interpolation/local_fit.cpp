@@ -194,7 +194,7 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 }
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
-  PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "this needs known slopes");
+  PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "solved points must have first derivatives");
   // Sums of squared residuals of difference quotients, with the prediction of the derivative and
   // without it.
   double with = 0, without = 0;

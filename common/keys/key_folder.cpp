@@ -184,7 +184,7 @@ std::vector<AllowedKey> KeyFolder::allowed() const {
 }
 
 void KeyFolder::allow(const AllowedKey& key) const {
-  PALPATE_ASSERT(key.roles != Roles::none, "a line without a role is refused when it is read");
+  PALPATE_ASSERT(key.roles != Roles::none, "an allowed key must have a role");
   // After a line break the rest of a name would be read as an entry and could admit another key.
   const auto breaks = [](char c) {
     return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
@@ -264,7 +264,7 @@ Roles Admission::rolesOf(const PublicKey& key) {
         spdlog::warn("{}; the keys admitted before stay admitted", error.what());
       trouble_ = error.what();
     }
-  PALPATE_ASSERT(roles_.contains(own_), "the own key is always admitted");
+  PALPATE_ASSERT(roles_.contains(own_), "the own key must be admitted");
   const auto found = roles_.find(key);
   return found == roles_.end() ? Roles::none : found->second;
 }

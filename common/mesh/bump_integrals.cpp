@@ -63,7 +63,7 @@ class Integration {
 
 std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
                                         double radius) {
-  PALPATE_ASSERT(radius > 0, "a scene gives weighted tools a radius");
+  PALPATE_ASSERT(radius > 0, "a weighted tool must have a radius");
   return Integration(mesh, center, radius).run();
 }
 

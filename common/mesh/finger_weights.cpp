@@ -31,7 +31,7 @@ BumpIntegral quotient(const BumpIntegral& a, const BumpIntegral& b) {
 
 FingerWeights fingerWeights(const Mesh& mesh, const NodeSet& fixed, const Eigen::Vector3d& center,
                             double radius) {
-  PALPATE_ASSERT(center.allFinite(), "a centre is a position at the surface");
+  PALPATE_ASSERT(center.allFinite(), "the centre of a finger must be finite");
   const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, center, radius);
   FingerWeights finger;
   BumpIntegral sum;

@@ -10,7 +10,7 @@
 namespace palpate {
 
 FreeShare::FreeShare(const Mesh& mesh, const NodeSet& fixed, double radius) : radius_(radius) {
-  PALPATE_ASSERT(radius > 0, "a scene gives weighted tools a radius");
+  PALPATE_ASSERT(radius > 0, "a weighted tool must have a radius");
   const auto free = [&](std::int32_t node) { return contains(fixed, node) ? 0.0 : 1.0; };
   for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
     const Triangle& triangle = mesh.surface[t];

@@ -386,7 +386,7 @@ class GmshText {
   /// within one group are kept, so that finishMesh reports them as an error.
   void dropRepeatedTetrahedra() {
     PALPATE_ASSERT(group_of_tetrahedron_.size() == mesh_.tetrahedra.size(),
-                   "each tetrahedron was added with its group");
+                   "each tetrahedron must have a group");
     std::vector<std::tuple<Tetrahedron, std::int64_t, std::int32_t>> order;
     order.reserve(mesh_.tetrahedra.size());
     for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {

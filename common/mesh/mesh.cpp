@@ -272,7 +272,7 @@ std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b) {
 
 void addMidEdgeNodes(Mesh& mesh) {
   PALPATE_ASSERT(mesh.edges.empty() && mesh.mid_edge_nodes.empty(),
-                 "a mesh is made quadratic once");
+                 "the mesh must not be quadratic already");
   mesh.edges = edgesOf(mesh);
   for (const auto& [a, b] : mesh.edges)
     mesh.nodes.emplace_back(0.5 * (mesh.nodes[a] + mesh.nodes[b]));
@@ -311,7 +311,7 @@ std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, dou
 }
 
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh) {
-  PALPATE_ASSERT(!nodes.empty(), "collinearity needs a node");
+  PALPATE_ASSERT(!nodes.empty(), "at least one node must be given");
   const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
   const std::int32_t far = *std::ranges::max_element(
       nodes, {}, [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); });
@@ -322,7 +322,7 @@ bool areCollinear(const NodeSet& nodes, const Mesh& mesh) {
 }
 
 MeshQuality measure(const Mesh& mesh) {
-  PALPATE_ASSERT(!mesh.tetrahedra.empty(), "finishMesh refuses a mesh without tetrahedra");
+  PALPATE_ASSERT(!mesh.tetrahedra.empty(), "a mesh must have a tetrahedron");
   MeshQuality quality;
   quality.worst_shape = std::numeric_limits<double>::infinity();
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -346,7 +346,7 @@ MeshQuality measure(const Mesh& mesh) {
   quality.mean_edge =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   const std::vector<NodeSet> pieces = piecesOf(mesh);
-  PALPATE_ASSERT(!pieces.empty(), "a mesh has at least one piece");
+  PALPATE_ASSERT(!pieces.empty(), "a mesh must have at least one piece");
   quality.pieces = static_cast<std::int32_t>(pieces.size());
   std::vector<bool> seen(mesh.nodes.size());
   for (const NodeSet& piece : pieces)

@@ -18,7 +18,7 @@ constexpr double most_cubes = 48;  ///< largest number of cubes along each axis
 
 NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
     : points_(std::move(points)), reach_(reach) {
-  PALPATE_ASSERT(!points_.empty() && reach > 0, "a grid needs points and a reach");
+  PALPATE_ASSERT(!points_.empty() && reach > 0, "a search grid needs points and a radius");
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : points_) box.extend(point);
   lowest_ = box.min().array() - reach;
@@ -84,7 +84,7 @@ bool NearPoints::isReached(const Eigen::Vector3d& s) const noexcept {
 std::vector<Eigen::Vector3d> farthestPoints(
     const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts) {
-  PALPATE_ASSERT(distances.size() == places.size(), "each place has a distance");
+  PALPATE_ASSERT(distances.size() == places.size(), "each place must have a distance");
   std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
   std::vector<Eigen::Vector3d> taken;
   while (!places.empty()) {

@@ -47,7 +47,7 @@ Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept {
 }
 
 SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
-  PALPATE_ASSERT(place.allFinite() && !mesh.surface.empty(), "readers refuse other input");
+  PALPATE_ASSERT(place.allFinite() && !mesh.surface.empty(), "place and surface must be valid");
   const Eigen::Vector3d point = withinSquares(place);
   SurfacePoint nearest;
   double least = std::numeric_limits<double>::infinity();

@@ -71,7 +71,7 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
                         const Finger& finger) {
   FingerWeights weights = checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger);
   PALPATE_ASSERT(!weights.nodes.empty() && weights.nodes.size() == weights.weights.size(),
-                 "a finger that rests on free nodes has a weight for each");
+                 "a finger must have a weight for each of its nodes");
   ActivePatch patch;
   patch.name = name;
   NodeSet vertices = surfaceNodes(mesh);

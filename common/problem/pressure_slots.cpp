@@ -29,8 +29,7 @@ PressureSlots::PressureSlots(PressureSpace space, const Mesh& mesh,
                              const std::vector<std::uint16_t>& region_of)
     : first_(pressureNodes(space, mesh), no_region) {
   if (first_.empty()) return;
-  PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(),
-                 "selectRegions gave each tetrahedron a region");
+  PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(), "each tetrahedron must have a region");
   for (const Material& material : materials)
     same_as_.push_back(
         static_cast<std::uint16_t>(std::ranges::find(materials, material) - materials.begin()));
@@ -57,7 +56,7 @@ std::int32_t PressureSlots::slotOf(std::int32_t node, std::uint16_t region) cons
   if (first_[at(node)] == wanted.region) return node;
   const auto found = std::ranges::lower_bound(further_, wanted);
   PALPATE_ASSERT(found != further_.end() && *found == wanted,
-                 "an element has pressures at its own nodes");
+                 "each node of an element must have a pressure");
   return numberOf(*found);
 }
 

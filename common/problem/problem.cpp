@@ -77,8 +77,8 @@ void refuseLoosePieces(const Problem& problem) {
   if (nodes.empty())
     throw badInputAt(
         mesh_line,
-        "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix it, "
-        "remove it, or join it to the others (palpate mesh --weld merges coincident nodes)",
+        "the mesh consists of {} pieces that share no face, and {} has no fixed node; fix some of "
+        "its nodes, remove it, or join it to the others (palpate mesh --weld)",
         pieces.size(), where);
   const std::string hinge = placeText(mesh.nodes[at(nodes.front())]);
   if (!std::ranges::includes(problem.fixed, nodes))
@@ -122,7 +122,7 @@ void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
   if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
       (weighted && !(std::abs(sum - 1) < 1e-9)))
-    throw badInput("active \"{}\": {} weights with the sum {} for {} nodes", patch.name,
+    throw badInput("active \"{}\": its {} weights (sum {}) do not fit its {} nodes", patch.name,
                    patch.weights.size(), sum, patch.nodes.size());
 }
 
@@ -155,7 +155,7 @@ void checkRegions(const Problem& problem) {
       std::ranges::any_of(problem.region_of, [&](auto r) { return r >= n_regions; }))
     throw badInput("the regions of the {} tetrahedra do not match the scene", n_elements);
   if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
-    throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
+    throw badInput("there are {} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
   for (const auto& fibers : problem.fibers)
     for (const Eigen::Vector3d& fiber : fibers)
       if (!fiber.isZero(0) && !(std::abs(fiber.squaredNorm() - 1) < 1e-12))
@@ -201,9 +201,9 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
     for (const std::int32_t node : allNodesOf(mesh, element))
       if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
         throw badInput(
-            "active \"{}\": all nodes around node {} at {} are fixed or move with the tool, so "
-            "that {} cannot keep its volume when the tool moves; make radius smaller, fix fewer "
-            "nodes, or give the material a bulk modulus",
+            "active \"{}\": every node around node {} at {} is fixed or moves with the tool, so {} "
+            "cannot keep its volume; make radius smaller, fix fewer nodes, or give the material a "
+            "bulk modulus",
             patch.name, node, placeText(mesh.nodes[node]), placeOf(mesh, element));
 }
 
@@ -297,8 +297,8 @@ void checkProblem(const Problem& problem) {
   checkRegions(problem);
   const NodeSet surface = surfaceNodes(problem.mesh);
   if (problem.active.size() != scene.active.size())
-    throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
-                   scene.active.size());
+    throw badInput("there are {} patches for the {} active nodes of the scene",
+                   problem.active.size(), scene.active.size());
   for (std::size_t i = 0; i < problem.active.size(); ++i)
     atLine(scene.active[i].lines.of("name"), [&] { checkActive(problem, i, surface); });
   refuseLoosePieces(problem);
@@ -341,7 +341,7 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
 }
 
 std::int32_t probesIn(const Scene& scene, std::size_t space) {
-  PALPATE_ASSERT(space < scene.active.size(), "there is a space for each active node");
+  PALPATE_ASSERT(space < scene.active.size(), "the active node must exist in the scene");
   const ActiveSelection& active = scene.active[space];
   if (active.isProbe()) return 1;
   const auto measures = [&](const ActiveSelection& other) {
@@ -368,7 +368,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   PALPATE_ASSERT(
       std::ranges::none_of(
           scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),
-      "expandSurfaces left no surface");
+      "areas must be split into sites");
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);

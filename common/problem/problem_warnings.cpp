@@ -48,7 +48,7 @@ class Warnings {
         scene_(problem.scene),
         quality_(measure(problem.mesh)),
         distance_to_fixed_(usualDistanceToFixed()) {
-    PALPATE_ASSERT(problem.active.size() == scene_.active.size(), "resolve() expanded surfaces");
+    PALPATE_ASSERT(problem.active.size() == scene_.active.size(), "areas must be split into sites");
     warnings_ = unjoinedText(problem.mesh, quality_, scene_.mesh.string());
     warnOfMaterials();
     warnOfStability();
@@ -230,7 +230,7 @@ class Warnings {
 
   double distanceToFixed(const ActivePatch& patch) const {
     const std::vector<Eigen::Vector3d>& nodes = problem_.mesh.nodes;
-    PALPATE_ASSERT(!problem_.fixed.empty(), "checkProblem refuses a body that nothing holds");
+    PALPATE_ASSERT(!problem_.fixed.empty(), "a body must have fixed nodes");
     const auto distance = [&](std::int32_t n) { return (nodes[n] - nodes[patch.node]).norm(); };
     return distance(*std::ranges::min_element(problem_.fixed, {}, distance));
   }
@@ -240,7 +240,7 @@ class Warnings {
   double usualDistanceToFixed() const {
     std::vector<double> distances;
     for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
-    PALPATE_ASSERT(!distances.empty(), "a scene has an active node");
+    PALPATE_ASSERT(!distances.empty(), "a scene must have an active node");
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     return *middle;

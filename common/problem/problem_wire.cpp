@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays travel as they are in memory");
+static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
 template <class Array>
 std::string bytesOfArray(const Array& values) {
@@ -133,7 +133,7 @@ Problem decodeProblem(std::string_view bytes) {
   wire::Problem message;
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
       !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw failure("a problem of {} bytes is damaged: it is not a Protobuf message", bytes.size());
+    throw failure("a problem description of {} bytes is not a Protobuf message", bytes.size());
   try {
     Problem problem = fromMessage(message);
     checkProblem(problem);
@@ -143,7 +143,7 @@ Problem decodeProblem(std::string_view bytes) {
       throw failure("its encoding differs from that of this version of Palpate");
     return problem;
   } catch (const Error& error) {
-    throw failure("a problem of {} bytes is damaged: {}", bytes.size(), error.what());
+    throw failure("a problem description of {} bytes is damaged: {}", bytes.size(), error.what());
   }
 }
 

@@ -339,7 +339,7 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
 
 std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
                                             const NodeSet& fixed) {
-  PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts the fixed nodes");
+  PALPATE_ASSERT(std::ranges::is_sorted(fixed), "the fixed nodes must be sorted");
   const NodeSet surface = surfaceNodes(mesh);
   std::vector<ActiveSelection> expanded, probes;
   const auto expand = [&](const ActiveSelection& selection) {
@@ -375,7 +375,7 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
 }
 
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed) {
-  PALPATE_ASSERT(!selection.surface, "expandSurfaces left single nodes");
+  PALPATE_ASSERT(!selection.surface, "areas must be split into sites");
   const NodeSet surface = surfaceNodes(mesh);
   if (selection.tool == ToolKind::finger) return selectFinger(selection, mesh, surface, fixed);
   const bool weighted = selection.tool == ToolKind::weighted_average;
@@ -389,7 +389,7 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
     // Always include the active node itself. With a radius of 0, round-off could exclude it.
     if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
   }
-  PALPATE_ASSERT(contains(patch.nodes, patch.node), "a tool always moves its active node");
+  PALPATE_ASSERT(contains(patch.nodes, patch.node), "a tool must move its active node");
   if (weighted) patch.weights = weightsOf(patch, mesh, selection.radius);
   return patch;
 }
@@ -430,8 +430,7 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
     const std::vector<Region>& regions, const std::vector<std::uint16_t>& region_of,
     const Mesh& mesh) {
   if (!hasFibers(regions)) return {};
-  PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(),
-                 "selectRegions gave each tetrahedron a region");
+  PALPATE_ASSERT(region_of.size() == mesh.tetrahedra.size(), "each tetrahedron must have a region");
   std::vector<const std::vector<Eigen::Vector3d>*> fields;
   const auto line = [&](std::size_t region) { return regions[region].lines.of("fiber"); };
   for (std::size_t r = 0; r < regions.size(); ++r)

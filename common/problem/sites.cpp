@@ -154,7 +154,7 @@ std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
 
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius, double distance) {
-  PALPATE_ASSERT(radius > 0, "a scene gives fingers a radius");
+  PALPATE_ASSERT(radius > 0, "a finger must have a radius");
   const auto refuse = [&] {
     throw badInput(
         "a finger of radius {:.4g} m needs more than {} sites on this surface: "
@@ -182,7 +182,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
     for (std::size_t n = before; n < pieces.size(); ++n)
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
-  PALPATE_ASSERT(wanted == triangles.end(), "the triangles must ascend");
+  PALPATE_ASSERT(wanted == triangles.end(), "the triangle numbers must exist and ascend");
   const FreeShare free_share(mesh, fixed, radius);
   return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {

@@ -24,7 +24,7 @@ std::vector<std::string> choicesOf(const Scene& scene) {
 
 ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
   const std::vector<std::string> names = choicesOf(scene);
-  PALPATE_ASSERT(!names.empty(), "probes measure areas, which have sites that can be touched");
+  PALPATE_ASSERT(!names.empty(), "a scene with probes must have another active node");
   if (name.empty() && names.size() > 1)
     throw badInput("the scene has several active nodes; choose one with --active: {}",
                    fmt::join(names, ", "));

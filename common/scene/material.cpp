@@ -18,7 +18,7 @@ double shearModulus(const Material& m) {
   switch (m.law) {
     case LawName::linear:
     case LawName::st_venant_kirchhoff:
-      PALPATE_ASSERT(m.poisson, "readMaterial requires Poisson's ratio for these laws");
+      PALPATE_ASSERT(m.poisson, "this material law needs Poisson's ratio");
       return m.young / (2 * (1 + *m.poisson));
     case LawName::modified_st_venant_kirchhoff:
       return m.poisson ? m.young / (2 * (1 + *m.poisson)) : m.young / 3;

@@ -64,7 +64,7 @@ std::string surfaceToml(const SurfaceSelection& surface) {
 }
 
 std::string activeToml(const ActiveSelection& active) {
-  PALPATE_ASSERT(active.near || active.node || active.surface, "readActive requires one");
+  PALPATE_ASSERT(active.near || active.node || active.surface, "an active node must have a place");
   const std::string place = active.surface ? "surface = " + surfaceToml(*active.surface)
                             : active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
                                           : fmt::format("node = {}", *active.node);
@@ -98,7 +98,7 @@ std::string storageToml(const Storage& storage) {
 }  // namespace
 
 std::string resolvedToml(const Scene& scene) {
-  PALPATE_ASSERT(!scene.regions.empty(), "a body has a material");
+  PALPATE_ASSERT(!scene.regions.empty(), "a body must have a material");
   std::string text =
       fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                   quotedToml(scene.mesh.filename().string()));

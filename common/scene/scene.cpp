@@ -216,7 +216,7 @@ ActiveSelection readActive(const TomlSection& section) {
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
-    throw section.wrong("area", "is only for single fingers; a surface is its own area");
+    throw section.wrong("area", "is only for fingers without surface, which is an area itself");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong(
         "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",
@@ -369,7 +369,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
       {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
   PALPATE_ASSERT(!scene.active.empty() && !scene.regions.empty(),
-                 "a scene has a region and an active node");
+                 "a scene must have a region and an active node");
   scene.device = readDevice(root);
   scene.workspace = readWorkspace(root, scene.device);
   scene.accuracy = readAccuracy(root);

@@ -130,7 +130,7 @@ bool TomlSection::flag(std::string_view key, const toml::node& node) const {
 }
 
 std::size_t TomlSection::choice(std::string_view key, const toml::node& node, Words words) const {
-  PALPATE_ASSERT(!words.empty(), "a key with a choice has words to choose from");
+  PALPATE_ASSERT(!words.empty(), "a key with a choice must have words to choose from");
   const std::string value = text(key, node);
   const auto found = std::ranges::find(words, value);
   if (found == words.end()) throw wrong(key, "there is no \"{}\"{}", value, hint(value, words));

@@ -9,7 +9,7 @@
 namespace palpate {
 
 static_assert(std::endian::native == std::endian::little,
-              "files and messages hold little-endian arrays as they are in memory");
+              "memory must be little-endian, as in files and messages");
 
 std::string NodalFields::encode() const {
   std::string bytes(bytesOf(std::span(displacement)));

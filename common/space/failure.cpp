@@ -27,14 +27,15 @@ std::string meaningOf(const Failure& f) {
                          f.residual, f.element, f.element_det_F);
     case Cause::inverted_element:
       return fmt::format(
-          "element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually helps",
+          "element {} has det F = {:.3g}; constraint ln-det-F or a larger radius usually helps",
           f.element, f.element_det_F);
     case Cause::wrong_inertia:
-      return fmt::format("{} negative pivots instead of {}: a fold or another branch in between",
-                         f.negative_pivots, f.expected_negative_pivots);
+      return fmt::format(
+          "{} negative pivots instead of {}: a fold or another solution branch lies in between",
+          f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
       if (f.mumps_infog1 >= 0)
-        return "the solution with the factors cannot be refined; the tangent is nearly singular";
+        return "the linear solution cannot be refined; the tangent is nearly singular";
       return fmt::format("MUMPS INFOG(1) = {}, INFOG(2) = {}", f.mumps_infog1, f.mumps_infog2);
     case Cause::not_finite: return "NaN or infinity appeared";
     case Cause::step_budget:
@@ -45,8 +46,7 @@ std::string meaningOf(const Failure& f) {
       return "every worker that tried this transition died; "
              "see the workers' logs (memory limit?)";
     case Cause::unreachable:
-      return "not tried, because no neighbour can be expanded: the point lies behind terminating "
-             "or failed points";
+      return "not tried, because every neighbour failed or has a force above workspace.max_force";
     case Cause::limit_point:
       return fmt::format(
           "the equilibrium path turns back there ({} negative pivots instead of {} beyond the "
@@ -57,8 +57,8 @@ std::string meaningOf(const Failure& f) {
              "is not an error";
     case Cause::bifurcation:
       return fmt::format(
-          "{} negative pivots instead of {}: the body buckles, and no stable shape was found "
-          "beside the unstable one",
+          "{} negative pivots instead of {}: the body buckles, and no stable shape was found near "
+          "the unstable one",
           f.negative_pivots, f.expected_negative_pivots);
   }
   return {};

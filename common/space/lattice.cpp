@@ -75,7 +75,7 @@ void Lattice::check(double radius, double spacing) {
 
 Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const PushedPart& part)
     : radius_(radius), divisions_(divisions) {
-  PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "this is a power of 2");
+  PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "this must be a power of 2");
   check(radius, spacing);
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
@@ -88,7 +88,7 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
     return !part.contains(spacing_ * Eigen::Vector3d(p[0], p[1], p[2]), spacing_ / 2);
   });
   uniform_size_ = size();
-  PALPATE_ASSERT(uniform_size_ > 0 && points_.front() == LatticePoint{}, "point 0 is at rest");
+  PALPATE_ASSERT(uniform_size_ > 0 && points_.front() == LatticePoint{}, "point 0 must be at rest");
   for (LatticePoint& point : points_)
     for (std::int32_t& coordinate : point) coordinate *= divisions;
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
@@ -174,7 +174,7 @@ constexpr std::array<Step, 26> steps = [] {
 }  // namespace
 
 Neighbours Lattice::neighbours(std::int32_t index) const {
-  PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
+  PALPATE_ASSERT(index >= 0 && index < uniform_size_, "the point must be of the uniform lattice");
   const LatticePoint& point = points_[index];
   const LatticePoint center = {point[0] / divisions_, point[1] / divisions_, point[2] / divisions_};
   const auto place = static_cast<std::int64_t>(*placeInCube(point));

@@ -25,20 +25,20 @@ std::string faultOfSplits(const SpaceRows& space) {
     return !coarserFirst(a, b);
   };
   if (std::ranges::adjacent_find(splits, notBefore) != splits.end())
-    return "splits are not sorted by level and lowest";
+    return "split cells are not sorted by level and lowest corner";
   for (std::size_t i = 0; i < splits.size(); ++i) {
     const LatticeCell& cell = splits[i];
     // The table may come from a file, so check the level before a shift, which is undefined for 31
     // and more.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
-      return fmt::format("split {} has level {}, which cannot be halved", i, cell.level);
+      return fmt::format("split cell {} has level {}, which cannot be halved", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
     const bool aligned = std::ranges::all_of(
         cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
     if (!aligned || isFarOutside(cell.lowest, space.lattice()))
-      return fmt::format("split {} is not a cell of the lattice", i);
+      return fmt::format("split cell {} is not a cell of the lattice", i);
     if (cell.level > 0 && !isSplit(splits, parentOf(cell, divisions)))
-      return fmt::format("split {} lies in a cell that is not split", i);
+      return fmt::format("split cell {} lies in a cell that is not split", i);
   }
   return {};
 }
@@ -87,13 +87,13 @@ SpaceTable tableOf(const SpaceRows& rows) {
   rows.eachAttempt([&](const FailedAttempt& attempt) { table.attempts.push_back(attempt); });
   for (std::int32_t n = 0; n < rows.probes(); ++n) table.probes.push_back(rows.probe(n));
   PALPATE_ASSERT(std::ssize(table.points) == table.lattice.size(),
-                 "the points of a space are the first of its lattice");
+                 "each lattice point must have a record");
   return table;
 }
 
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
-                 "points[n] belongs to lattice number n");
+                 "each lattice point must have a record");
   double largest = 0;
   for (const PointRecord& point : space.points)
     if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
@@ -111,7 +111,7 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
 std::string faultOf(const SpaceRows& space) {
   const Lattice& lattice = space.lattice();
   const std::int32_t size = space.points();
-  PALPATE_ASSERT(size <= lattice.size(), "a space has no more points than its lattice");
+  PALPATE_ASSERT(size <= lattice.size(), "a space cannot have more points than its lattice");
   const auto isPoint = [size](std::int32_t n) { return n >= 0 && n < size; };
   for (std::int32_t n = 0; n < size; ++n) {
     if (isFarOutside(lattice.point(n), lattice))
@@ -144,7 +144,7 @@ std::string faultOf(const SpaceTable& space) {
   const auto isPoint = [&](std::int32_t n) { return n >= 0 && n < space.lattice.size(); };
   for (const LatticeEdge& edge : space.inconsistent_edges)
     if (!isPoint(edge.a) || !isPoint(edge.b) || edge.a >= edge.b)
-      return fmt::format("an inconsistent edge joins invalid points, {} and {}", edge.a, edge.b);
+      return fmt::format("an inconsistent edge has invalid points, {} and {}", edge.a, edge.b);
   return "";
 }
 

@@ -21,7 +21,7 @@ std::size_t payloadBytesOf(const wire::Message& message) {
 }  // namespace
 
 void Bundler::add(wire::Message message, std::string_view payload) {
-  PALPATE_ASSERT(payload.size() == payloadBytesOf(message), "messages announce their payloads");
+  PALPATE_ASSERT(payload.size() == payloadBytesOf(message), "a message must announce its payload");
   PALPATE_ASSERT(!message.has_bundle(), "a bundle must not contain a bundle");
   const std::size_t bytes = message.ByteSizeLong() + payload.size();
   if (bytes_ + bytes > bundle_bytes || open_.message.bundle().messages_size() == bundle_messages)
@@ -44,7 +44,7 @@ void Bundler::close() {
 
 std::vector<Letter> Bundler::take() {
   close();
-  PALPATE_ASSERT(bytes_ == 0 && open_.payload.empty(), "payloads leave with messages");
+  PALPATE_ASSERT(bytes_ == 0 && open_.payload.empty(), "a payload must leave with its message");
   return std::exchange(closed_, {});
 }
 

@@ -142,7 +142,7 @@ bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
 bool isListenedAt(const std::string& path) {
   struct sockaddr_un address {};
   address.sun_family = AF_UNIX;
-  PALPATE_ASSERT(path.size() < sizeof address.sun_path, "longer paths were refused");
+  PALPATE_ASSERT(path.size() < sizeof address.sun_path, "the path must fit into the address");
   path.copy(address.sun_path, path.size());
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) throw failure("ipc://{}: cannot check for a listener: {}", path, errnoText());
@@ -480,10 +480,11 @@ LatticePoint fromWire(const wire::Point& point) { return {point.i(), point.j(), 
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result) {
   toWire(outcome.cost, *result.mutable_cost());
   if (!outcome.converged()) {
-    PALPATE_ASSERT(stopsTransitions(outcome.failure().cause), "fromWire accepts no other causes");
+    PALPATE_ASSERT(stopsTransitions(outcome.failure().cause),
+                   "a transition cannot fail with this cause");
     return toWire(outcome.failure(), *result.mutable_failure());
   }
-  PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
+  PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium must have nodal fields");
   toWire(outcome.equilibrium(), *result.mutable_equilibrium());
   result.mutable_equilibrium()->set_residual(outcome.configuration().residual);
   result.set_fields_id(std::string(ContentId::of(fields_bytes).bytes()));

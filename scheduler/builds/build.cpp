@@ -12,7 +12,7 @@ JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, s
   const Lattice& positions = plans[space].positions();
   auto record = find({static_cast<std::uint32_t>(space), positions.point(point),
                       positions.point(plans[space].points().parent(point))});
-  PALPATE_ASSERT(record, "plans advance only with recorded results");
+  PALPATE_ASSERT(record, "a solved point must have a recorded result");
   return std::move(*record);
 }
 
@@ -26,7 +26,7 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
       store_(directory_, problem_, segment_bytes),
       coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {
   PALPATE_ASSERT(coordinator_.plans().size() == problem_.active.size(),
-                 "recorded results name spaces by their numbers in the scene");
+                 "each active node must have a plan");
 }
 
 /// Checks the kernels before any worker is admitted.
@@ -67,7 +67,7 @@ SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& proble
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         const RecordSource& find, bool partial) {
   SpaceRowsList rows = rowsOf(plans);
-  PALPATE_ASSERT(rows.size() == problem.active.size(), "a dataset has the spaces of its scene");
+  PALPATE_ASSERT(rows.size() == problem.active.size(), "each active node must have a space");
   const auto fields = [&](std::size_t space, std::int32_t point) {
     return NodalFields::decode(recordOf(plans, space, point, find).payload,
                                problem.mesh.nodes.size(), problem.pressures.count());
@@ -88,7 +88,7 @@ void Build::verify() const {
 }
 
 SpaceRowsList Build::seal(const std::filesystem::path& file) {
-  PALPATE_ASSERT(coordinator_.complete(), "a dataset holds every point of its scene");
+  PALPATE_ASSERT(coordinator_.complete(), "a build must be complete before it is sealed");
   return sealPlans(file, problem_, coordinator_.plans(), store_.kernelFamily(), finder(), false);
 }
 

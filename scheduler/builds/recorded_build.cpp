@@ -25,8 +25,7 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
     // exclusion made meanwhile.
     tables_.emplace(directory_);
   } while (tables_->keptOut() != liars);
-  PALPATE_ASSERT(plans().size() == problem_.active.size(),
-                 "recorded results name spaces by their numbers in the scene");
+  PALPATE_ASSERT(plans().size() == problem_.active.size(), "each active node must have a plan");
 }
 
 bool RecordedBuild::complete() {

@@ -54,7 +54,7 @@ void EventLog::add(const Event& event) {
   if (lost_ > 0 && waiting_.empty())
     waiting_ = Event("left_out").with("events", lost_).line(now) + '\n';
   const std::string line = event.line(now);
-  PALPATE_ASSERT(line.find('\n') == std::string::npos, "readers treat each line as one event");
+  PALPATE_ASSERT(line.find('\n') == std::string::npos, "an event must be a single line");
   waiting_ += line + '\n';
   ++lines_;
   if (waiting_.size() >= most_waiting) flush();

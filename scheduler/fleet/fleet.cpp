@@ -32,7 +32,7 @@ std::optional<wire::Status> FleetWatch::look() {
 
 int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   PALPATE_ASSERT(view.queued >= 0 && view.running >= 0 && limits.transitions_each > 0,
-                 "job counts are not negative, and the command line was checked");
+                 "counts must be >= 0, and transitions_each positive");
   std::int64_t worth = view.hands_out ? view.ready / limits.transitions_each : 0;
   // One ready transition, as at the start of a build, needs a worker too.
   if (view.hands_out && view.ready > 0) worth = std::max<std::int64_t>(worth, 1);
@@ -42,7 +42,7 @@ int moreWorkers(const FleetView& view, const FleetLimits& limits) {
   const int more = std::min(missing, std::max(0, limits.most_queued - view.queued));
   PALPATE_ASSERT(
       more + view.running + view.queued <= std::max(limits.most, view.running + view.queued),
-      "no more workers are requested than the limit allows");
+      "requested workers must stay within the limit");
   return more;
 }
 

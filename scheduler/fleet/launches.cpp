@@ -27,7 +27,7 @@ Launches::Change Launches::see(const std::vector<Ended>& ended, const std::vecto
   }
   if (!held()) backoff_.succeeded();
   PALPATE_ASSERT(in_a_row_ >= 0 && last_failures_.size() <= most_in_a_row,
-                 "only counted failures are listed");
+                 "every listed failure must be counted");
   return change;
 }
 

@@ -164,7 +164,7 @@ SlurmJobs SlurmJobs::parsed(const std::string& text, const std::string& endpoint
 }
 
 std::string Slurm::script(int workers, const std::set<std::string>& but_on) const {
-  PALPATE_ASSERT(workers > 0, "a script starts at least one worker");
+  PALPATE_ASSERT(workers > 0, "a job script must start at least one worker");
   std::string text = "#!/bin/sh\n";
   const auto option = [&](const std::string& words) { text += "#SBATCH " + words + '\n'; };
   option("--job-name=" + options_.name);

@@ -99,12 +99,12 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   // Keep running and queued jobs, because the scheduler may soon be back.
   if (!status) return tell(jobs, 0, "the scheduler does not answer");
   const int more = moreFor(jobs, *status);
-  tell(jobs, more, fmt::format("{} transitions are ready", status->ready()));
+  tell(jobs, more, fmt::format("{} solves are ready to start", status->ready()));
   if (options_.dry_run) return;
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {
     const std::vector<std::string> ids = idsOf(jobs.queued);
-    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "running workers stay");
+    PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "only queued jobs may be ended");
     engine_.cancel({ids.end() + more, ids.end()});
   }
 } catch (const Error& error) {

@@ -80,7 +80,7 @@ void SshHosts::keep(Time now) {
                    host.name, ended.how, meaningOf(ended.how), host.retry.pause().count());
     }
     if (host.connection.running() > 0 || host.done || !host.retry.over(now)) continue;
-    PALPATE_ASSERT(host.connection.running() == 0, "a machine has at most one connection");
+    PALPATE_ASSERT(host.connection.running() == 0, "a machine must have at most one connection");
     host.connection.start();
     host.begun = now;
     spdlog::info("{}: starting workers", host.name);

@@ -22,7 +22,7 @@ std::string describeStatus(int status) {
 }  // namespace
 
 void WorkerPool::start() {
-  PALPATE_ASSERT(!command_.empty(), "the first word is the program");
+  PALPATE_ASSERT(!command_.empty(), "a command must begin with its program");
   running_.push_back(startChild(command_));
 }
 

@@ -51,8 +51,8 @@ const std::vector<FailedAttempt>& CompactPoints::attempts(std::int32_t n) const 
 }
 
 void CompactPoints::solve(std::int32_t n, const PointRecord& found) {
-  PALPATE_ASSERT(isSolved(found.tag), "only solved points have an equilibrium");
-  PALPATE_ASSERT(n >= 0 && n < size_, "an equilibrium belongs to a point of the plan");
+  PALPATE_ASSERT(isSolved(found.tag), "only solved points can have an equilibrium");
+  PALPATE_ASSERT(n >= 0 && n < size_, "an equilibrium must belong to a point of the plan");
   count(n, -1);
   Point& point = at(n);
   point.tag = found.tag;
@@ -81,7 +81,7 @@ void CompactPoints::fail(std::int32_t n, Cause cause) {
 
 void CompactPoints::addAttempt(const FailedAttempt& attempt) {
   const std::int32_t n = attempt.target;
-  PALPATE_ASSERT(n >= 0 && n < size_, "an attempt belongs to a point of the plan");
+  PALPATE_ASSERT(n >= 0 && n < size_, "an attempt must belong to a point of the plan");
   count(n, -1);
   at(n).tried = true;
   count(n, 1);

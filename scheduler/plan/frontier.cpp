@@ -26,7 +26,7 @@ void Frontier::record(const Transition& transition, const Known& known) {
     throw failure("transition to point {} from point {} is recorded but was not requested",
                   transition.target, transition.parent);
   Point& point = points_[transition.target];
-  PALPATE_ASSERT(open_count_ > 0, "every open transition is counted");
+  PALPATE_ASSERT(open_count_ > 0, "every open transition must be counted");
   --open_count_;
   if (isSolved(known.points.tag(transition.target))) {
     point.phase = Phase::reached;
@@ -35,7 +35,7 @@ void Frontier::record(const Transition& transition, const Known& known) {
   } else {
     PALPATE_ASSERT(!known.points.attempts(transition.target).empty() &&
                        known.points.attempts(transition.target).back().parent == transition.parent,
-                   "a failure is recorded before the frontier advances");
+                   "a failure must be recorded before the next attempt");
     advance(transition.target, known);
   }
   releaseWaiting(known);
@@ -50,7 +50,7 @@ void Frontier::makeReady(std::int32_t target, std::int32_t parent) {
 }
 
 void Frontier::settle(std::int32_t point) {
-  PALPATE_ASSERT(unsettled_ > 0, "a point is settled only once per round");
+  PALPATE_ASSERT(unsettled_ > 0, "a point must be decided only once per round");
   --unsettled_;
   // Later rounds use only points that were expandable when the round began, so no point waits.
   if (round_ == 0) newly_settled_.push_back(point);

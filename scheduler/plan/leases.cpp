@@ -20,14 +20,14 @@ Leases::Start Leases::startOf(std::uint32_t space, const LatticePoint& parent) c
 
 void Leases::add(const ResultKey& key, const Losses& before) {
   const auto [where, fresh] = entries_.try_emplace(key);
-  PALPATE_ASSERT(fresh, "a transition becomes ready only once");
+  PALPATE_ASSERT(fresh, "a transition must become ready only once");
   where->second.losses = before;
   putBack(key, where->second);
 }
 
 std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t workers,
                                        std::size_t most) {
-  PALPATE_ASSERT(most > 0, "a job has at least one target");
+  PALPATE_ASSERT(most > 0, "a job must be allowed at least one transition");
   if (waiting_count_ == 0) return std::nullopt;
   const std::size_t share = 2 * std::max<std::size_t>(workers, 1);
   // Hand out half of an even share, so that the last jobs of a stage are small and end together.
@@ -45,14 +45,14 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
     handout.targets.push_back(key);
     if (alone || handout.targets.size() == limit) break;
   }
-  PALPATE_ASSERT(!handout.targets.empty(), "a start waits only while one of its targets waits");
+  PALPATE_ASSERT(!handout.targets.empty(), "a start configuration must have a waiting transition");
   return handout;
 }
 
 void Leases::lease(const ResultKey& key, const std::string& worker, std::uint64_t job) {
   takeFromWaiting(key);
   Entry& entry = entries_.at(key);
-  PALPATE_ASSERT(entry.worker.empty(), "a waiting transition belongs to no worker");
+  PALPATE_ASSERT(entry.worker.empty(), "a waiting transition must not have a worker");
   entry.worker = worker;
   entry.job = job;
   ++entry.losses.attempts;
@@ -65,7 +65,7 @@ void Leases::lease(const ResultKey& key, const std::string& worker, std::uint64_
 
 void Leases::addCheck(const ResultKey& key) {
   const auto [where, fresh] = entries_.try_emplace(key);
-  PALPATE_ASSERT(fresh, "a check is opened only for a recorded result without another check");
+  PALPATE_ASSERT(fresh, "a transition must not be leased or checked twice");
   where->second.is_check = true;
   putBack(key, where->second);
 }
@@ -81,7 +81,7 @@ std::optional<Handout> Leases::handOutCheck(const std::string& worker, const May
 
 void Leases::finish(const ResultKey& key) {
   const auto found = entries_.find(key);
-  PALPATE_ASSERT(found != entries_.end(), "a finished transition was leased or waiting");
+  PALPATE_ASSERT(found != entries_.end(), "a finished transition must have been leased or waiting");
   const Entry& entry = found->second;
   // A late result of a lost worker ends the lease of the worker that has the transition now.
   if (!entry.worker.empty()) {
@@ -110,7 +110,7 @@ std::optional<Leases::Last> Leases::lastOf(const std::string& worker) const {
 
 void Leases::giveBackLast(const std::string& worker) {
   Held& held = by_worker_.at(worker);
-  PALPATE_ASSERT(!held.jobs.empty(), "a worker whose last lease ends has a lease");
+  PALPATE_ASSERT(!held.jobs.empty(), "the worker must have a lease");
   const auto job = std::prev(held.jobs.end());
   const ResultKey last = job->second.back();
   job->second.pop_back();
@@ -203,7 +203,7 @@ void Leases::takeFromWaiting(const ResultKey& key) {
 }
 
 void Leases::noteEnd(Held& held, const Entry& entry) {
-  PALPATE_ASSERT(held.targets > 0 && leased_count_ > 0, "every lease is counted");
+  PALPATE_ASSERT(held.targets > 0 && leased_count_ > 0, "every lease must be counted");
   --held.targets;
   --leased_count_;
   leased_checks_ -= entry.is_check;

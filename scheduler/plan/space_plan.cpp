@@ -81,11 +81,11 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       points_(positions_.size()),
       frontier_({positions_, points_}, maxAttempts(problem.active[space])),
       may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].probe) {
-  PALPATE_ASSERT(space < problem.active.size(), "a plan belongs to one active node");
+  PALPATE_ASSERT(space < problem.active.size(), "the active node of a plan must exist");
 }
 
 std::optional<Transition> SpacePlan::find(const ResultKey& key) const {
-  PALPATE_ASSERT(key.space == space_, "a plan contains only transitions of its own space");
+  PALPATE_ASSERT(key.space == space_, "a transition must belong to the space of its plan");
   const auto target = positions_.indexOf(key.target), parent = positions_.indexOf(key.parent);
   return target && parent ? std::optional(Transition{*target, *parent}) : std::nullopt;
 }
@@ -118,7 +118,7 @@ bool SpacePlan::isRecorded(const Transition& transition) const {
 }
 
 std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
-  PALPATE_ASSERT(isOpen(transition), "a recorded result contains its own number of steps");
+  PALPATE_ASSERT(isOpen(transition), "the transition must be requested and have no result");
   if (stage_ == Stage::branches) return steps_of_retry;
   if (stage_ != Stage::probes || !problem_->active[space_].probe) return 1;
   const double distance = positions_.displacement(transition.target).norm();
@@ -154,7 +154,8 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
 void SpacePlan::recordInPursuit(const Transition& transition, bool converged, PointRecord found) {
   const auto place = pursuits_.find(transition.target);
   Pursuit& pursuit = place->second;
-  PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(), "a pursuit ends with its last parent");
+  PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(),
+                 "the point must have a start point left to try");
   ++pursuit.tried;
   // Compare alternatives only when the round ends, so that the order of arrival has no influence.
   if (converged && pursuit.every_parent) {
@@ -170,7 +171,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
 }
 
 void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent) {
-  PALPATE_ASSERT(!pursuits_.contains(target), "a point is pursued only once per stage");
+  PALPATE_ASSERT(!pursuits_.contains(target), "attempts at a point must begin only once per stage");
   if (parents.empty()) return giveUp(target);
   ready_.push_back({target, parents.front()});
   pursuits_[target] = {std::move(parents), 0, every_parent};
@@ -179,7 +180,7 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
 /// Marks a point as failed. Its cause is that of the attempt that got furthest (the first such
 /// attempt), because that one says most about the obstacle.
 void SpacePlan::giveUp(std::int32_t target) {
-  PALPATE_ASSERT(!isSolved(points_.tag(target)), "a point that was reached keeps its equilibrium");
+  PALPATE_ASSERT(!isSolved(points_.tag(target)), "a solved point must not be marked as failed");
   const std::vector<FailedAttempt>& tries = attempts(target);
   if (tries.empty()) return points_.fail(target, Cause::unreachable);
   const auto furthest = std::ranges::max_element(
@@ -190,8 +191,7 @@ void SpacePlan::giveUp(std::int32_t target) {
 std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
   points_.add();
-  PALPATE_ASSERT(positions_.size() == points_.size(),
-                 "a position and its record have the same number");
+  PALPATE_ASSERT(positions_.size() == points_.size(), "each position must have a record");
   return positions_.size() - 1;
 }
 
@@ -223,7 +223,7 @@ void SpacePlan::advanceStage() {
   ++stages_begun_;
   switch (stage_) {
     case Stage::lattice:
-      PALPATE_ASSERT(frontier_.complete(), "a lattice without open transitions is complete");
+      PALPATE_ASSERT(frontier_.complete(), "a lattice without open transitions must be complete");
       for (std::int32_t n = 0; n < size(); ++n)
         if (points_.tag(n) == Tag::unknown) giveUp(n);
       stage_ = Stage::branches;
@@ -327,7 +327,7 @@ void PlanRows::eachAttempt(const VisitAttempt& visit) const {
 }
 
 Probe PlanRows::probe(std::int32_t n) const {
-  PALPATE_ASSERT(n >= 0 && n < probes(), "probes follow the points");
+  PALPATE_ASSERT(n >= 0 && n < probes(), "the number of the probe must exist");
   const std::int32_t number = points() + n;
   return {lattice().displacement(number), plan_.point(number)};
 }

@@ -42,7 +42,7 @@ void Chronicle::left(const Worker& worker, const std::string& reason) {
 
 void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets) {
   if (!mayTell()) return;
-  spdlog::warn("worker {} on {} is {}; {} targets are handed out again", worker.pid, worker.host,
+  spdlog::warn("worker {} on {} is {}; other workers get its {} solves", worker.pid, worker.host,
                how, targets);
   add(eventOf("worker_lost", worker)
           .with("how", how)
@@ -52,7 +52,7 @@ void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets)
 
 void Chronicle::ended(const Worker& worker, std::size_t targets) {
   if (!mayTell()) return;
-  spdlog::warn("worker {} on {} ended unexpectedly; {} targets are handed out again", worker.pid,
+  spdlog::warn("worker {} on {} ended unexpectedly; other workers get its {} solves", worker.pid,
                worker.host, targets);
   add(eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
 }
@@ -112,7 +112,7 @@ void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
 }
 
 void Chronicle::paused(bool paused) {
-  spdlog::info(paused ? "paused: no work is handed out until palpate resume" : "resumed");
+  spdlog::info(paused ? "paused: workers get no work until palpate resume" : "resumed");
   add(paused ? Event("paused") : Event("resumed"));
 }
 

@@ -156,7 +156,7 @@ void Coordinator::goOn() {
   seconds_.forgetUnneeded();
   if (seconds_.left() > 0) return;
   PALPATE_ASSERT(state_.group.size() == 0 && workers_.leases.empty(),
-                 "complete plans wait for no result, and no lease is open");
+                 "a complete build must not wait for a result or lease");
   state_.complete = true;
   state_.chronicle.completed(intake_.recorded(),
                              std::chrono::duration<double>(state_.now - state_.started).count());

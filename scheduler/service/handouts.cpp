@@ -67,7 +67,7 @@ void Handouts::handOut() {
     if (!handout) handout = workers_.leases.handOut(id, workers_.registry.all().size(), room);
     if (!handout && !checks_wait) return;
     if (!handout) continue;
-    PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
+    PALPATE_ASSERT(worker.credit > 0, "only a worker that asked for a job may get one");
     worker.idle_since.reset();
     --worker.credit;
     if (add(worker)) std::ranges::push_heap(heap, std::greater());
@@ -90,7 +90,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   job.set_start_id(is_check ? checks.startOf(first).id : startIdOf(plan, *plan.find(first)));
   for (const ResultKey& key : handout.targets) {
     PALPATE_ASSERT(key.space == first.space && key.parent == first.parent,
-                   "all targets of a job have the same start");
+                   "all transitions of a job must have the same start");
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(key.target);
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));

@@ -16,7 +16,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
   // If results were lost, the plans ask for the unclaimed results later.
   if (!state_.store.damaged() && replayed.settled.outdated.empty()) refuseUnclaimed(unclaimed_);
   PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
-                 "every active node has its plan");
+                 "each active node must have a plan");
   state_.chronicle.begin(state_.plans);
   goOn(replayed.settled);
 }
@@ -64,8 +64,8 @@ bool Intake::takeRecorded(Worker& worker, const wire::Result& message) {
   wire::Result first;
   if (const auto recorded = state_.store.find(keyOf(message))) {
     const bool readable = first.ParseFromString(recorded->header);
-    PALPATE_ASSERT(readable, "the record was readable at the start, or this process wrote it");
-    PALPATE_ASSERT(keyOf(first) == keyOf(message), "a result is recorded under its own key");
+    PALPATE_ASSERT(readable, "a recorded result must be readable");
+    PALPATE_ASSERT(keyOf(first) == keyOf(message), "a result must be recorded under its own key");
     if (message.start_id() == first.start_id()) {
       state_.acknowledge(worker.peer, message);
       return seconds_.compare(worker, first, message);
@@ -139,7 +139,7 @@ void Intake::commit() {
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;
-    PALPATE_ASSERT(state_.store.knows(key), "a result is recorded before its acknowledgement");
+    PALPATE_ASSERT(state_.store.knows(key), "a result must be recorded before it is acknowledged");
     for (const std::string& peer : member.senders) state_.acknowledge(peer, member.result);
     SpacePlan& plan = state_.plans[key.space];
     plan.record(*plan.find(key), outcome, fieldsOf(member.result));

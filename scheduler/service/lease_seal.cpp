@@ -21,7 +21,7 @@ std::string keyedHash(std::string_view text, std::string_view secret) {
   std::string hash(crypto_generichash_BYTES_MIN, '\0');
   const int failed = crypto_generichash(reinterpret_cast<unsigned char*>(hash.data()), hash.size(),
                                         bytes(text), text.size(), bytes(secret), secret.size());
-  PALPATE_ASSERT(failed == 0, "BLAKE2b accepts secrets of this length");
+  PALPATE_ASSERT(failed == 0, "BLAKE2b must accept the length of the secret");
   return hash;
 }
 

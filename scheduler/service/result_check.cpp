@@ -89,7 +89,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (result.space() >= problem_->active.size()) return "a result of a space that does not exist";
   if (!isPlausible(outcome.cost)) return "a result with impossible costs";
   if (!outcome.converged()) {
-    if (!payload.empty() || !result.fields_id().empty()) return "a failure with fields";
+    if (!payload.empty() || !result.fields_id().empty()) return "a failure with nodal fields";
     // Check the failure's step: it is shown to users and decides which cause the point gets.
     return objectionToFailure(outcome.failure(), problem_->mesh);
   }
@@ -116,7 +116,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
     return "a residual that is invalid or too large for an equilibrium";
   if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
     return "derivatives that are not symmetric";
-  if (hasDrive(e) && !patch.finger) return "a drive although the tool is not a finger";
+  if (hasDrive(e) && !patch.finger) return "a configurational force without a finger";
   for (const std::int32_t node : problem_->fixed)
     if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";
 
@@ -132,7 +132,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
                                                  return isThere(displacementOf(fields, node));
                                                })
                          : isThere(displacementOf(fields, patch));
-  if (!there) return "a tool that is not at the target";
+  if (!there) return "a tool that does not have the requested displacement";
   // An origin that was solved from a neighbour is at rest only up to rounding.
   if (fromWire(result.target()) != fromWire(result.parent())) return "";
   if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a nonzero rest state";

@@ -62,7 +62,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
   }
   wire::Result first;
   if (!record || !first.ParseFromString(record->header)) return false;
-  PALPATE_ASSERT(keyOf(first) == key, "a result is recorded under its own key");
+  PALPATE_ASSERT(keyOf(first) == key, "a result must be recorded under its own key");
   SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
   if (first.has_start_parent()) start.solved_by = solverOfStart(first);
   checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);

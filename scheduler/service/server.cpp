@@ -52,7 +52,7 @@ Next Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   using Clock = std::chrono::steady_clock;
   const auto until_deadline =
       std::chrono::ceil<std::chrono::milliseconds>(coordinator.nextDeadline() - Clock::now());
-  PALPATE_ASSERT(longest.count() >= 0, "poll() treats a negative time as infinite");
+  PALPATE_ASSERT(longest.count() >= 0, "the time must not be negative: poll() would not end");
   waitForMessages(socket_, std::clamp(until_deadline, std::chrono::milliseconds(0), longest));
   return exchange(coordinator, *this, Clock::now());
 }

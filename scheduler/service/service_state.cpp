@@ -11,7 +11,7 @@ wire::Message& ServiceState::send(const std::string& peer,
 }
 
 wire::ResultAck& ServiceState::acknowledge(const std::string& peer, const wire::Result& result) {
-  PALPATE_ASSERT(!turns_since_retry, "plans that still hold dropped results take no new ones");
+  PALPATE_ASSERT(!turns_since_retry, "plans with dropped results must not take new results");
   wire::ResultAck& ack = *send(peer).mutable_result_ack();
   ack.set_space(result.space());
   *ack.mutable_target() = result.target();

@@ -104,7 +104,7 @@ std::optional<ResultKey> SpotChecks::solverOfStart(std::string_view id) const {
 void SpotChecks::open(const ResultKey& key, Opinion first, Start start, bool disputed) {
   const bool fresh =
       open_.emplace(key, Check{{std::move(first)}, std::move(start), disputed}).second;
-  PALPATE_ASSERT(fresh, "a result has only one check at a time");
+  PALPATE_ASSERT(fresh, "a result must have only one check at a time");
 }
 
 std::size_t SpotChecks::disputedCount() const {
@@ -149,7 +149,8 @@ bool SpotChecks::contradicts(const ResultKey& key, const Opinion& opinion) const
 }
 
 std::optional<SpotChecks::Verdict> SpotChecks::hear(const ResultKey& key, const Opinion& opinion) {
-  PALPATE_ASSERT(apart(key, opinion.giver) != Apart::same_process, "a worker gives one opinion");
+  PALPATE_ASSERT(apart(key, opinion.giver) != Apart::same_process,
+                 "a worker must solve a checked transition only once");
   Check& check = open_.at(key);
   check.opinions.push_back(opinion);
   Verdict verdict;

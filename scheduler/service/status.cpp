@@ -77,7 +77,7 @@ void setPriorities(wire::Status& status, const std::map<std::string, std::int32_
 }
 
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
-  PALPATE_ASSERT(plans.size() == problem.active.size(), "every active node has its plan");
+  PALPATE_ASSERT(plans.size() == problem.active.size(), "each active node must have a plan");
   wire::Status status;
   status.set_scene(problem.scene.name);
   for (std::size_t p = 0; p < plans.size(); ++p) {
@@ -153,7 +153,7 @@ void Pace::note(Time now, std::int64_t found) {
 }
 
 double Pace::perSecond(Time now, std::int64_t found) const {
-  PALPATE_ASSERT(!samples_.empty(), "the newest sample is never removed");
+  PALPATE_ASSERT(!samples_.empty(), "at least one sample must be kept");
   const double elapsed = std::chrono::duration<double>(now - samples_.front().when).count();
   return elapsed > 0 ? static_cast<double>(found - samples_.front().found) / elapsed : 0;
 }

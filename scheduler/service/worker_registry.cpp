@@ -114,7 +114,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
                               const std::optional<PublicKey>& key, Time now) {
   const Worker* before = ofPeer(peer);
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
-                 "the earlier worker of a peer has been removed");
+                 "a connection must have only one worker");
   // A worker that reconnects comes from another peer; its old peer is then unknown.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
@@ -135,7 +135,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 }
 
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
-  PALPATE_ASSERT(workers_.contains(worker.id), "a worker is removed only once");
+  PALPATE_ASSERT(workers_.contains(worker.id), "a worker must be removed only once");
   // Keep a row of the worker: otherwise the tables would show it at work until it comes back.
   if (worker.results > 0 || std::ssize(departed_) < Tables::most_idle_departed)
     departed_.push_back(rowOf(worker, state, now));

@@ -163,7 +163,7 @@ void Workers::reassignOverdue() {
 
 void Workers::reassignLast(Worker& worker) {
   if (!worker.overdue_until)
-    state_.chronicle.info("worker {} on {} is overdue; its last target goes to another worker",
+    state_.chronicle.info("worker {} on {} is overdue; its last solve goes to another worker",
                           worker.pid, worker.host);
   ++state_.counters["overdue_targets"];
   leases.giveBackLast(worker.id);
@@ -189,7 +189,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} does not solve its targets; they are handed out again",
+    state_.chronicle.warn("worker {} on {} does not work on its solves; other workers get them",
                           worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
@@ -264,7 +264,7 @@ void Workers::processEnded(const std::string& worker_id) {
 void Workers::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases.blame(suspects)) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
-    PALPATE_ASSERT(transition, "plans request only transitions between their own points");
+    PALPATE_ASSERT(transition, "a transition must join points of its plan");
     state_.tables.writeLosses({key.space, *transition}, losses);
     if (losses.deaths == deaths_before_aside) state_.chronicle.setAside(key, losses.deaths);
   }
@@ -278,7 +278,7 @@ void Workers::addReady(const std::vector<ResultKey>& keys) {
   for (const ResultKey& key : keys) {
     const std::optional<Transition> transition = findIn(state_.plans, key);
     PALPATE_ASSERT(transition && state_.plans[key.space].isOpen(*transition),
-                   "only open transitions of a plan are handed out");
+                   "only requested transitions may be leased");
     const auto known = losses_.find({key.space, *transition});
     leases.add(key, known == losses_.end() ? Losses() : known->second);
   }

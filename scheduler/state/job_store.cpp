@@ -30,7 +30,7 @@ void JobStore::dropWhatLiarsGave() {
   if (theirs.empty()) return;
   drop(theirs);
   found_.recorded.damage.push_back(
-      fmt::format("{} results came from excluded workers", theirs.size()));
+      fmt::format("{} results of excluded workers are dropped", theirs.size()));
 }
 
 void JobStore::drop(const JournalPosition& damaged) {
@@ -44,7 +44,7 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
   std::vector<JournalPosition> positions;
   for (const ResultKey& key : keys) {
     const auto where = found_.recorded.where.find(key);
-    PALPATE_ASSERT(where != found_.recorded.where.end(), "only recorded results are dropped");
+    PALPATE_ASSERT(where != found_.recorded.where.end(), "only recorded results can be dropped");
     positions.push_back(where->second);
     found_.recorded.where.erase(where);
   }
@@ -53,8 +53,8 @@ void JobStore::drop(const std::vector<ResultKey>& keys) {
 
 void JobStore::append(const wire::Result& header, std::string_view payload) {
   const ResultKey key = keyOf(header);
-  PALPATE_ASSERT(!knows(key), "only the first result of a transition is recorded");
-  PALPATE_ASSERT(header.lease().empty(), "leases are not recorded");
+  PALPATE_ASSERT(!knows(key), "a transition must have only one recorded result");
+  PALPATE_ASSERT(header.lease().empty(), "a lease must not be recorded");
   appended_.emplace_back(key, journal_.append(header.SerializeAsString(), payload));
   kernel_family_ = header.kernel_family();
 }
@@ -63,7 +63,7 @@ void JobStore::commit() {
   journal_.sync();
   for (const auto& [key, where] : appended_) {
     const bool fresh = found_.recorded.where.emplace(key, where).second;
-    PALPATE_ASSERT(fresh, "a group has only one result per transition");
+    PALPATE_ASSERT(fresh, "a group must have only one result per transition");
   }
   appended_.clear();
 }

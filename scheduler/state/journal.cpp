@@ -391,7 +391,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
     syncFolder(directory_);
   }
   PALPATE_ASSERT(std::max(header.size(), payload.size()) <= UINT32_MAX,
-                 "a message and its payload are far below 4 GiB (max_payload_bytes)");
+                 "a message and its payload must be below 4 GiB");
   Head head{.header_bytes = static_cast<std::uint32_t>(header.size()),
             .payload_bytes = static_cast<std::uint32_t>(payload.size()),
             .payload_crc = crcOf(payload)};
@@ -502,7 +502,7 @@ void Journal::syncOthers() const {
 
 void Journal::writePending() {
   PALPATE_ASSERT(pending_.size() <= end_.offset,
-                 "pending bytes are before the end, in one segment");
+                 "pending bytes must be before the end of the segment");
   if (!writeAt(file_.get(), end_.offset - pending_.size(), pending_))
     throw failure(
         "{}: cannot write: {}: make room and start again; all acknowledged results are kept",

@@ -39,8 +39,7 @@ std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expecte
 /// fields than the plan's parent point has.
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
-  PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition),
-                 "a result is found by its own transition");
+  PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition), "the result must be of this transition");
   if (result.start_id() != startIdOf(plan, transition)) return false;
   plan.record(transition, outcome, fieldsOf(result));
   return true;
@@ -94,7 +93,7 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
 std::optional<wire::Result> readRecorded(const JournalReader& journal, const ResultIndex& where,
                                          const ResultKey& key) {
   const auto position = where.find(key);
-  PALPATE_ASSERT(position != where.end(), "callers pass only recorded keys");
+  PALPATE_ASSERT(position != where.end(), "the key must be of a recorded result");
   try {
     wire::Result result;
     if (result.ParseFromString(journal.readHeader(position->second))) return result;
@@ -108,7 +107,7 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   // The origin is its own parent: it is solved from the rest state, which has no id.
   if (transition.target == transition.parent) return "";
   PALPATE_ASSERT(isSolved(plan.points().tag(transition.parent)),
-                 "plans request transitions only from solved points");
+                 "a transition must start at a solved point");
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
@@ -147,7 +146,7 @@ void Replay::finish(const ReadUnclaimed& read) {
   for (SpacePlan& plan : plans) {
     append(settled, settle(plan, unclaimed, read));
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
-                   "an incomplete plan has open transitions");
+                   "an incomplete plan must have open transitions");
   }
 }
 

@@ -6,12 +6,12 @@
 namespace palpate {
 
 void ResultGroup::add(const ResultKey& key, Member member, Time now) {
-  PALPATE_ASSERT(key == keyOf(member.result), "a result is filed under its own key");
+  PALPATE_ASSERT(key == keyOf(member.result), "a result must be filed under its own key");
   PALPATE_ASSERT(member.payload.size() == member.result.payload_bytes(),
-                 "ResultCheck has compared the lengths");
+                 "a payload must have its announced length");
   bytes_ += member.payload.size();
   const bool fresh = members_.try_emplace(key, std::move(member)).second;
-  PALPATE_ASSERT(fresh, "a second result of a transition counts as a duplicate");
+  PALPATE_ASSERT(fresh, "a group must have only one result per transition");
   if (!since_) since_ = now;
 }
 
@@ -21,7 +21,8 @@ ResultGroup::Member* ResultGroup::find(const ResultKey& key) {
 }
 
 ResultGroup::Members ResultGroup::commit() {
-  PALPATE_ASSERT(since_.has_value() == !members_.empty(), "the first member starts the clock");
+  PALPATE_ASSERT(since_.has_value() == !members_.empty(),
+                 "a group must have a start time if it has results");
   for (const auto& [key, member] : members_) store_->append(member.result, member.payload);
   store_->commit();
   since_.reset();

@@ -88,7 +88,7 @@ Statement::Statement(Database& database, const std::string& sql) : database_(&da
 }
 
 void Statement::expectValues(int count) const {
-  PALPATE_ASSERT(count == sqlite3_bind_parameter_count(handle_), "every ? gets its value");
+  PALPATE_ASSERT(count == sqlite3_bind_parameter_count(handle_), "each SQL ? must get a value");
 }
 
 Statement::~Statement() { sqlite3_finalize(handle_); }
@@ -126,14 +126,14 @@ bool Statement::step() {
 
 void Statement::finish() {
   const bool row = step();
-  PALPATE_ASSERT(!row, "statements that are run return no rows");
+  PALPATE_ASSERT(!row, "an SQL command must not return rows");
   reset();
 }
 
 void Statement::reset() { check(sqlite3_reset(handle_), "reset"); }
 
 std::int64_t Statement::integerIn(int column) const {
-  PALPATE_ASSERT(column < sqlite3_data_count(handle_), "a row is there, and has this column");
+  PALPATE_ASSERT(column < sqlite3_data_count(handle_), "a row with this column must be there");
   return sqlite3_column_int64(handle_, column);
 }
 

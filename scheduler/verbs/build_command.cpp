@@ -45,8 +45,8 @@ class LocalWorkers : public Crew {
     joined_ = joined_ || coordinator_.workers() > 0;
     if (!joined_ && Clock::now() - started_ > first_word_limit)
       throw failure(
-          "no worker has connected within {} min: test whether palpate-worker kernels works on "
-          "this machine, and raise memory limits (ulimit -v)",
+          "no worker has connected within {} min: run palpate-worker kernels to test this machine, "
+          "and raise memory limits (ulimit -v)",
           first_word_limit.count());
     for (const WorkerPool::Ended& ended : pool_.reap())
       if (!coordinator_.complete() && !coordinator_.stopping()) replace(ended);
@@ -68,7 +68,7 @@ class LocalWorkers : public Crew {
           "the same command continues from the recorded results",
           deaths_, ended.how);
     spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-    PALPATE_ASSERT(pool_.running() < workers_, "a worker is started only in place of an ended one");
+    PALPATE_ASSERT(pool_.running() < workers_, "a worker must replace one that ended");
     pool_.start();
   }
 

@@ -40,7 +40,7 @@ ExitCode showEvents(const EventsOptions& options) {
   // Refuse anything that is not a state directory: it has no events and never will.
   if (!std::filesystem::exists(StateDirectory::databaseIn(options.state)) &&
       eventFiles(options.state).empty())
-    throw badInput("\"{}\" is not a state directory: give OUT.h5.state or that of --state",
+    throw badInput("\"{}\" is not a state directory: give OUT.h5.state or the directory of --state",
                    options.state);
   EventReader reader(options.state, {options.words.begin(), options.words.end()});
   showPast(reader, options.last);

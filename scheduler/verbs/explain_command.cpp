@@ -46,7 +46,7 @@ std::function<ExitCode()> prepareExplain(CLI::App& app) {
 
 }  // namespace
 
-const Verb explain_verb = {"explain", "Show how a lattice point was reached, or why it failed",
+const Verb explain_verb = {"explain", "Show how a lattice point was solved, or why it failed",
                            prepareExplain};
 
 }  // namespace palpate

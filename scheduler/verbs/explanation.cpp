@@ -36,7 +36,7 @@ std::string textOf(const wire::Explanation& e) {
     text +=
         fmt::format("  from {}: {}\n", pointText(fromWire(t.parent()), e.divisions()), t.text());
   if (e.path_size() > 0 || e.attempts_size() > 0) return text;
-  text += e.cause().empty() ? "no transition to it has been tried yet"
+  text += e.cause().empty() ? "no solve of this point has been tried yet"
                             : describe(Failure{.cause = Cause::unreachable});
   text += '\n';
   return text;
@@ -53,18 +53,18 @@ const SpaceTable& KnownSpaces::named(const std::string& active,
   if (exact != spaces.end() && !place) return *exact;
   const ActiveChoice choice = chooseActive(scene, active);
   requirePlace(choice, place.has_value());
-  PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "the tables belong to the scene");
+  PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "each active node must have a table");
   if (!place) return spaces[choice.spaces.front()];
   if (!place->allFinite()) throw badInput("--at: give three finite numbers, metres");
   return spaces[*std::ranges::min_element(choice.spaces, {}, [&](std::size_t site) {
-    PALPATE_ASSERT(spaces[site].patch.finger, "the tables are in the order of their scene");
+    PALPATE_ASSERT(spaces[site].patch.finger, "a site of an area must be a finger");
     return (spaces[site].patch.finger->center - *place).squaredNorm();
   })];
 }
 
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
   const Lattice& lattice = space.lattice;
-  PALPATE_ASSERT(space.points.size() == at(lattice.size()), "a table has a row for every point");
+  PALPATE_ASSERT(space.points.size() == at(lattice.size()), "each lattice point must have a row");
   const std::int32_t number = pointNamed(lattice, in_spacings);
   const PointRecord& record = space.points[at(number)];
   wire::Explanation explanation;

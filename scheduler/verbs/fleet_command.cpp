@@ -143,7 +143,7 @@ ExitCode runSsh(SshFleetOptions& options) {
 void addTo(CLI::App& app, FleetOptions& options) {
   options.asked.addTo(app);
   app.add_option("--connect", options.endpoint,
-                 "Scheduler address for workers, tcp://HOST:PORT [that of WHERE]");
+                 "Scheduler address for workers, tcp://HOST:PORT [WHERE]");
   app.add_option("--every", options.every_s, "Seconds between two queries of the scheduler")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
@@ -163,7 +163,7 @@ void addTo(CLI::App& app, SlurmFleetOptions& options) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--each", options.limits.transitions_each,
-                 "Request one more worker for every N ready transitions")
+                 "Request one more worker for every N solves that are ready to start")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--minutes", options.slurm.minutes, "Time limit of each job, minutes")

@@ -111,8 +111,9 @@ std::string describe(const Inspection& found, const std::filesystem::path& direc
   text += found.scene_name.empty() ? "scene unknown" : "scene " + found.scene_name;
   text += fmt::format(", build {}\n", found.build ? found.build->shortHex() : "unknown");
   if (found.scheduler)
-    text += fmt::format("           process {} is running there; its later results were not read\n",
-                        *found.scheduler);
+    text +=
+        fmt::format("           process {} is writing there; its newest results may be missing\n",
+                    *found.scheduler);
   text += journalText(found) + tablesText(found) + costText(found);
   for (const std::string& file : found.leftovers)
     text += fmt::format("leftover   {}: not needed, can be removed\n", file);

@@ -94,7 +94,7 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   allowed
       .add_option("ROLES", order->roles, "worker, observer, operator, or several (worker,observer)")
       ->required();
-  allowed.add_option("NAME", order->name, "Name of the key, for people");
+  allowed.add_option("NAME", order->name, "Readable name of the key");
   declare(app, order, "withdraw", "Withdraw the permission of a key", withdraw)
       .add_option("KEY", order->key, "Digits or name of the key")
       ->required();

@@ -124,7 +124,7 @@ ExitCode retry(const RetryOptions& options) {
   const auto answer = order(options.asked, question, wire::Message::kRetryReply);
   const auto count = answer ? answer->retry_reply().transitions() : retryStored(options);
   fmt::print("{}: {} {} {}\n", options.asked.where,
-             answer ? "retrying" : "the next build will retry", counted(count, "transition"),
+             answer ? "retrying" : "the next build will retry", counted(count, "solve"),
              options.failed.empty() ? "set aside" : "that failed with " + options.failed);
   return ExitCode::done;
 }
@@ -142,22 +142,21 @@ std::function<ExitCode()> prepareRetry(CLI::App& app) {
   app.add_option("--failed", options->failed,
                  "Repeat attempts that failed with this cause; useful if a machine was at fault")
       ->check(CLI::IsMember(namesOfCauses()));
-  app.footer(
-      "A transition is set aside after five workers died on it; the build continues without it.");
+  app.footer("A solve is set aside after five workers died on it; the build continues without it.");
   return [options] { return retry(*options); };
 }
 
 }  // namespace
 
-const Verb pause_verb = {"pause", "Stop handing out work until resume; workers stay",
+const Verb pause_verb = {"pause", "Give workers no work until resume; they stay connected",
                          preparePause<true>};
 
 const Verb resume_verb = {"resume", "Continue a paused build", preparePause<false>};
 
-const Verb priority_verb = {"priority", "Compute one space before others", preparePriority};
+const Verb priority_verb = {"priority", "Compute one active node before others", preparePriority};
 
-const Verb retry_verb = {
-    "retry", "Retry transitions that are set aside or failed with a given cause", prepareRetry};
+const Verb retry_verb = {"retry", "Repeat solves that were set aside or failed with a given cause",
+                         prepareRetry};
 
 const Verb stop_verb = {
     "stop", "Let workers finish their solves, then end the build; it can continue later",

@@ -276,7 +276,7 @@ class ServedBuild {
       progress.show(coordinator);
       if (interrupted()) coordinator.stop(Clock::now());
     }
-    PALPATE_ASSERT(coordinator.next() != Next::go_on, "a turn ends early only before a restart");
+    PALPATE_ASSERT(coordinator.next() != Next::go_on, "only a stop or a restart may end the loop");
     if (coordinator.next() == Next::stuck) coordinator.dismiss();
     progress.end();
   }
@@ -310,7 +310,7 @@ class ServedBuild {
   }
 
   ExitCode sealed(const SpaceRowsList& rows, const std::string& how) const {
-    PALPATE_ASSERT(!rows.empty(), "a scene has at least one space");
+    PALPATE_ASSERT(!rows.empty(), "a scene must have an active node");
     fmt::print("{}\n{}: {}\nnext: palpate query {} {}\n", summaryOf(rows, problem_.scene),
                out_.string(), how, shellWord(out_.string()),
                exampleOf(rows.front()->patch(), problem_.scene));

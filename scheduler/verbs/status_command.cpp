@@ -66,7 +66,7 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
 }  // namespace
 
 const Verb status_verb = {
-    "status", "Show the progress of a build: tags, rate, time left, workers, failures by cause",
+    "status", "Show the progress of a build: points, rate, time left, workers, failures by cause",
     prepareStatus};
 
 }  // namespace palpate

@@ -115,7 +115,7 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
     // A failed origin allows neither refinement nor an error estimate.
     if (!isSolved(space->tag(0))) continue;
     const Refinement state = nextRefinement(tableOf(*space), scene);
-    PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
+    PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "the share must be 0 to 1");
     ++judged;
     keeping += state.kept == 1;
     kept += state.kept;

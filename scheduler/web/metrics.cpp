@@ -35,18 +35,18 @@ struct Gauge {
 /// palpate_NAME_total; a missing counter is 0.
 constexpr auto counter_help = std::to_array<std::pair<const char*, const char*>>(
     {{"runs", "Starts of a scheduler in this directory."},
-     {"lost_workers", "Workers that left without a goodbye."},
+     {"lost_workers", "Workers that ended or fell silent without notice."},
      {"refused_workers", "Workers that were refused."},
-     {"duplicate_results", "Results that arrived after their transition was recorded."},
+     {"duplicate_results", "Results of transitions that already had a recorded result."},
      {"divergent_results", "Second results with different bits: a machine computes wrongly."},
      {"unwanted_results", "Results that the scheduler did not request."},
      {"bad_messages", "Invalid messages, which were dropped."},
      {"checked_results", "Results that other workers confirmed or refuted."},
      {"unchecked_results", "Checks that were given up because no other machine was available."},
      {"wrong_results", "Workers, machines or keys excluded because a result was wrong."},
-     {"overdue_targets", "Overdue targets that were also given to another worker."},
+     {"overdue_targets", "Overdue solves that were also given to another worker."},
      {"closed_connections", "Connections closed because of too large or too many messages."},
-     {"unread_answers", "Requests not answered because earlier answers were not read."}});
+     {"unread_answers", "Requests not answered because the client left earlier answers unread."}});
 
 std::vector<Gauge> gaugesOf(const wire::Status& status, double age) {
   const auto ifKnown = [](bool known, double value) {
@@ -62,7 +62,7 @@ std::vector<Gauge> gaugesOf(const wire::Status& status, double age) {
        static_cast<double>(status.journal_bytes())},
       {"palpate_disk_free_bytes", "Free space on the disk of the state directory.",
        static_cast<double>(status.disk_free_bytes())},
-      {"palpate_ready_transitions", "Number of ready transitions.", status.ready()},
+      {"palpate_ready_transitions", "Transitions that are ready to be solved.", status.ready()},
       {"palpate_configurations_per_second",
        "Equilibria found per second, averaged over two minutes.",
        status.configurations_per_second()},

@@ -14,7 +14,7 @@ std::optional<StatusBoard::Snapshot> StatusBoard::ask(std::chrono::milliseconds 
   }
   if (!status_) return std::nullopt;
   const Snapshot snapshot{status_, Clock::now() - made_at_};
-  PALPATE_ASSERT(snapshot.age.count() >= 0, "ask() and offer() use the same clock");
+  PALPATE_ASSERT(snapshot.age.count() >= 0, "ask() and offer() must use the same clock");
   return snapshot;
 }
 

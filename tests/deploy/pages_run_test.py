@@ -35,10 +35,11 @@ ELSEWHERE = {
 if not os.environ.get("PALPATE_LONG_TESTS"):
     ELSEWHERE[r"palpate build organ/scene\.toml"] = "takes a minute: docs/meshes.md, with PALPATE_LONG_TESTS (deploy/test --nightly)"
 # Programs that run until they are stopped.
-ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
+ENDLESS = r"palpate (serve|work|device|follow) |--watch|--follow|palpate (view|touch) (?!.*--duration)|--metrics|--dashboard"
 # Names in pages, and their replacements here.
 STANDS_FOR = ((r"tcp://(HOST|head|new|0\.0\.0\.0|\$\(hostname\)):", "tcp://127.0.0.1:"), (r"/var/lib/palpate/|/var/tmp/|/local/", ""),
               (r"PREFIX/include/palpate", str(ROOT / "viewer/devices")),
+              (r"\bSCENE\.toml", "skin.toml"), (r"\bOUT\.h5", "skin.h5"),
               (r"10\.0\.0\.5:9464", "127.0.0.2:9464"), (r" -j 16", " -j 1"), (r"\bKEY(_OF_\w+)?\b", "$KEY"))
 
 TIP = '[[active]]\nname = "tip"\nnear = [0.05, 0.065, 0.1]'
@@ -82,7 +83,8 @@ class Bodies:
         for name in ("stiff-liver", "liver-20mm", "liver-10mm", "liver-soft", "liver-stiff", "organ"):
             shutil.copy(folder / "liver.h5", folder / f"{name}.h5")
         shutil.copy(folder / "liver.toml", folder / "organ.toml")
-        shutil.copy(folder / "skin.h5", folder / "liver-surface.h5")
+        for kind in ("toml", "h5"):
+            shutil.copy(folder / f"skin.{kind}", folder / f"liver-surface.{kind}")
         shutil.copytree(folder / "liver.h5.state", folder / "organ.h5.state")
         shutil.copy(ROOT / "deploy/examples/device-plugin/circle_device.c", folder)
         for name, numbers in (("positions.txt", "0.01 0 0\n0 0.01 -0.01\n"), ("way.txt", "0 0 0\n0.01 0 0\n0.01 0.01 0\n"),
@@ -157,7 +159,8 @@ class Reader:
                 shutil.copy(self.folder / f"{other}.toml", self.folder / f"{name}.toml")
                 if verb != "serve":
                     shutil.copy(self.folder / f"{other}.h5", self.folder / f"{name}.h5")
-        made = {"serve": ["liver.h5"], "new": ["organ"], "key": ["home/.config"] if command.endswith(" new") else []}.get(verb, [])
+        made = {"serve": ["liver.h5"], "new": ["organ", "kidney.toml"], "touch": ["organ.msh", "organ.toml"],
+                "key": ["home/.config"] if command.endswith(" new") else []}.get(verb, [])
         if output := re.search(r" (?:-o|--html|--record) (\S+)", command):
             made += [output[1], output[1] + ".state", re.sub(r"\.pvd$", "", output[1])]
         elif verb == "build":

@@ -32,7 +32,7 @@ TEST_F(CheckStateTest, ReportsDamageByExitCodeAndRepairsItForTheBuild) {
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
   // Otherwise the build might end before the second check on a busy machine.
   build->signal(SIGSTOP);
-  EXPECT_THAT(check("out.h5.state", 0), HasSubstr("is running there"));
+  EXPECT_THAT(check("out.h5.state", 0), HasSubstr("is writing there"));
   EXPECT_THAT(check("out.h5.state --repair", 1), HasSubstr("is in use by process"));
   build->stop(SIGKILL);
 

@@ -268,7 +268,7 @@ TEST_F(RemoteWorkerTest, AKilledWorkersTargetsAreReassignedAtOnce) {
   far->stop(SIGKILL);
   const auto lineThatTells = [&] {
     const std::string output = scheduler->output();
-    const std::size_t to = output.find("handed out again");
+    const std::size_t to = output.find("other workers get its");
     return to == std::string::npos ? "" : output.substr(output.rfind('\n', to) + 1);
   };
   ASSERT_TRUE(test::eventually([&] { return !lineThatTells().empty(); }));

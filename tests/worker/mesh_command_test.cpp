@@ -163,6 +163,17 @@ TEST_F(MeshCommand, DoesNotChangeAMeshInTheFolderOfANewScene) {
   EXPECT_EQ(worker("new organ --mesh box.msh").exit_code, 0);
 }
 
+TEST_F(MeshCommand, WritesASceneUnderAGivenName) {
+  test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {4, 3, 2}), directory / "box.msh");
+  EXPECT_THAT(worker("new skin.toml --mesh box.msh").output,
+              HasSubstr("next: palpate check skin.toml"));
+  EXPECT_EQ(readScene(directory / "skin.toml").name, "skin");
+  EXPECT_EQ(worker("new made/skin.toml --mesh box.msh").exit_code, 0);
+  EXPECT_EQ(content("made/box.msh"), content("box.msh"));
+  EXPECT_THAT(worker("new skin.toml --mesh box.msh").output,
+              HasSubstr("skin.toml: this scene exists already"));
+}
+
 TEST_F(MeshCommand, RefusesFilesThatASceneCannotName) {
   test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "a\"b.msh");
   EXPECT_THAT(worker("mesh a.inp -o 'a\"b.msh'").output,

@@ -33,7 +33,7 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
       first_(dataset.spaces()[choice_.spaces.front()]),
       method_(method) {
   PALPATE_ASSERT(choice_.spaces.back() < dataset.spaces().size(),
-                 "a dataset has the spaces of its scene");
+                 "each active node must have a space in the dataset");
   requirePlace(choice_, with_places);
   if (!with_places) {
     field_ = makeForceField(method, first_);
@@ -51,10 +51,10 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
 
 ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
   if (!area_) {
-    PALPATE_ASSERT(!touch.at, "a touch with a place needs answers made for places");
+    PALPATE_ASSERT(!touch.at, "only a touch of a surface can have a place");
     return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   }
-  PALPATE_ASSERT(touch.at.has_value(), "answers made for places need a place");
+  PALPATE_ASSERT(touch.at.has_value(), "a touch of a surface must have a place");
   fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses places far outside the body
   const FingerPlace place = places_->placeOf(*touch.at, touch.displacement);
   if (place.triangle >= 0) area_->prepareAt(place.at);

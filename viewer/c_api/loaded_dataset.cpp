@@ -48,7 +48,7 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info.triangle_count = static_cast<std::int32_t>(model.surface().triangles().size());
   info.max_force = model.maxForce();
   PALPATE_ASSERT(model.spaces().size() == dataset.spaces().size(),
-                 "the model has all spaces of the dataset");
+                 "the model must have all spaces of the dataset");
   for (std::size_t s = 0; s < model.spaces().size(); ++s)
     spaces.push_back(infoOf(dataset, model.spaces()[s], model.surface().activeVertex(s)));
   for (const TouchArea& area : model.surface().areas()) {
@@ -62,7 +62,7 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
                         centersOf(chosenOf(model.spaces(), area.spaces)), area.radius);
   }
   PALPATE_ASSERT(areas.size() == places.size() && spaces.size() == model.spaces().size(),
-                 "areas and spaces are numbered as in the model");
+                 "each area and space of the model must be described");
 }
 
 }  // namespace palpate

@@ -15,7 +15,7 @@ struct palpate_contact {
                   std::int32_t method)
       : loaded(dataset.loaded), contact(loaded->model, options) {
     PALPATE_ASSERT(at(method) < loaded->model.methods().size(),
-                   "translate() has checked the method's number");
+                   "the interpolation method must exist");
     contact.use(loaded->model, at(method));
   }
   std::shared_ptr<const LoadedDataset> loaded;

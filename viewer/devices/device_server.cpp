@@ -160,7 +160,7 @@ void DeviceServer::release() {
 }
 
 void DeviceServer::sendReading(const DeviceReading& reading) {
-  PALPATE_ASSERT(!holder_.empty(), "readings go to the client that holds the device");
+  PALPATE_ASSERT(!holder_.empty(), "a reading needs a client that holds the device");
   wire::DeviceMessage message;
   wire::DeviceReading& content = *message.mutable_reading();
   content.set_sequence(++sequence_);
@@ -182,7 +182,7 @@ void DeviceServer::count(std::uint64_t State::*number) {
 }
 
 std::optional<DeviceServer::Clock::time_point> DeviceServer::sentAt(std::uint64_t reading) const {
-  PALPATE_ASSERT(sent_.size() <= sequence_, "readings are numbered as they are sent");
+  PALPATE_ASSERT(sent_.size() <= sequence_, "every reading that is sent must be numbered");
   if (reading > sequence_ || sequence_ - reading >= sent_.size()) return std::nullopt;
   return sent_[sent_.size() - 1 - static_cast<std::size_t>(sequence_ - reading)];
 }

@@ -65,7 +65,7 @@ std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket,
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  PALPATE_ASSERT(!frames.empty(), "a message has at least one frame");
+  PALPATE_ASSERT(!frames.empty(), "a message must have at least one frame");
   IncomingDeviceMessage incoming;
   if (router) incoming.peer = frames.front().to_string();
   zmq::message_t& body = frames.back();

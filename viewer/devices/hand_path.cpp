@@ -20,7 +20,7 @@ double slopeBetween(double before, double after, double step_before, double step
 }
 
 std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypoints) {
-  PALPATE_ASSERT(!waypoints.empty(), "a path has at least one waypoint");
+  PALPATE_ASSERT(!waypoints.empty(), "a path must have at least one waypoint");
   std::vector<Eigen::Vector3d> velocities(waypoints.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 1; i + 1 < waypoints.size(); ++i) {
     const double before = waypoints[i].time - waypoints[i - 1].time;

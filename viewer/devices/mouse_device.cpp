@@ -15,7 +15,7 @@ constexpr double spring_rate = 1 / 0.015;
 
 MouseDevice::MouseDevice(double period, const DeviceProfile& profile)
     : profile_(profile), period_(period), decay_(std::exp(-spring_rate * period)) {
-  PALPATE_ASSERT(period > 0 && std::isfinite(period), "the caller has checked the rate");
+  PALPATE_ASSERT(period > 0 && std::isfinite(period), "the period of the mouse must be positive");
 }
 
 DeviceReading MouseDevice::read() noexcept {

@@ -50,7 +50,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   // The limits and the frame are fixed from now on, because the loop relies on them.
   settled_ = true;
   if (!hello_) return;
-  PALPATE_ASSERT(profileOf(*hello_), "accept() refuses a device without limits");
+  PALPATE_ASSERT(profileOf(*hello_), "a device must announce its limits");
   traits_ = {*profileOf(*hello_), hello_->lives_in_scene(), hello_->has_buttons()};
 }
 

@@ -39,7 +39,7 @@ class PathWriter {
     waypoints_.push_back({time_, position, 0});
   }
   void travelTo(const Eigen::Vector3d& position) {
-    PALPATE_ASSERT(!waypoints_.empty(), "a path has a first site");
+    PALPATE_ASSERT(!waypoints_.empty(), "a path must have a starting point");
     const double way = (position - waypoints_.back().position).norm();
     goTo(position, std::max(shortest_move, way / travel_speed));
   }
@@ -113,7 +113,7 @@ std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area)
 }
 
 std::vector<Stroke> strokesOf(const HapticModel& model) {
-  PALPATE_ASSERT(model.isPrepared(0), "forces limit the depth");
+  PALPATE_ASSERT(model.isPrepared(0), "a path needs forces, which limit its depth");
   std::vector<Stroke> strokes;
   const TouchSurface& surface = model.surface();
   std::vector<bool> in_area(model.spaces().size());
@@ -178,7 +178,7 @@ class Surroundings {
   /// Returns the point where the line along the normal of a site leaves the sphere around the body.
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
-    PALPATE_ASSERT(offset.norm() <= radius_, "the sphere contains the whole body");
+    PALPATE_ASSERT(offset.norm() <= radius_, "the sphere must contain the whole body");
     const double along = offset.dot(site.normal);
     const double distance =
         -along + std::sqrt(along * along - offset.squaredNorm() + radius_ * radius_);
@@ -233,9 +233,9 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
 }  // namespace
 
 HandPath touchPath(const HapticModel& model, double slide_speed) {
-  PALPATE_ASSERT(slide_speed > 0, "a hand that slides arrives");
+  PALPATE_ASSERT(slide_speed > 0, "the sliding speed must be positive");
   const std::vector<Stroke> strokes = strokesOf(model);
-  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "a stroke has at least one site");
+  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "each stroke must have a site");
   const Surroundings around(model.surface());
   PathWriter path;
   path.goTo(around.before(strokes.front().front()), 0);

@@ -71,7 +71,7 @@ void ConfigurationGrid::addTriangles() {
     for (const std::int32_t node : triangle) {
       const auto place = std::ranges::lower_bound(stored, node);
       PALPATE_ASSERT(place != stored.end() && *place == node,
-                     "a dataset stores every vertex of its surface");
+                     "a dataset must store every vertex of its surface");
       rest_.cells.push_back(static_cast<std::int32_t>(place - stored.begin()));
     }
 }
@@ -79,7 +79,7 @@ void ConfigurationGrid::addTriangles() {
 Grid ConfigurationGrid::of(const ExportedConfiguration& configuration) const {
   Grid grid = rest_;
   const NodalFields& fields = configuration.fields;
-  PALPATE_ASSERT(fields.displacement.size() == grid.points.size(), "a row has all stored nodes");
+  PALPATE_ASSERT(fields.displacement.size() == grid.points.size(), "each node needs displacements");
   grid.point_data.push_back({"touched", "1", 1, marked(configuration.touched)});
   grid.point_data.push_back({"displacement", "m", 3, fields.displacement});
   if (!fields.pressure.empty())
@@ -106,7 +106,7 @@ std::vector<float> ConfigurationGrid::pressuresOf(const NodalFields& fields) con
   const Mesh& mesh = dataset_.mesh();
   std::vector<float> pressures = fields.pressure;
   if (pressures.size() == mesh.nodes.size()) return pressures;
-  PALPATE_ASSERT(pressures.size() == at(mesh.vertices()), "pressures are of vertices or all nodes");
+  PALPATE_ASSERT(pressures.size() == at(mesh.vertices()), "pressures must be of vertices or nodes");
   for (const auto& [a, b] : mesh.edges)
     pressures.push_back(0.5F * (pressures[at(a)] + pressures[at(b)]));
   return pressures;

@@ -88,7 +88,7 @@ double smallestDetF(const Mesh& mesh, std::size_t element, std::span<const float
 }  // namespace
 
 std::vector<float> detFOf(const Mesh& mesh, std::span<const float> displacement) {
-  PALPATE_ASSERT(displacement.size() == 3 * mesh.nodes.size(), "det F needs every node");
+  PALPATE_ASSERT(displacement.size() == 3 * mesh.nodes.size(), "det F needs all displacements");
   std::vector<float> values;
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element)
     values.push_back(static_cast<float>(mesh.mid_edge_nodes.empty()

@@ -50,7 +50,7 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
-      "no reliable answer for {} of {}: each is beyond the workspace or the solved points, away "
+      "no reliable force for {} of {}: each is beyond the workspace or the solved points, away "
       "from the surface, far from all sites, or on fixed nodes; it is written with inside = 0",
       outside, counted(all, "touch", "touches"));
   return ExitCode::partly_failed;
@@ -166,7 +166,7 @@ std::function<ExitCode()> prepareExport(CLI::App& app) {
   app.footer(
       "Points are written at rest: in ParaView, Warp By Vector with `displacement` deforms the\n"
       "body (docs/export.md).\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some answer is not reliable, see query\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some force is not reliable, see query\n"
       "(it is written with inside = 0), 130 interrupted.");
   return [options] {
     catchInterrupts();

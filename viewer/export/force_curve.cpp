@@ -58,13 +58,13 @@ std::string lineOf(std::size_t number, const WayStep& step) {
 }  // namespace
 
 std::string forceCurve(const std::vector<WayStep>& way) {
-  PALPATE_ASSERT(!way.empty(), "a path has a first step");
+  PALPATE_ASSERT(!way.empty(), "a path must have a first step");
   PALPATE_ASSERT(std::ranges::all_of(way,
                                      [&](const WayStep& step) {
                                        return step.answer.finger.has_value() ==
                                               way.front().answer.finger.has_value();
                                      }),
-                 "the same field answers all steps of a path");
+                 "all steps of a path must use the same force field");
   std::string text = csvLine(titlesOf(way.front().answer));
   for (std::size_t n = 0; n < way.size(); ++n) text += lineOf(n, way[n]);
   return text;

@@ -12,7 +12,7 @@ namespace {
 void addTo(Eigen::VectorXd& sum, double factor, const std::vector<float>& values) {
   if (sum.size() == 0) sum = Eigen::VectorXd::Zero(std::ssize(values));
   PALPATE_ASSERT(sum.size() == std::ssize(values),
-                 "configurations of a dataset have the same nodes");
+                 "configurations of a dataset must have the same nodes");
   sum += factor * Eigen::Map<const Eigen::VectorXf>(values.data(), sum.size()).cast<double>();
 }
 
@@ -46,14 +46,14 @@ NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
     addTo(pressures, factor, row->second.pressure);
   }
   PALPATE_ASSERT(displacements.size() == 3 * std::ssize(dataset_.storedNodes()),
-                 "a configuration has all stored nodes");
+                 "a configuration must have values at all stored nodes");
   return {toFloats(displacements), toFloats(pressures)};
 }
 
 std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
     const std::optional<Eigen::Vector3d>& place) {
   if (!surface_) return {{choice_.spaces.front(), 1.0}};
-  PALPATE_ASSERT(place.has_value(), "an area needs a place");
+  PALPATE_ASSERT(place.has_value(), "a touch of a surface must have a place");
   const SpaceBlend blend = surface_->blendAt(nearestOnSurface(dataset_.mesh(), *place));
   std::vector<std::pair<std::size_t, double>> spaces;
   double sum = 0;

@@ -27,7 +27,7 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
   std::vector<TouchInput> touches;
   if (isFromInput(words)) {
     if (steps != 0)
-      throw badInput("--steps {}: with --displacement - each line is a step; omit it", steps);
+      throw badInput("omit --steps {}: with \"--displacement -\" each input line is a step", steps);
     forEachTouch(at, words, input, workspace_radius, [&](const TouchInput& touch) {
       endWhenInterrupted();
       if (std::ssize(touches) > most_steps)

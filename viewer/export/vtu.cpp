@@ -93,7 +93,7 @@ std::string xmlText(std::string_view text) {
 std::string vtuBytes(const Grid& grid) {
   PALPATE_ASSERT(
       areOf(grid.pointCount(), grid.point_data) && areOf(grid.cellCount(), grid.cell_data),
-      "a grid has a value for every point and cell");
+      "a grid must have a value for every point and cell");
   Arrays arrays;
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"

@@ -29,7 +29,7 @@ constexpr double stiffness_margin = 1.1;
 class Ways {
  public:
   explicit Ways(const CellData& data) : tree_(data.tree) {
-    PALPATE_ASSERT(data.equilibria.size() == tree_.slots().size(), "a slot has an equilibrium");
+    PALPATE_ASSERT(data.equilibria.size() == tree_.slots().size(), "each corner needs a solution");
     for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
       const bool is_solved = tree_.slots()[s].kind == SlotKind::solved;
       const double length = tree_.displacement(static_cast<std::int32_t>(s)).norm();

@@ -216,7 +216,7 @@ AreaField::AreaField(std::vector<const SpaceTable*> sites, CollocationPoints col
   for (const SpaceTable* space : spaces_) {
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces_.front()->lattice.spacing(),
-                   "the sites of an area come from one build");
+                   "all sites of an area must have the same lattice");
     if (std::ranges::any_of(space->splits, isTooFine))
       throw badInput(
           "a lattice has cells halved more than {} times, which no build makes: the file is "
@@ -255,7 +255,7 @@ void AreaField::prepareAll(const std::function<void(double)>& progress) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
   });
-  PALPATE_ASSERT(made_count_ == siteCount(), "a site exists before it is judged");
+  PALPATE_ASSERT(made_count_ == siteCount(), "sites must be prepared before errors are estimated");
   is_whole_ = true;
   fits_ = {};
   made_ = {};
@@ -396,7 +396,7 @@ void AreaField::beginCollocationPoint(std::size_t collocation_point) {
 void AreaField::interpolateTo(std::size_t collocation_point) {
   PALPATE_ASSERT(std::ranges::all_of(sitesOfCollocationPoint(collocation_point),
                                      [&](std::size_t site) { return made_[site].has_value(); }),
-                 "a collocation point's sites are made before it");
+                 "the sites must be prepared before the collocation point");
   const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
   std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
   jets.resize(tree.slots().size());
@@ -416,7 +416,7 @@ void AreaField::beginJudgement(std::size_t site) {
 }
 
 void AreaField::judge(std::size_t site) {
-  PALPATE_ASSERT(made_[site].has_value(), "a site exists before it is judged");
+  PALPATE_ASSERT(made_[site].has_value(), "a site must be prepared before its error is estimated");
   const SiteJets& own = *made_[site];
   judgements_[site].region = own.region;
   std::vector<Doubt>& doubts = judgements_[site].doubts;

@@ -217,7 +217,7 @@ class FieldAtPlace : public ForceField {
  public:
   FieldAtPlace(std::shared_ptr<const AreaField> area, const Eigen::Vector3d& place)
       : area_(std::move(area)), place_(place) {
-    PALPATE_ASSERT(area_, "areas are made before the fields at their sites");
+    PALPATE_ASSERT(area_, "an area must be prepared before fields at its sites");
   }
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override {
     return area_->evaluate(place_, displacement);

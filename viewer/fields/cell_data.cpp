@@ -14,7 +14,7 @@ bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LocalPolynomial>& ghosts) {
   std::vector<Equilibrium> equilibria(tree.slots().size());
-  PALPATE_ASSERT(ghosts.size() == equilibria.size(), "each slot has one polynomial");
+  PALPATE_ASSERT(ghosts.size() == equilibria.size(), "each corner of a cell needs a polynomial");
   for (std::size_t s = 0; s < equilibria.size(); ++s) {
     const CellSlot& slot = tree.slots()[s];
     if (slot.kind == SlotKind::solved) equilibria[s] = space.points[slot.number].equilibrium;

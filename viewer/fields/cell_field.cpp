@@ -37,7 +37,7 @@ Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners,
 CellField::CellField(std::string_view name, const CellData& data, Limit limit)
     : name_(name), tree_(data.tree), region_(data), limit_(limit), nodes_(data.equilibria.size()) {
   PALPATE_ASSERT(data.support.size() == nodes_.size() && tree_.slots().size() == nodes_.size(),
-                 "each slot has a force and its support");
+                 "each corner of the cells must have a force and coverage");
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     nodes_[s] << data.equilibria[s].force, data.support[s];
   // All corners of a leaf with an inconsistent edge get coverage 0, not only the ends of the edge

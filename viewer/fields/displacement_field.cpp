@@ -29,7 +29,7 @@ DisplacementField::DisplacementField(const SpaceTable& space, std::span<const fl
 DisplacementField::DisplacementField(const PointBlend& blend, std::span<const float> displacements)
     : tree_(blend.tree()) {
   const ShapeRows shapes = blend.rowsOf(displacements, 3);
-  PALPATE_ASSERT(shapes.rows() == std::ssize(blend.points()), "shares refer to existing rows");
+  PALPATE_ASSERT(shapes.rows() == std::ssize(blend.points()), "each point must have values");
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
   if (modeCount() == 0) return;  // no node moves in any shape, and there are no rows to multiply
   const Eigen::MatrixXd of_points = (shapes * modes_.transpose()).cast<double>();

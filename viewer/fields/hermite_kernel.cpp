@@ -100,7 +100,7 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
                               const std::vector<Eigen::Vector3d>& sites,
                               const std::vector<bool>& solved, double width) {
   PALPATE_ASSERT(!sites.empty() && sites.size() == solved.size() && width > 0,
-                 "a Hermite interpolation has sites and a width");
+                 "Hermite interpolation needs sites and a width");
   const Eigen::Index n = place_quantities * static_cast<Eigen::Index>(sites.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n), to_place(place_quantities, n);
   for (std::size_t column = 0; column < sites.size(); ++column) {

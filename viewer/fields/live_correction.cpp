@@ -26,7 +26,7 @@ constexpr double solver_error = 1e-4;
 }  // namespace
 
 LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * finger_radius) {
-  PALPATE_ASSERT(finger_radius > 0, "a finger has a size");
+  PALPATE_ASSERT(finger_radius > 0, "a finger must have a radius");
 }
 
 void LiveCorrection::add(const Expansion& expansion, double seconds) noexcept {

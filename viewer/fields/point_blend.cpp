@@ -126,7 +126,7 @@ LeafPlace PointBlend::leafAt(const Eigen::Vector3d& displacement) const noexcept
 
 std::vector<PointShare> PointBlend::sharesAt(const Eigen::Vector3d& displacement) const {
   const LeafPlace place = leafAt(displacement);
-  PALPATE_ASSERT(place.leaf >= 0, "the leaves cover the whole ball");
+  PALPATE_ASSERT(place.leaf >= 0, "the cells must cover the whole ball of displacements");
   return sharesIn(tree_, place, shares_);
 }
 

@@ -49,7 +49,7 @@ class Corrections {
         if (data.tree.slots()[at(slot)].kind != SlotKind::hanging) edges_[slot];
     // Most spaces have nothing to correct.
     if (edges_.empty()) return;
-    PALPATE_ASSERT(data.equilibria.size() == values_.size(), "each slot has an energy and a force");
+    PALPATE_ASSERT(data.equilibria.size() == values_.size(), "corners must have energy and force");
     for (std::int32_t leaf = 0; leaf < std::ssize(data.tree.leaves()); ++leaf)
       addEdges(data, data.tree.corners(leaf));
   }
@@ -109,7 +109,7 @@ std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTab
   std::vector<LocalPolynomial> polynomials =
       slotPolynomials(data.tree, space, data.inconsistent, std::move(data.ghosts), fits);
   const std::vector<double> corrections = energyCorrections(data);
-  PALPATE_ASSERT(corrections.size() == polynomials.size(), "both have the slots of one tree");
+  PALPATE_ASSERT(corrections.size() == polynomials.size(), "each polynomial needs a correction");
   for (std::size_t s = 0; s < polynomials.size(); ++s)
     polynomials[s].derivatives[0] += corrections[s];
   return polynomials;
@@ -128,7 +128,7 @@ PotentialField::PotentialField(const CellData& data,
     : CellField("potential", data, Limit::bound),
       jets_(energyJets(data.tree, polynomials)),
       error_(data.tree, polynomials, jets_, data.suspect) {
-  PALPATE_ASSERT(jets_.size() == tree().slots().size(), "each slot has derivatives");
+  PALPATE_ASSERT(jets_.size() == tree().slots().size(), "each corner of a cell needs derivatives");
 }
 
 void PotentialField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

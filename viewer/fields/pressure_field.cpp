@@ -6,7 +6,7 @@ namespace palpate {
 
 PressureField::PressureField(const SpaceTable& space, std::span<const float> pressures)
     : blend_(space), rows_(blend_.rowsOf(pressures, 1)) {
-  PALPATE_ASSERT(rows_.rows() == std::ssize(blend_.points()), "shares refer to existing rows");
+  PALPATE_ASSERT(rows_.rows() == std::ssize(blend_.points()), "each point must have values");
 }
 
 void PressureField::add(const Eigen::Vector3d& displacement, double weight,

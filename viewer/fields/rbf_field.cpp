@@ -51,7 +51,7 @@ std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
         space.patch.name, nameOf(kernel), solution.weights.rows(), solution.residual,
         solution.condition);
   PALPATE_ASSERT(solution.position.rows() == solution.weights.rows() && solution.weights.rows() > 0,
-                 "every solved point has a weight, and there is at least one");
+                 "solved points must exist, and each have a weight");
   const std::size_t count = at(solution.weights.rows());
   // Unused lanes of the last block have zero weights.
   std::vector<RbfBlock> blocks((count - 1) / rbf_lanes + 1);

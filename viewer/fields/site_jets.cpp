@@ -37,7 +37,7 @@ class QuantityView {
 
 void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
                  const std::vector<EnergyJet>& values) {
-  PALPATE_ASSERT(jets.size() == values.size(), "all quantities have the slots of one tree");
+  PALPATE_ASSERT(jets.size() == values.size(), "all quantities must be of the same cells");
   for (std::size_t s = 0; s < jets.size(); ++s)
     for (std::size_t n = 0; n < values[s].size(); ++n)
       jets[s](static_cast<Eigen::Index>(n), quantity) = static_cast<float>(values[s][n]);
@@ -68,7 +68,7 @@ LeafPlace SiteJets::placeOf(const LatticePoint& point) const {
   LeafPlace place;
   for (std::size_t octant = 0; place.leaf < 0 && octant < 8; ++octant)
     place = tree.leafBeside(point, octant);
-  PALPATE_ASSERT(place.leaf >= 0, "trees of one area have the same ball");
+  PALPATE_ASSERT(place.leaf >= 0, "the cells of a site must cover the ball of its area");
   return place;
 }
 
@@ -86,7 +86,7 @@ bool SiteJets::isSolvedAt(const LeafPlace& place) const {
 
 SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     : tree(data.tree), region(data) {
-  PALPATE_ASSERT(space.patch.finger, "only a finger has a drive");
+  PALPATE_ASSERT(space.patch.finger, "only a finger has a force -dE/ds along the surface");
   jets.assign(tree.slots().size(), SiteJet::Zero());
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
@@ -118,7 +118,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     };
     setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }
-  PALPATE_ASSERT(coverage.size() == jets.size(), "each slot has a coverage and a jet");
+  PALPATE_ASSERT(coverage.size() == jets.size(), "each corner must have a coverage and an energy");
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });

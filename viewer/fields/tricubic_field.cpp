@@ -172,7 +172,7 @@ const CellData& withStencilSupport(CellData& data) {
 
 TricubicField::TricubicField(CellData data)
     : CellField("tricubic", withStencilSupport(data)), nodes_(makeNodes(data)) {
-  PALPATE_ASSERT(nodes_.size() == tree().slots().size(), "each slot has derivatives");
+  PALPATE_ASSERT(nodes_.size() == tree().slots().size(), "each corner of a cell needs derivatives");
 }
 
 void TricubicField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

@@ -68,7 +68,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
 HapticLoop::~HapticLoop() { stop(); }
 
 void HapticLoop::start() {
-  PALPATE_ASSERT(!started_, "a loop runs once, because its statistics are complete at its end");
+  PALPATE_ASSERT(!started_, "a haptic loop must be started only once");
   started_ = true;
   if (options_.real_time) lockMemory();
   running_ = true;

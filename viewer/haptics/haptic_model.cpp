@@ -37,7 +37,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       methods_(options.methods),
       fields_(options.methods.size()),
       pressures_(dataset.scene(), options.pressures ? spaces_.size() : 0) {
-  PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
+  PALPATE_ASSERT(!spaces_.empty(), "a dataset must have an active node");
   if (methods_.empty()) throw badInput("{}: no interpolation method was given", file_);
   for (const SpaceTable& space : spaces_)
     tool_radii_.push_back(radiusOf(space.patch, dataset.mesh()));
@@ -45,7 +45,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   const std::vector<TouchArea>& areas = surface_.areas();
   for (std::size_t a = 0; a < areas.size(); ++a)
     for (const std::size_t space : areas[a].spaces) {
-      PALPATE_ASSERT(area_of_space_[space] < 0, "a site belongs to one area");
+      PALPATE_ASSERT(area_of_space_[space] < 0, "a site must belong to only one area");
       area_of_space_[space] = static_cast<std::int32_t>(a);
     }
   for (const TouchArea& area : areas)
@@ -71,7 +71,7 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
     const std::vector<float>& displacements = fields.displacement;
     PALPATE_ASSERT(
         displacements.size() == 3 * spaces_[s].points.size() * surface_.vertices().size(),
-        "a dataset stores displacements of the nodes of its surface");
+        "a dataset must store the displacements of surface nodes");
     shapes_[s] = std::make_unique<DisplacementField>(spaces_[s], displacements);
   });
 }
@@ -98,14 +98,14 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
     return false;
   }
   PALPATE_ASSERT(areas.size() == surface_.areas().size(),
-                 "an anchor in an area refers to an existing energy");
+                 "each area of the surface must have an energy");
   areas_ = std::move(areas);
   areas_made_ = true;
   return true;
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "a model fixes its methods when it is made");
+  PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
   // Make the areas before the spaces, because they use all cores themselves.
   if (!makeAreas(stop)) return;
   inParallel(spaces_.size(), [&](std::size_t space) {
@@ -114,7 +114,7 @@ void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
 }
 
 void HapticModel::prepareAlone(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "a model fixes its methods when it is made");
+  PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
   if (!makeAreas(stop)) return;
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);
@@ -128,7 +128,7 @@ void HapticModel::make(std::size_t method, std::size_t space) {
         areas_[at(area)], spaces_[space].patch.finger.value().center);
   else
     fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
-  PALPATE_ASSERT(fields.of_space[space] != nullptr, "a field exists once it counts as made");
+  PALPATE_ASSERT(fields.of_space[space] != nullptr, "a prepared force field must exist");
   fields.made.fetch_add(1, std::memory_order_release);
 }
 

@@ -11,8 +11,8 @@ namespace palpate {
 namespace {
 
 const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
-  PALPATE_ASSERT(!models.empty(), "a tick has at least one model");
-  PALPATE_ASSERT(models.front()->isPrepared(0), "contact starts with the first method");
+  PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
+  PALPATE_ASSERT(models.front()->isPrepared(0), "the first method must be prepared");
   return *models.front();
 }
 
@@ -65,8 +65,8 @@ HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& dev
       options_(limited(options, device)),
       contact_(firstOf(models_), options_.contact),
       guard_(options_.guard) {
-  PALPATE_ASSERT(options_.period > 0, "time increases with every tick");
-  PALPATE_ASSERT(options_.map.scale > 0, "the device workspace has a positive size in the scene");
+  PALPATE_ASSERT(options_.period > 0, "the period of a tick must be positive");
+  PALPATE_ASSERT(options_.map.scale > 0, "the scale from device to scene must be positive");
   state_.tool = options_.map.origin;
 }
 

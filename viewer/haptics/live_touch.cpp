@@ -6,7 +6,7 @@ namespace palpate {
 namespace {
 
 /// Largest change of the force in a tick by a new expansion, N and relative.
-constexpr double largest_step = 0.005, largest_share = 0.01;
+constexpr double largest_fade_step = 0.005, largest_fade_share = 0.01;
 /// s; a hand should not feel a wrong force for longer
 constexpr double longest_fade = 0.3;
 
@@ -24,7 +24,7 @@ void LiveTouch::begin(double period) noexcept {
 /// Returns the duration of the fade to an expansion, s.
 double LiveTouch::fadeOf(const Expansion& expansion, double period) const noexcept {
   const double change = (expansion.at(last_.place, last_.displacement).force - last_.force).norm();
-  const double allowed = std::max(largest_step, largest_share * last_.force.norm());
+  const double allowed = std::max(largest_fade_step, largest_fade_share * last_.force.norm());
   // A smooth step is 1.5 times as steep in its middle as a straight one.
   return std::min(1.5 * period * change / allowed, longest_fade);
 }

@@ -158,7 +158,7 @@ DeviceProfile readProfile(const Reader& in) {
 
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options) {
-  PALPATE_ASSERT(!models.empty(), "a run has at least one model");
+  PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
   std::vector<RecordedModel> recorded;
   for (const HapticModel* model : models)
     recorded.push_back({model->name(), model->file(), model->contentId()});
@@ -183,7 +183,7 @@ void Recorder::add(const HapticState& state) {
     throw failure("recording: the state at {} s was added after the one at {} s", state.time,
                   last_time_);
   PALPATE_ASSERT(at(state.model) < run_.models.size() && at(state.method) < run_.methods.size(),
-                 "a run keeps the models and methods that it began with");
+                 "a state must use a dataset and a method of its run");
   last_time_ = state.time;
   ++size_;
   const double tick = std::round(state.time / run_.options.period);
@@ -204,7 +204,7 @@ void Recorder::save(const std::filesystem::path& file) const {
     std::apply(
         [&](const auto&... channel) {
           PALPATE_ASSERT(((channel.values.size() == size_) && ...),
-                         "each list has one value per state");
+                         "each recorded list must have a value per state");
           (out.writeList(channel.path, channel.values, channel.unit), ...);
         },
         lists_->channels);

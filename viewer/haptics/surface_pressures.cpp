@@ -40,7 +40,7 @@ SurfacePressures::SurfacePressures(const Scene& scene, std::size_t spaces)
 
 void SurfacePressures::prepare(const std::vector<SpaceTable>& spaces, const std::stop_token& stop) {
   if (source_ != PressureSource::stored || fields_.empty()) return;
-  PALPATE_ASSERT(spaces.size() == fields_.size(), "each space has its rows");
+  PALPATE_ASSERT(spaces.size() == fields_.size(), "each space must have its pressures");
   for (std::size_t s = made_; s < fields_.size(); ++s) {
     if (stop.stop_requested()) return;
     takeIn(spaces[s], rows_[s]);
@@ -58,7 +58,7 @@ void SurfacePressures::prepare(const std::vector<SpaceTable>& spaces, const std:
 
 void SurfacePressures::takeIn(const SpaceTable& space, std::span<const float> rows) {
   PALPATE_ASSERT(!space.points.empty() && rows.size() % space.points.size() == 0,
-                 "each point has one row over all vertices");
+                 "each point must have pressures at all vertices");
   const std::size_t row = rows.size() / space.points.size();
   known_.resize(row, everywhere_ ? 1 : 0);
   std::vector<float> known(row);

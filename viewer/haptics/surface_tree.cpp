@@ -115,7 +115,7 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     Face& face = faces_[n];
     for (const std::int32_t corner : t)
       PALPATE_ASSERT(corner >= 0 && at(corner) < vertices.size(),
-                     "triangles refer to existing vertices");
+                     "triangles must refer to existing vertices");
     for (std::size_t c = 0; c < 3; ++c) face.corners[c] = vertices[at(t[c])];
     face.normal =
         (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
@@ -136,7 +136,7 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
 /// Builds the subtree of `count` triangles and returns its node. Splits at the median of the
 /// centroids, along the longest side of their box.
 std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
-  PALPATE_ASSERT(count > 0, "a split leaves no half empty");
+  PALPATE_ASSERT(count > 0, "no half of a split may be empty");
   Eigen::AlignedBox3d box, centroids;
   const auto centroidOf = [this](std::int32_t triangle) {
     const std::array<Eigen::Vector3d, 3>& corners = faces_[at(triangle)].corners;

@@ -22,7 +22,7 @@ struct Candidate {
 /// Returns the weights of the nearest candidates, three at most; they sum to 1. Sorts and truncates
 /// the candidates.
 std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
-  PALPATE_ASSERT(!candidates.empty(), "a vertex with shares is within reach of an active node");
+  PALPATE_ASSERT(!candidates.empty(), "an active node must be within reach of the vertex");
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
     return std::pair(a.distance, a.space) < std::pair(b.distance, b.space);
   });
@@ -66,7 +66,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     triangles_.push_back({vertexOf(t[0]), vertexOf(t[1]), vertexOf(t[2])});
   for (const Triangle& t : triangles_)
     PALPATE_ASSERT(*std::ranges::min_element(t) >= 0,
-                   "a dataset stores its shapes for every node of its surface");
+                   "a dataset must store every node of its surface");
   setFaces();
   setNeighbors();
 
@@ -226,8 +226,8 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
 }
 
 void TouchSurface::setTouchable() {
-  PALPATE_ASSERT(shares_.size() == vertices_.size(), "every vertex has its shares, or none");
-  PALPATE_ASSERT(area_of_.size() == triangles_.size(), "every triangle is in an area, or in none");
+  PALPATE_ASSERT(shares_.size() == vertices_.size(), "each vertex must have a list of weights");
+  PALPATE_ASSERT(area_of_.size() == triangles_.size(), "each triangle needs an area number or -1");
   corner_shares_.resize(triangles_.size());
   std::vector<Triangle> touchable;
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
@@ -246,7 +246,7 @@ void TouchSurface::setTouchable() {
         weights.try_emplace(share.space, Eigen::Vector3d::Zero())
             .first->second[static_cast<Eigen::Index>(c)] = share.weight;
     PALPATE_ASSERT(weights.size() <= most_blended_spaces,
-                   "a blend holds the spaces of three corners");
+                   "a triangle must not blend too many spaces");
     for (const auto& [space, corners] : weights) corner_shares_[n].push_back({space, corners});
   }
   touch_tree_ = SurfaceTree(vertices_, touchable);

@@ -27,7 +27,7 @@ double springOf(const Scene& scene, double radius) {
 /// Leaves the sites alone, on the coarsest lattice. The guess has nothing to refine or to measure.
 Problem withoutProbes(Problem problem) {
   PALPATE_ASSERT(problem.active.size() == problem.scene.active.size(),
-                 "a resolved scene has an entry for each space");
+                 "areas must be split into sites");
   std::erase_if(problem.active, [](const ActivePatch& patch) { return patch.probe.has_value(); });
   std::erase_if(problem.scene.active, [](const ActiveSelection& a) { return a.isProbe(); });
   problem.scene.accuracy = {};
@@ -73,8 +73,8 @@ GuessedDataset::GuessedDataset(Problem whole) {
   for (const ActivePatch& patch : problem.active) {
     if (!patch.finger)
       throw badInput(
-          "scene \"{}\": active \"{}\" is no finger: a scene is touched before it is "
-          "built by a finger (tool = \"finger\")",
+          "scene \"{}\": active \"{}\" is not a finger; a scene without a dataset can be touched "
+          "only by fingers (tool = \"finger\")",
           problem.scene.name, patch.name);
     spaces.push_back(springAt(problem, patch));
   }

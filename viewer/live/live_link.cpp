@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto poll_interval = 1ms;
+constexpr auto answer_poll = 1ms;
 /// Analysing the pattern of a large body, and loading the libraries.
 constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
@@ -115,8 +115,8 @@ void LiveLink::attend(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const LiveHand hand = touch_.hand();
     if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
-      std::this_thread::sleep_for(poll_interval);
-      if (follower_ && follower_->ended()) return tell("the follower has ended; starting another");
+      std::this_thread::sleep_for(answer_poll);
+      if (follower_ && follower_->ended()) return tell("the live solver ended; restarting it");
       continue;
     }
     askAbout(hand, stop);
@@ -145,11 +145,11 @@ bool LiveLink::greet(const std::stop_token& stop) {
   if (reply && reply->has_follow_reply()) return true;
   if (stop.stop_requested()) return false;
   if (reply && reply->has_refused())
-    tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+    tell(fmt::format("the live solver refuses: {}", printable(reply->refused().reason())));
   else if (options_.endpoint.empty())
-    tell("the follower could not be started");
+    tell("the live solver could not be started");
   else
-    tell(fmt::format("no follower answers at {}: start one there with palpate follow --listen",
+    tell(fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
                      options_.endpoint));
   return false;
 }
@@ -158,7 +158,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
 void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const bool follows = before_.touching && hand.time > before_.time;
   if (hand.touching && follows && hand.time - before_.time < speed_time)
-    return std::this_thread::sleep_for(poll_interval);
+    return std::this_thread::sleep_for(answer_poll);
   wire::Message question;
   wire::HandMotion& message = *question.mutable_hand_motion();
   if (hand.touching) {
@@ -176,9 +176,9 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const auto asked = Clock::now();
   const auto reply = ask(question, {}, answer_patience, stop);
   if (stop.stop_requested()) return;
-  if (!reply) return tell("the follower does not answer; asking again");
+  if (!reply) return tell("the live solver does not answer; asking again");
   if (reply->has_refused())
-    return tell(fmt::format("the follower refuses: {}", printable(reply->refused().reason())));
+    return tell(fmt::format("the live solver refuses: {}", printable(reply->refused().reason())));
   tell({});
   if (!reply->has_followed()) return;
   const auto followed = fromWire(reply->followed());
@@ -204,13 +204,13 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
   const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {
     if (!goes_on() || Clock::now() - began > connection_patience) return std::nullopt;
-    std::this_thread::sleep_for(poll_interval);
+    std::this_thread::sleep_for(answer_poll);
   }
   while (goes_on()) {
     waitForMessages(socket_, 20ms);
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
     if (question.has_hand_motion() && Clock::now() - began > late_after)
-      tell("the follower is late: the hand moves faster than it can solve");
+      tell("live solving is late: the hand moves faster than the solver can follow");
   }
   return std::nullopt;
 }

@@ -24,7 +24,7 @@ constexpr float mode_steps = 32767;
 /// precision, in which the fields store these numbers, would not suffice: forces of stiff organs
 /// were wrong by up to 1.7e-6 N.
 constexpr std::size_t left_out_bytes = 2;
-static_assert(std::endian::native == std::endian::little, "the least significant bytes are first");
+static_assert(std::endian::native == std::endian::little, "bytes must be little-endian");
 
 // Largest Lattice::divisions that is accepted: more than the lattice of any page has, but small
 // enough that products of lattice coordinates do not overflow.
@@ -176,14 +176,14 @@ void checkLattice(double radius, double spacing, std::int32_t divisions, std::si
     throw damaged("invalid lattice");
   const double narrow = std::clamp(part.width / radius, least_narrow, 1.0);
   if (in_ball * least_share_of_ball * narrow * narrow > static_cast<double>(points))
-    throw damaged(fmt::format("a lattice for about {:.0f} points has only {}", in_ball, points));
+    throw damaged(fmt::format("a lattice has {1} points instead of {0:.0f}", in_ball, points));
 }
 
 void checkAdded(const LatticePoint& point, const Lattice& lattice) {
   const auto farthest = static_cast<std::int32_t>(2 + lattice.radius() / lattice.spacing());
   for (const std::int32_t x : point)
     if (x < -farthest * lattice.divisions() || x > farthest * lattice.divisions())
-      throw damaged("a point far outside its ball");
+      throw damaged("a lattice point far outside its ball");
 }
 
 /// Visits the lattice of a space. Returns the number of its points.
@@ -267,7 +267,7 @@ void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
     for (const SpaceTable& space : spaces) shapes.shares.emplace_back(space.points.size() * count);
   }
   PALPATE_ASSERT(shapes.modes.size() == count * width && shapes.shares.size() == spaces.size(),
-                 "each mode moves every vertex, and each space has shares of it");
+                 "each mode must have all vertices, and each space its weights");
   for (std::size_t mode = 0; mode < count; ++mode) {
     carrySteps<std::int16_t>(bytes, mode_steps, [&](auto visit) {
       for (std::size_t i = 0; i < width; ++i) visit(shapes.modes[mode * width + i]);
@@ -301,7 +301,7 @@ void carryOrgan(Bytes& bytes, Organ& organ) {
     organ.touch_of_triangle.resize(triangles);
   }
   PALPATE_ASSERT(organ.touch_of_triangle.size() == triangles,
-                 "every triangle belongs to a touch or to none");
+                 "each triangle must have the number of its part or -1");
   for (std::size_t t = 0; t < triangles; ++t)
     carry(bytes, organ.triangles[t], organ.touch_of_triangle[t]);
   carryList(bytes, organ.touches, least_touch, [&](auto& touch) { carryTouch(bytes, touch); });

@@ -29,7 +29,7 @@ std::string faultOfSurface(const CarriedOrgan& organ) {
     if (a == b || b == c || c == a) return fmt::format("triangle {} has the same corner twice", t);
     const std::int32_t touch = organ.touch_of_triangle[t];
     if (touch != -1 && !isNumberOf(touch, organ.touches.size()))
-      return fmt::format("triangle {} belongs to invalid touch {}", t, touch);
+      return fmt::format("triangle {} belongs to invalid part {}", t, touch);
   }
   return {};
 }
@@ -95,7 +95,7 @@ std::string faultOf(const CarriedOrgan& organ) {
   if (std::string fault = faultOfSurface(organ); !fault.empty()) return fault;
   for (std::size_t n = 0; n < organ.touches.size(); ++n)
     if (const std::string fault = faultOfTouch(organ.touches[n], organ.spaces); !fault.empty())
-      return fmt::format("touch {}: {}", n, fault);
+      return fmt::format("touchable part {}: {}", n, fault);
   for (std::size_t n = 0; n < organ.spaces.size(); ++n)
     if (const std::string fault = faultOfPoints(organ.spaces[n]); !fault.empty())
       return fmt::format("space {}: {}", n, fault);

@@ -21,9 +21,9 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
   PALPATE_ASSERT(
       organ_.shapes.modes.size() == 3 * organ_.vertices.size() * organ_.shapes.mode_count &&
           organ_.shapes.shares.size() == organ_.spaces.size(),
-      "each mode moves every vertex, and each space has shares of it");
+      "each mode must have all vertices, and each space its weights");
   for (const CarriedTouch& touch : organ_.touches) {
-    PALPATE_ASSERT(!touch.spaces.empty(), "decode() refuses a touch without a space");
+    PALPATE_ASSERT(!touch.spaces.empty(), "a touchable part must have a space");
     Touched& touched = touched_.emplace_back();
     if (touch.finger_radius == 0) continue;
     std::vector<const SpaceTable*> sites;
@@ -90,7 +90,7 @@ void TouchedOrgan::addShares(std::int32_t space, const Eigen::Vector3d& p, float
 
 void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const Eigen::Vector3d& p,
                            std::span<float> out) {
-  PALPATE_ASSERT(out.size() == 3 * organ_.vertices.size(), "a shape moves every vertex");
+  PALPATE_ASSERT(out.size() == 3 * organ_.vertices.size(), "a shape must move every vertex");
   std::ranges::fill(out, 0.0f);
   std::ranges::fill(sum_, 0.0f);
   const CarriedTouch& carried = organ_.touches.at(touch);

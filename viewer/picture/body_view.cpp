@@ -125,7 +125,7 @@ Eigen::Vector3d BodyView::originOf(std::size_t space) const {
 
 void BodyView::deform(const Touch& touch) {
   PALPATE_ASSERT(!touch.touching || at(touch.anchor.triangle) < model_.surface().triangles().size(),
-                 "the touch belongs to this model");
+                 "the touched triangle must belong to this model");
   deformed_.evaluate(model_, touch, displacements_);
   blend_ = touch.touching ? touch.blend : SpaceBlend();
   touch_displacement_ = touch.displacement - touch.excess();
@@ -161,7 +161,7 @@ void BodyView::colourPressures() {
 }
 
 const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
-  PALPATE_ASSERT(model_.isPrepared(at(method)), "errors are shown only for prepared methods");
+  PALPATE_ASSERT(model_.isPrepared(at(method)), "errors can be shown only for prepared methods");
   auto [found, added] = error_places_.try_emplace(method);
   if (added)
     for (const double error : vertexErrors(model_, at(method)))

@@ -11,7 +11,7 @@ namespace palpate {
 
 Contour::Contour(std::span<const std::uint32_t> corners)
     : corners_(corners.begin(), corners.end()), faces_eye_(corners.size() / 3) {
-  PALPATE_ASSERT(corners.size() % 3 == 0, "corners come in triples");
+  PALPATE_ASSERT(corners.size() % 3 == 0, "each triangle must have three corners");
   std::map<std::array<std::uint32_t, 2>, std::uint32_t> open;  // triangle at each edge of which the
                                                                // second triangle was not found yet
   for (std::uint32_t t = 0; t < faces_eye_.size(); ++t)

@@ -21,7 +21,7 @@ void appendBytes(void* bytes, void* data, int size) {
 
 void writePng(const Image& image, const std::filesystem::path& file) {
   PALPATE_ASSERT(std::ssize(image.pixels) == std::ptrdiff_t{3} * image.width * image.height,
-                 "an image has all its pixels");
+                 "an image must have all its pixels");
   std::string bytes;
   if (stbi_write_png_to_func(appendBytes, &bytes, image.width, image.height, 3, image.pixels.data(),
                              3 * image.width) == 0)

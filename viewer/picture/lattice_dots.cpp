@@ -32,7 +32,7 @@ std::array<double, 3> colourOf(Tag tag) {
 
 std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<LatticeCut>& cut) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
-                 "a table has a record per lattice point");
+                 "each lattice point must have a record");
   std::vector<LatticeDot> dots;
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     const Eigen::Vector3d displacement = space.lattice.displacement(n);
@@ -66,7 +66,7 @@ double errorPlace(double relative) {
 
 std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, double spacing,
                                   const std::optional<LatticeCut>& cut) {
-  PALPATE_ASSERT(spacing > 0, "a lattice has a spacing");
+  PALPATE_ASSERT(spacing > 0, "a lattice must have a spacing");
   std::vector<LatticeDot> dots;
   for (const CellError& cell : errors)
     if (std::isfinite(cell.relative) && keeps(cut, cell.displacement, spacing))

@@ -37,7 +37,7 @@ void LatticeView::show(const BodyView& body, const HapticState& state, const Vie
     if (share.weight > most) space_ = share.space;
     most = std::max(most, share.weight);
   }
-  PALPATE_ASSERT(at(space_) < body.model().spaces().size(), "the touch belongs to the shown model");
+  PALPATE_ASSERT(at(space_) < body.model().spaces().size(), "the touch must be on the shown model");
   show(choices.lattice);
   if (!choices.lattice) return;
   const bool errors = choices.errors && body.model().isPrepared(at(state.method));
@@ -54,7 +54,7 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
   const SpaceTable& table = model.spaces()[at(space_)];
   const std::int32_t method = filled_.method;
   if (method < 0) return tagDots(table, filled_.cut);
-  PALPATE_ASSERT(model.isPrepared(at(method)), "errors are shown only for prepared methods");
+  PALPATE_ASSERT(model.isPrepared(at(method)), "errors can be shown only for prepared methods");
   auto [found, added] = errors_.try_emplace({model_, method, space_});
   if (added) found->second = cellErrors(table, model.field(at(method), at(space_)));
   return errorDots(found->second, table.lattice.spacing(), filled_.cut);

@@ -25,7 +25,7 @@ void OrbitCamera::frame(const Eigen::Vector3d& centre, double radius, const Eige
 }
 
 void OrbitCamera::frame(const Eigen::Vector3d& centre, double radius, double aspect) {
-  PALPATE_ASSERT(radius > 0 && aspect > 0, "a body and a view have an extent");
+  PALPATE_ASSERT(radius > 0 && aspect > 0, "a body and its view must not be empty");
   centre_ = framed_ = centre;
   radius_ = radius;
   // In a narrow picture the width decides the distance.

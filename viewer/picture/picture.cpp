@@ -45,7 +45,7 @@ struct Picture::Impl {
 
   void use(std::int32_t number) {
     if (number == model) return;
-    PALPATE_ASSERT(at(number) < shown.size(), "a state refers to one of the models");
+    PALPATE_ASSERT(at(number) < shown.size(), "a state must refer to a loaded dataset");
     const std::optional<FramedSphere> before =
         model < 0 ? std::nullopt : std::optional(inUse().sphere());
     model = number;
@@ -190,7 +190,7 @@ struct Picture::Impl {
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
     const HapticModel& now = inUse().model();
-    PALPATE_ASSERT(at(lattice.space()) < now.spaces().size(), "the lattice belongs to this model");
+    PALPATE_ASSERT(at(lattice.space()) < now.spaces().size(), "the lattice must be of this model");
     const SpaceTable& table = now.spaces()[at(lattice.space())];
     PanelContents all{
         .state = state,
@@ -290,7 +290,7 @@ struct Picture::Impl {
 };
 
 Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOptions& options) {
-  PALPATE_ASSERT(!models.empty(), "a picture has at least one model");
+  PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
   impl_ = std::make_unique<Impl>(models, options);
 }
 
@@ -303,7 +303,7 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 }
 
 Image Picture::grab() {
-  PALPATE_ASSERT(impl_->shot.body != nullptr, "the last picture is kept");
+  PALPATE_ASSERT(impl_->shot.body != nullptr, "a picture must have been drawn");
   impl_->render();
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }

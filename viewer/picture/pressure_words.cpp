@@ -14,8 +14,8 @@ std::string whyNoPressures(const SurfacePressures& pressures) {
       return "No pressures: the scene has pressure = \"none\" in [discretization]. Remove it, "
              "and set displacement = \"all\" in [storage].";
     case PressureSource::storage:
-      return "No pressures stored: set displacement = \"all\" in [storage] of the scene and "
-             "build again (no new computation).";
+      return "No pressures stored: set displacement = \"all\" in [storage], which stores them too, "
+             "and build again (nothing is solved again).";
   }
   return fmt::format("preparing pressures: {:.0f} %", 100 * pressures.preparedShare());
 }

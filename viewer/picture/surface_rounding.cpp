@@ -33,7 +33,7 @@ SurfaceRounding::SurfaceRounding(std::span<const std::uint32_t> corners, std::si
 void SurfaceRounding::fill(Eigen::Matrix3Xf& positions, Eigen::Matrix3Xf& normals) const {
   PALPATE_ASSERT(positions.cols() >= static_cast<Eigen::Index>(vertices()) &&
                      normals.cols() == positions.cols(),
-                 "the output has room for the midpoints");
+                 "the output must have room for the midpoints of edges");
   for (std::size_t edge = 0; 2 * edge < ends_.size(); ++edge) {
     const std::uint32_t a = ends_[2 * edge], b = ends_[2 * edge + 1];
     const auto middle = static_cast<Eigen::Index>(vertices_ + edge);
@@ -49,7 +49,7 @@ void SurfaceRounding::fill(Eigen::Matrix3Xf& positions, Eigen::Matrix3Xf& normal
 }
 
 void SurfaceRounding::fill(std::vector<float>& values) const {
-  PALPATE_ASSERT(values.size() >= vertices(), "the output has room for the midpoints");
+  PALPATE_ASSERT(values.size() >= vertices(), "the output must have room for edge midpoints");
   for (std::size_t edge = 0; 2 * edge < ends_.size(); ++edge)
     values[vertices_ + edge] = 0.5F * (values[ends_[2 * edge]] + values[ends_[2 * edge + 1]]);
 }

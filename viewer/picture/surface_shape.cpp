@@ -73,10 +73,10 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
     : given_(vertices.size()) {
-  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle has a touchable flag");
+  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle must have a touchable flag");
   for (const Triangle& triangle : triangles)
     for (const std::int32_t corner : triangle) {
-      PALPATE_ASSERT(corner >= 0 && at(corner) < given_, "triangles refer to existing vertices");
+      PALPATE_ASSERT(corner >= 0 && at(corner) < given_, "triangles must have existing vertices");
       coarse_.push_back(static_cast<std::uint32_t>(corner));
     }
   corners_ = coarse_;
@@ -142,7 +142,7 @@ void SurfaceShape::setTissue() {
 }
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
-  PALPATE_ASSERT(displacements.size() == 3 * given_, "every vertex has a displacement");
+  PALPATE_ASSERT(displacements.size() == 3 * given_, "every vertex must have a displacement");
   largest_ = 0;
   for (std::size_t v = 0; v < given_; ++v) {
     const auto column = static_cast<Eigen::Index>(v);
@@ -169,7 +169,7 @@ void SurfaceShape::colourDisplacements(double full) {
 }
 
 void SurfaceShape::colourPlaces(std::span<const float> places) {
-  PALPATE_ASSERT(places.size() == given_, "every vertex has its colour coordinate");
+  PALPATE_ASSERT(places.size() == given_, "every vertex must have a colour coordinate");
   std::ranges::copy(places, places_.begin());
   round(places_);
   static const Covers covers = coversBy([](double place) { return coverOf(viridis(place), 1); });
@@ -177,7 +177,7 @@ void SurfaceShape::colourPlaces(std::span<const float> places) {
 }
 
 void SurfaceShape::colourPressures(std::span<const float> pressures, double full) {
-  PALPATE_ASSERT(pressures.size() == given_ && full > 0, "every vertex has a pressure, or NaN");
+  PALPATE_ASSERT(pressures.size() == given_ && full > 0, "each vertex needs a pressure, or NaN");
   const auto scale = static_cast<float>(0.5 / full);
   std::ranges::transform(pressures, places_.begin(), [=](float p) { return 0.5F + scale * p; });
   round(places_);

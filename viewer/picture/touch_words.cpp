@@ -52,7 +52,7 @@ std::string untouchedText(bool one_mesh, bool one_scale) {
 }
 
 std::string tissueText(const std::vector<Region>& regions) {
-  PALPATE_ASSERT(!regions.empty(), "a body has a material");
+  PALPATE_ASSERT(!regions.empty(), "a body must have a material");
   const Material& first = regions.front().material;
   std::string text =
       fmt::format("{}, Young's modulus {:.3g} kPa",

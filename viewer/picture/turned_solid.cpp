@@ -30,7 +30,7 @@ void addArc(std::vector<ProfilePoint>& profile, double radius, double middle, do
 }  // namespace
 
 TurnedSolid::TurnedSolid(std::span<const ProfilePoint> profile, int around) {
-  PALPATE_ASSERT(profile.size() >= 2, "a solid has a profile");
+  PALPATE_ASSERT(profile.size() >= 2, "the profile of a solid needs two points");
   const auto ring = static_cast<std::uint32_t>(around + 1);
   for (std::size_t n = 0; n < profile.size(); ++n) {
     Eigen::Vector2d slope = Eigen::Vector2d::Zero();

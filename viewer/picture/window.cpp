@@ -93,7 +93,7 @@ void Window::poll() {
 void Window::swap() { glfwSwapBuffers(window_); }
 
 Image readPixels(int width, int height) {
-  PALPATE_ASSERT(width > 0 && height > 0, "a window has pixels");
+  PALPATE_ASSERT(width > 0 && height > 0, "a window must have pixels");
   const std::size_t row = 3 * static_cast<std::size_t>(width),
                     rows = static_cast<std::size_t>(height);
   std::vector<std::uint8_t> upward(row * rows);

@@ -155,8 +155,8 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
       "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
-      "coverage (--json): share of the answer based on solved lattice points of one branch.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some answer is not reliable: it is beyond\n"
+      "coverage (--json): share of the force based on solved lattice points of one branch.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some force is not reliable: it is beyond\n"
       "the workspace or the solved points, or its place is away from the surface, has no site\n"
       "nearby, or rests on fixed nodes (printed as not inside), 130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };
@@ -173,7 +173,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
                [&](const TouchInput& touch) {
                  const ForceAnswer answer = answers.answer(touch);
                  PALPATE_ASSERT(answer.finger.has_value() == touch.at.has_value(),
-                                "an answer has a place if its touch has one");
+                                "an answer must have a place if its touch has one");
                  if (!answer.sample.inside) code = ExitCode::partly_failed;
                  // Flushed at once: a caller that sends line by line waits for each answer.
                  output << answerText(answers, touch.displacement, answer, options.json)

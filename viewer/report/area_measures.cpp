@@ -95,7 +95,7 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
   }
   PALPATE_ASSERT(
       measures.on_triangles.size() == found.size() && measures.depths.size() == depths.size(),
-      "each triangle was queried at each depth");
+      "each triangle must be evaluated, at each depth");
 }
 
 /// Assigns the errors at the probes to the depths.

@@ -102,7 +102,7 @@ std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space) {
   PALPATE_ASSERT(
       lattice.dataset < datasets.size() && space < datasets[lattice.dataset].spaces().size(),
-      "a lattice belongs to one of these datasets, which share their active nodes");
+      "the lattice must belong to one of these datasets");
   const SpaceTable& whole = datasets[lattice.dataset].spaces()[space];
   if (lattice.factor > 0) return std::make_shared<SpaceTable>(thinned(whole, lattice.factor));
   return {std::shared_ptr<const SpaceTable>(), &whole};  // no owner: the dataset keeps the table

@@ -188,9 +188,9 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
     double apart = 0;
     for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
     limits.push_back(fmt::format(
-        "The meshes differ. Active nodes of the same name are compared; they lie up to {:.3g} mm "
-        "apart at rest. Differences include those of shape, elements and material. To compare "
-        "materials only, build both scenes on one mesh.",
+        "The meshes differ. Active nodes of the same name are compared, although they lie up to "
+        "{:.3g} mm apart at rest. Their differences come from shape, elements and material. To "
+        "compare only materials, build both scenes on the same mesh.",
         1e3 * apart));
   }
   const std::size_t alone = first.spaces().size() + second.spaces().size() - 2 * comparison.common;
@@ -213,7 +213,7 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places) {
   PALPATE_ASSERT(datasets.size() == 2 && most_places > 0,
-                 "two datasets are compared at some places");
+                 "a comparison needs two datasets and a place");
   Comparison comparison;
   comparison.open = std::move(datasets);
   comparison.method = method;

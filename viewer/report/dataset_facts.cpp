@@ -83,7 +83,7 @@ DatasetFacts factsOf(const Dataset& dataset) {
   countProbes(dataset.spaces(), facts);
   countProbes(dataset.probePlaces(), facts);
   PALPATE_ASSERT(facts.configurations <= facts.lattice_points,
-                 "each solved configuration is a lattice point");
+                 "each configuration must be at a lattice point");
   facts.sizes = arraySizes(dataset.file().string());
   return facts;
 }

@@ -107,7 +107,7 @@ class Surface {
 /// Returns the provenance of each dataset: a list of terms with their texts, and the whole scene.
 DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
                          const std::vector<DatasetFacts>& facts) {
-  PALPATE_ASSERT(facts.size() == datasets.size(), "every dataset has facts");
+  PALPATE_ASSERT(facts.size() == datasets.size(), "each dataset must be described");
   DrawingJson all = DrawingJson::array();
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Dataset& dataset = datasets[d];
@@ -132,7 +132,7 @@ DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
 
 DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface& surface) {
   PALPATE_ASSERT(area.on_triangles.size() == report.open.front().mesh().surface.size(),
-                 "each surface triangle has a value");
+                 "each surface triangle must have a value");
   DrawingJson probes = DrawingJson::array();
   for (const AreaProbes::Comparison& probe : area.probes.comparisons)
     probes.push_back({{"at", surface.mark(probe.place)},
@@ -150,7 +150,7 @@ DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface&
 
 DrawingJson drawn(const SliceMap& slice) {
   PALPATE_ASSERT(slice.bound.size() == slice.covered.size(),
-                 "each place has a bound and a coverage");
+                 "each place must have a bound and a coverage");
   const auto flat = [](const Eigen::Vector2d& p) {
     return DrawingJson::array({rounded(p.x(), 6), rounded(p.y(), 6)});
   };

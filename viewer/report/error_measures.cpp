@@ -32,7 +32,7 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
 }  // namespace
 
 double percentile(std::span<const double> sorted, double share) {
-  PALPATE_ASSERT(!sorted.empty(), "percentiles need values");
+  PALPATE_ASSERT(!sorted.empty(), "a percentile needs values");
   const double place = share * (sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   if (below + 1 >= sorted.size()) return sorted.back();

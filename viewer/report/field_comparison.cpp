@@ -162,7 +162,7 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
   if (!cells) return results;
   for (const MethodComparison& result : results)
     PALPATE_ASSERT(result.comparisons.empty() || result.comparisons.size() == held_out.size(),
-                   "each prepared method was evaluated at every solution");
+                   "each method must be evaluated at every solution");
   for (std::size_t n = 0; n < held_out.size(); ++n) {
     const bool covered = isCovered(cells->evaluate(held_out[n].displacement));
     for (MethodComparison& result : results)

@@ -81,7 +81,7 @@ HeldOut heldOutOf(const std::vector<Dataset>& datasets,
                   const std::vector<ComparedLattice>& lattices) {
   const std::size_t spaces = datasets.front().spaces().size();
   for (const Dataset& dataset : datasets)
-    PALPATE_ASSERT(dataset.spaces().size() == spaces, "all datasets have the same scene");
+    PALPATE_ASSERT(dataset.spaces().size() == spaces, "datasets must have the same active nodes");
   HeldOut probes = collected(HeldOutKind::probes, spaces, [&](std::size_t s) {
     std::vector<const SpaceTable*> tables;
     for (const Dataset& dataset : datasets) tables.push_back(&dataset.spaces()[s]);

@@ -66,7 +66,7 @@ std::vector<ForceWay> tellingWays(const SpaceTable& space, const Fields& fields,
 
 SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,
                      const std::vector<HeldOutSolution>& held_out) {
-  PALPATE_ASSERT(across != up && across + up <= 3, "a plane uses two of three axes");
+  PALPATE_ASSERT(across != up && across + up <= 3, "a plane must use two of the three axes");
   SliceMap map;
   map.across = across;
   map.up = up;
@@ -100,7 +100,7 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
   }
   PALPATE_ASSERT(map.bound.size() == SliceMap::sampleAt(SliceMap::side, 0) &&
                      map.covered.size() == map.bound.size(),
-                 "every square of the picture was sampled");
+                 "every square of the picture must have values");
   return map;
 }
 
@@ -120,7 +120,7 @@ Spread sampleBounds(const ForceField& field, double radius) {
 NodePictures sampleNode(const SpaceTable& shown, const SpaceTable& whole,
                         const std::vector<std::string>& methods,
                         const std::vector<HeldOutSolution>& held_out) {
-  PALPATE_ASSERT(!methods.empty(), "one method is the default");
+  PALPATE_ASSERT(!methods.empty(), "at least one method must be given");
   NodePictures pictures;
   const Fields on_shown = fieldsOf(shown, methods);
   if (on_shown.front())

@@ -158,7 +158,7 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
   std::vector<std::vector<WayComparison>> methods(study.methods.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
-    PALPATE_ASSERT(nodes[n].size() == methods.size(), "each method has results for a node");
+    PALPATE_ASSERT(nodes[n].size() == methods.size(), "each node needs results of every method");
     for (std::size_t m = 0; m < methods.size(); ++m)
       for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
         methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
@@ -171,7 +171,7 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
 /// measured lattice; empty if no lattice is measured.
 std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) {
   PALPATE_ASSERT(errors.empty() || errors.size() == study.compared.size(),
-                 "a measured lattice has errors of every compared node");
+                 "a measured lattice must have errors of every compared node");
   std::vector<NodeMeasures> nodes;
   for (const SpaceTable& space : study.open.front().spaces()) {
     const std::size_t held_out = study.held_out.of_space[nodes.size()].size();
@@ -255,9 +255,9 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
       report.held_out,
       evenly(report.open.front().spaces().size(), report.areas_alone ? 1 : options.compared_nodes)};
   PALPATE_ASSERT(!study.compared.empty() && !study.methods.empty(),
-                 "a dataset has an active node, and one method is the default");
+                 "a report needs an active node and a method");
   PALPATE_ASSERT(study.held_out.of_space.size() == study.spaces(),
-                 "each active node has its held-out solutions");
+                 "each active node must have its held-out solutions");
   report.compared = study.compared.size();
 
   for (ComparedLattice& lattice : lattices)
@@ -265,7 +265,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
   std::ranges::stable_sort(report.lattices, {}, &LatticeMeasures::configurations);
   report.measured = measuredOf(report.lattices, study.held_out);
   PALPATE_ASSERT(!report.measured || study.held_out.measures(shownLattice(report)),
-                 "no lattice is measured with its own points");
+                 "a lattice must not be measured with its own points");
   NodeErrors errors;
   for (std::size_t n = 0; n < report.lattices.size(); ++n) {
     LatticeMeasures& lattice = report.lattices[n];
@@ -296,7 +296,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
 const LatticeMeasures& shownLattice(const Report& report) {
   if (report.measured) return report.lattices[*report.measured];
   const auto first = std::ranges::find_if(report.lattices, isFirstDataset);
-  PALPATE_ASSERT(first != report.lattices.end(), "every dataset is one of the lattices");
+  PALPATE_ASSERT(first != report.lattices.end(), "the first dataset must be one of the lattices");
   return *first;
 }
 

@@ -58,7 +58,7 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
 }
 
 Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
-  PALPATE_ASSERT(lattice.methods.size() == report.methods.size(), "all methods were measured");
+  PALPATE_ASSERT(lattice.methods.size() == report.methods.size(), "each method must have results");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m) {
     const MethodMeasures& method = lattice.methods[m];
@@ -80,7 +80,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
 }
 
 Json wayJson(const Report& report, const WayShell& shell) {
-  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "each shell has all methods");
+  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "each method must have results");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     methods[report.methods[m]] = toJson(shell.methods[m]);
@@ -89,7 +89,7 @@ Json wayJson(const Report& report, const WayShell& shell) {
 
 Json nodeJson(const Report& report, const NodeMeasures& node) {
   PALPATE_ASSERT(node.methods.size() == report.methods.size(),
-                 "each node has an entry for every method");
+                 "each node must have results of every method");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     // If the methods are not compared on a node, only the default method is measured.
@@ -156,7 +156,7 @@ Json placeJson(const ComparedPlace& place) {
 }  // namespace
 
 Json toJson(const Report& report) {
-  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "every dataset has facts");
+  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "each dataset must be described");
   Json json;
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)

@@ -98,9 +98,9 @@ std::string areas(const Report& report) {
                           formatShare(bound.percentile_95));
     };
     text += "\n" + wrapped(fmt::format(
-                       "{}: a finger anywhere on the surface, {}, {}, prepared in {} s, {} ns per "
-                       "query. Errors at exact solutions and error bounds everywhere, as "
-                       "shares of the force:",
+                       "{}: a finger can press anywhere on this surface ({}, {}); prepared in {} "
+                       "s, {} ns per query. As shares of the force: errors at exact solutions, "
+                       "and error bounds at all places:",
                        area.name, counted(area.sites, "site"),
                        counted(area.collocation_points, "collocation point"),
                        formatNumber(area.seconds_to_prepare), formatNumber(area.nanoseconds, 3)));
@@ -163,10 +163,10 @@ std::string comparisonText(const Comparison& comparison) {
   }
   text += "\n" +
           wrapped(
-              "Forces and differences of the force vectors in N, over a grid of displacements that "
-              "both datasets answer with forces within the limits of their scenes. Stiffness: at "
-              "rest, mean over directions. Bounds: the sum of both error bounds; a smaller "
-              "difference is not significant.");
+              "Forces and differences of the force vectors in N, at displacements where both "
+              "datasets have forces within the limits of their scenes. Stiffness: at rest, mean "
+              "over directions. Bounds: the sum of both error bounds; a smaller difference is not "
+              "significant.");
   for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
   return text;
 }

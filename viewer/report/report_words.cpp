@@ -22,11 +22,11 @@ std::string describeHeldOut(const Report& report) {
         counted(report.held_out.count, "probe"));
   if (report.held_out.kind == HeldOutKind::lattice_points)
     return fmt::format(
-        "There are no solved probes. The coarser lattices below are measured with {} that they "
-        "leave out; the densest lattice cannot be measured.",
+        "There are no solved probes. The coarser lattices below are measured at {} that they leave "
+        "out; the densest lattice cannot be measured.",
         counted(report.held_out.count, "lattice point"));
-  return "There are no solved probes, and no coarser lattice inside this one leaves out solved "
-         "points: errors cannot be measured.";
+  return "There are no solved probes, and no coarser lattice leaves out points that were solved: "
+         "errors cannot be measured.";
 }
 
 std::vector<std::string> describeGaps(const Report& report) {
@@ -73,7 +73,7 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
         formatNumber(probes.area.bound_over_error.median, 3),
         formatNumber(probes.area.bound_over_error.percentile_95, 3));
   if (probes.unanswered > 0)
-    text += fmt::format(" The area has no answer at {}.", counted(probes.unanswered, "place"));
+    text += fmt::format(" No force is available at {}.", counted(probes.unanswered, "place"));
   if (area.jumps > 0)
     text += fmt::format(" Lattice edges between different branches: {}.", area.jumps);
   return text;

@@ -28,7 +28,7 @@ Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   const std::vector<float> values = dataset.surfaceFields(space).displacement;
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   PALPATE_ASSERT(std::ssize(values) == width * std::ssize(dataset.spaces()[space].points),
-                 "a dataset stores displacements of the nodes of its surface");
+                 "a dataset must store the displacements of surface nodes");
   Shapes shapes = Eigen::Map<const Shapes>(values.data(), std::ssize(values) / width, width);
   return shapes.array().isNaN().select(0.0f, shapes);
 }
@@ -155,7 +155,7 @@ CarriedOrgan organOf(const Dataset& dataset) {
   for (std::size_t space = 0; space < organ.spaces.size(); ++space)
     if (touch_of_space[space] < 0) add(touchOf(space, dataset));
   PALPATE_ASSERT(std::ranges::find(touch_of_space, -1) == touch_of_space.end(),
-                 "each space belongs to an area or is touched by itself");
+                 "each space must belong to something touchable");
   for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
     organ.touch_of_triangle.push_back(surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))]
                                                            : -1);

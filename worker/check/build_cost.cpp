@@ -92,7 +92,7 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
 
 BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   const Lattice lattice = uniformLattice(problem.scene);
-  PALPATE_ASSERT(lattice.size() > 0, "the lattice contains at least the origin");
+  PALPATE_ASSERT(lattice.size() > 0, "a lattice must contain the origin");
   double probes = 0, points = 0;
   std::vector<Shell> shells;
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
@@ -115,7 +115,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
       cost.usual_reach = std::min(lattice.radius(), static_cast<double>(n + 1) * lattice.spacing());
   }
   cost.reached = reached / points;
-  PALPATE_ASSERT(cost.reached >= 0 && cost.reached <= 1 + 1e-9, "the share is 0 to 1");
+  PALPATE_ASSERT(cost.reached >= 0 && cost.reached <= 1 + 1e-9, "a share must be between 0 and 1");
 
   const double seconds_each = waiting * seconds / points;
   const auto bytes_each = static_cast<double>(storedBytes(problem));

@@ -72,7 +72,7 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
     found.no_rest = describe(failure);
     return;
   }
-  PALPATE_ASSERT(workspace.spacing > 0, "steps must have a length");
+  PALPATE_ASSERT(workspace.spacing > 0, "the spacing must be positive");
   Way& way = found.ways.emplace_back();
   const auto end = [&](WayEnd how) { way.end = how; };
   Equilibrium before;
@@ -112,7 +112,7 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
 }  // namespace
 
 MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) {
-  PALPATE_ASSERT(!problem.active.empty(), "a problem has an active node");
+  PALPATE_ASSERT(!problem.active.empty(), "a problem must have an active node");
   const double began = processorSeconds();
   TransitionSolver solver(problem, chooseKernels());
   MeasuredWays found;
@@ -131,7 +131,7 @@ MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) 
                 found);
   }
   PALPATE_ASSERT(!found.ways.empty() || !found.no_rest.empty(),
-                 "from a rest state a path is measured");
+                 "a body with a rest state must have a measured path");
   found.seconds = processorSeconds() - began;
   return found;
 }

@@ -38,7 +38,7 @@ void warnOfWays(SceneReport& report) {
                               report.measured.no_rest);
     return;
   }
-  PALPATE_ASSERT(!ways.empty(), "from a rest state a path is measured");
+  PALPATE_ASSERT(!ways.empty(), "a body with a rest state must have a measured path");
   if (std::ranges::all_of(ways, [](const Way& way) {
         return way.end == WayEnd::failed && way.steps.size() == 1;
       })) {
@@ -75,9 +75,9 @@ SceneReport reportOf(const Problem& problem) {
   report.nearly_flat = nearlyFlat(problem.mesh);
   report.lattice = uniformLattice(problem.scene);
   report.spaces = spacesOf(problem);
-  PALPATE_ASSERT(!report.spaces.empty(), "probes measure areas, which have sites");
+  PALPATE_ASSERT(!report.spaces.empty(), "a scene with probes must have another active node");
   PALPATE_ASSERT(problem.region_of.size() == problem.mesh.tetrahedra.size(),
-                 "resolve() puts every tetrahedron in a region of the scene");
+                 "each tetrahedron must have a region");
   report.tetrahedra_in.resize(problem.scene.regions.size());
   report.volume_of.resize(problem.scene.regions.size());
   for (std::size_t e = 0; e < problem.region_of.size(); ++e) {

@@ -41,7 +41,7 @@ std::vector<const ElementKernels*> supportedKernels() {
 const ElementKernels& chooseKernels() {
   const auto supported = supportedKernels();
   PALPATE_ASSERT(supported.front()->family == name(cpuFamily()),
-                 "arithmetic() must use the family names of arithmeticOf()");
+                 "the first kernels must be those of this processor");
   const std::string_view wanted = chosenFamily();
   if (wanted.empty()) return *supported.front();
   std::string names;

@@ -26,13 +26,14 @@ void FollowServer::turn(std::chrono::milliseconds longest) {
 
 void FollowServer::handle(const Incoming& incoming) {
   if (zap_handler_ && !include(zap_handler_->rolesOf(incoming.key), Roles::system_operator))
-    return refuse(incoming.peer,
-                  "your key is not allowed to use this follower: palpate key allow KEY operator, "
-                  "where it runs");
+    return refuse(
+        incoming.peer,
+        "your key may not use this live solver: run palpate key allow KEY operator on its "
+        "machine");
   if (incoming.message.has_follow_request()) return begin(incoming);
   if (incoming.message.has_hand_motion() && incoming.peer == client_ && follower_)
     return follow(incoming);
-  spdlog::debug("a message that nobody expects was ignored");
+  spdlog::debug("an unexpected message was ignored");
 }
 
 void FollowServer::begin(const Incoming& incoming) {
@@ -42,7 +43,7 @@ void FollowServer::begin(const Incoming& incoming) {
                                              "use the same version of palpate",
                                              protocol_version, request.protocol()));
   if (!client_.empty() && client_ != incoming.peer && Clock::now() - last_heard_ < longest_silence)
-    return refuse(incoming.peer, "it follows the hand of another client");
+    return refuse(incoming.peer, "it is solving for another client");
   client_.clear();
   follower_.reset();
   try {
@@ -54,7 +55,7 @@ void FollowServer::begin(const Incoming& incoming) {
   }
   client_ = incoming.peer;
   last_heard_ = Clock::now();
-  spdlog::info("following a hand on {}, {} nodes", printable(problem_->scene.name),
+  spdlog::info("solving near the hand on {}, {} nodes", printable(problem_->scene.name),
                problem_->mesh.nodes.size());
   wire::Message reply;
   reply.mutable_follow_reply();
@@ -74,11 +75,11 @@ void FollowServer::follow(const Incoming& incoming) {
         spdlog::warn("{}", error.what());
         return refuse(client_, error.what());
       }
-      spdlog::debug("no finger can be there: {}", error.what());
+      spdlog::debug("a finger cannot press there: {}", error.what());
       toWire(Followed{Failure{}, {}}, *reply.mutable_followed());
     }
   } else {
-    return spdlog::debug("a hand whose numbers make no sense was ignored");
+    return spdlog::debug("an invalid hand position was ignored");
   }
   last_heard_ = Clock::now();
   send(client_, reply);
@@ -92,7 +93,7 @@ void FollowServer::refuse(const std::string& peer, const std::string& why) {
 
 void FollowServer::send(const std::string& peer, const wire::Message& message) {
   if (sendMessage(socket_, peer, message) != Sent::yes)
-    spdlog::debug("a client does not take its answer");
+    spdlog::debug("a client does not read its results");
 }
 
 }  // namespace palpate

@@ -27,7 +27,7 @@ class ProblemSolver {
     const wire::Job& job = ready.job;
     PALPATE_ASSERT(ready.start || job.start_id().empty(), "a job needs its start configuration");
     PALPATE_ASSERT(job.space() < problem_->active.size() && job.targets_size() > 0,
-                   "invalid jobs are not handed over");
+                   "a job needs an active node and displacements");
     solver_.chooseTool(job.space());
     Failure start_failure;
     const auto start =

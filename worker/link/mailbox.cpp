@@ -23,7 +23,7 @@ void Mailbox::wakeNetwork() {
 
 void Mailbox::put(ReadyJob job) {
   const std::lock_guard lock(mutex_);
-  PALPATE_ASSERT(job.problem && !closed_, "a job needs its problem, and must come before close()");
+  PALPATE_ASSERT(job.problem && !closed_, "a job needs its problem and an open mailbox");
   jobs_.push_back(std::move(job));
   changed_.notify_one();
 }
@@ -87,7 +87,7 @@ std::optional<ReadyJob> Mailbox::next(bool waits) {
 bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
   const std::lock_guard lock(mutex_);
   PALPATE_ASSERT(progress_.heartbeat.solving() && progress_.heartbeat.job() == job,
-                 "targets must be of the current job");
+                 "a solve must belong to the current job");
   *progress_.heartbeat.mutable_target() = target;
   ++progress_.begun;
   return !forget_current_;
@@ -95,7 +95,7 @@ bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
 
 void Mailbox::finish(FinishedTarget target) {
   const std::lock_guard lock(mutex_);
-  PALPATE_ASSERT(progress_.heartbeat.solving(), "a target is finished during its job");
+  PALPATE_ASSERT(progress_.heartbeat.solving(), "a job must be running when a solve ends");
   const bool last = target.last_of_job;
   finished_.push_back(std::move(target));
   // A result that wakes nobody does not wait forever, because the network thread also polls.

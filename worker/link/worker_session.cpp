@@ -119,7 +119,7 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   // This is the second answer to a hello that was repeated.
   if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
-  if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
+  if (!build) throw failure("the scheduler at {} gave a damaged answer", options_.endpoint);
   epoch_ = welcome.epoch();
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
@@ -217,7 +217,7 @@ void WorkerSession::handleFields(const wire::FieldsReply& reply, const std::stri
   const auto id = ContentId::fromBytes(reply.id());
   if (!id || !problem_) return;
   if (reply.unknown() || ContentId::of(payload) != *id) {
-    spdlog::warn("the scheduler could not send start configuration {}; its jobs are handed back",
+    spdlog::warn("the scheduler could not send start configuration {}; its jobs are returned",
                  id->shortHex());
     introduceAgain(now);
     return;
@@ -249,7 +249,7 @@ std::shared_ptr<const NodalFields> WorkerSession::cached(const ContentId& id) {
 
 void WorkerSession::remember(const ContentId& id, const std::string& payload) {
   if (cached(id)) return;
-  PALPATE_ASSERT(problem_, "start configurations need their problem");
+  PALPATE_ASSERT(problem_, "the problem must arrive before start configurations");
   const std::size_t n_nodes = problem_->mesh.nodes.size(),
                     n_pressures = problem_->pressures.count();
   cache_.emplace_front(
@@ -324,8 +324,8 @@ bool WorkerSession::solverHangs(Time now) {
   const auto limit = progress.hung_after;
   if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
   spdlog::error(
-      "the solver hangs: {} s on one target, many times the longest solve of this build; this "
-      "worker ends, and its targets go to others",
+      "the solver hangs: {} s on one solve, many times the longest of this build; this worker "
+      "ends, and its solves go to others",
       std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count());
   return true;
 }

@@ -138,7 +138,7 @@ class SurfaceRepair {
     if (triangles_.empty()) throw wrong("there are no triangles");
     for (const Eigen::Vector3d& point : points_) {
       if (!(point.array().abs() <= farthest_node).all())
-        throw wrong("a corner at {} is not finite, or far beyond any body", placeText(point));
+        throw wrong("a corner at {} is not finite, or too far away", placeText(point));
     }
     for (const Triangle& triangle : triangles_)
       for (const std::int32_t corner : triangle) {
@@ -198,7 +198,7 @@ class SurfaceRepair {
       return !known.insert(corners).second;
     });
     if (repeated > 0) note("left out: {}", counted(repeated, "repeated triangle"));
-    if (triangles_.empty()) throw wrong("none of its triangles has an area");
+    if (triangles_.empty()) throw wrong("all its triangles have zero area");
   }
 
   /// The result of merging corners at open edges with corners near them. `left` has the odd edges
@@ -409,7 +409,7 @@ class SurfaceRepair {
     std::vector<std::array<bool, 3>> alike(triangles_.size());
     std::vector<std::uint8_t> count(triangles_.size());
     forEachEdge(sides, [&](std::span<const Side> edge) {
-      PALPATE_ASSERT(edge.size() == 2, "refuseEdges() refuses other edges");
+      PALPATE_ASSERT(edge.size() == 2, "each edge must join two triangles");
       for (const auto& [one, other] : {std::pair(0, 1), std::pair(1, 0)}) {
         const std::int32_t t = edge[one].triangle;
         neighbours[t][count[t]] = edge[other].triangle;
@@ -670,7 +670,7 @@ TriangleSoup readTriangles(const std::filesystem::path& file) {
 }
 
 double edgeFor(double volume, double area, double nodes) {
-  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses empty surfaces");
+  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "volume, area and nodes must be positive");
   // The number of nodes falls with the edge length h, so bisection finds h.
   double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
   for (int n = 0; n < 60; ++n) {

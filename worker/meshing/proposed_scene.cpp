@@ -176,8 +176,8 @@ class SceneText {
     const auto out = std::back_inserter(text);
     fmt::format_to(
         out,
-        R"(# A scene for palpate, proposed from the mesh. Check the lines marked with <-. `palpate check scene.toml`
-# prints a summary and the cost of a build. docs/scene.md explains every key.
+        R"(# A scene for palpate, proposed from the mesh. Check the lines marked with <-. `palpate check` prints
+# a summary of it and the cost of a build. docs/scene.md explains every key.
 name = "{}"
 mesh = "{}"
 length_unit = "{}"{}# of the mesh and of all lengths here: the body is {:.3g} x {:.3g} x {:.3g} {}{}

@@ -41,7 +41,7 @@ Assembler::Assembler(const DofMap& unknowns, const SparsityPattern& pattern,
       rows_(unknowns.count() + tool_rows + 1),
       entries_(pattern.row.size() + 3 * static_cast<std::size_t>(unknowns.count()) + tool_diagonal +
                tool_off_diagonal + 1) {
-  PALPATE_ASSERT(pattern.n == unknowns.count(), "the matrix has a row for every unknown");
+  PALPATE_ASSERT(pattern.n == unknowns.count(), "the matrix must have a row for every unknown");
   int most = 0;
   for (const ElementBatch& batch : batches.all) most = std::max(most, batch.unknowns);
   row_stride_ = static_cast<std::size_t>(most) * lanes;
@@ -99,7 +99,7 @@ void Assembler::hold(const std::vector<std::int32_t>& nodes, const std::vector<s
   for (const std::int32_t node : nodes) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t unknown = unknowns_.at({node, i});
-      PALPATE_ASSERT(unknown >= 0, "held nodes must not be fixed");
+      PALPATE_ASSERT(unknown >= 0, "nodes held by the tool must not be fixed");
       held_[unknown] = by_tool ? 1 : 0;
     }
     changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());

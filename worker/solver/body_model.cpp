@@ -60,7 +60,7 @@ void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
       const std::int32_t node = isQuadratic(model)
                                     ? midEdgeNode(mesh, face[corner], face[(corner + 1) % 3])
                                     : face[corner];
-      PALPATE_ASSERT(node >= 0, "the corners of a face share edges");
+      PALPATE_ASSERT(node >= 0, "two corners of a face must be joined by an edge");
       addLoad(model, node, third);
     }
   }

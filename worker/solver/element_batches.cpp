@@ -44,7 +44,7 @@ std::vector<ElementParameters> elementParameters(const BodyModel& model, double 
     p.k1 = m.k1;
     p.k2 = m.k2;
     p.dispersion = m.dispersion;
-    PALPATE_ASSERT(m.ogden.size() <= std::size(p.ogden_mu), "a scene has three terms at most");
+    PALPATE_ASSERT(m.ogden.size() <= std::size(p.ogden_mu), "a law must have at most three terms");
     for (const OgdenTerm& term : m.ogden) {
       p.ogden_mu[p.ogden_terms] = term.mu;
       p.ogden_alpha[p.ogden_terms++] = term.alpha;

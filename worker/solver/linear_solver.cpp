@@ -82,7 +82,7 @@ class Mumps : public LinearSolver {
 
   Factorization factorize(const std::vector<double>& values) override {
     PALPATE_ASSERT(values.size() == values_.size(),
-                   "MUMPS reads a value for every entry it analysed");
+                   "MUMPS needs a value for every entry it analysed");
     Factorization result;
     for (int attempt = 0; attempt <= workspace_retries; ++attempt) {
       std::transform(values.begin(), values.end(), values_.begin(),
@@ -99,7 +99,7 @@ class Mumps : public LinearSolver {
   }
 
   bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
-    PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "MUMPS writes n rows of each column");
+    PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "each right-hand side must have n rows");
     // Scales each column so that its largest entry is one. Without this, small residuals would
     // underflow in single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
@@ -144,7 +144,7 @@ std::int32_t SparsityPattern::entryOf(std::int32_t a, std::int32_t b) const {
   const auto begin = column.begin() + row_begin[upper], end = column.begin() + row_begin[upper + 1];
   const auto found = std::lower_bound(begin, end, wanted);
   PALPATE_ASSERT(found != end && *found == wanted,
-                 "elements share entries only where the pattern was made from them");
+                 "the pattern must contain every entry of the elements");
   return static_cast<std::int32_t>(found - column.begin());
 }
 
@@ -155,7 +155,7 @@ SparsityPattern patternOf(std::vector<std::vector<std::int32_t>> columns_of_rows
     std::vector<std::int32_t>& columns = columns_of_rows[row];
     sortUnique(columns);
     PALPATE_ASSERT(!columns.empty() && columns.front() == row,
-                   "an unknown without a diagonal occurs in no element: its row would be singular");
+                   "an unknown must occur in an element, or its row is singular");
     pattern.row_begin.push_back(static_cast<std::int32_t>(pattern.row.size()));
     for (const std::int32_t column : columns) {
       pattern.row.push_back(row + 1);

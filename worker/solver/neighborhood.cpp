@@ -48,7 +48,7 @@ std::vector<Neighborhood::Entry> entriesAmong(const std::vector<std::int32_t>& u
 
 Neighborhood System::neighborhood(std::size_t count) const {
   const Tool* rigid = rigidTool();
-  PALPATE_ASSERT(rigid, "only a rigid tool holds nodes");
+  PALPATE_ASSERT(rigid, "only a rigid tool can hold nodes");
   Neighborhood near;
   for (const std::int32_t node : nearestNodes(model_.mesh, rigid->nodes, count)) {
     const std::vector<std::int32_t> of_node = unknowns_.atNode(pressures_, node);

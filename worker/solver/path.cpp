@@ -39,7 +39,7 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
 
 Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
              int transitions, Rescue rescue) {
-  PALPATE_ASSERT(transitions >= 1, "a walk needs at least one transition");
+  PALPATE_ASSERT(transitions >= 1, "a path needs at least one transition");
   Reached path;
   Cost total;
   const Eigen::Vector3d origin = start.state.displacement;

@@ -20,14 +20,15 @@ BodyModel checked(BodyModel model) {
   const Mesh& mesh = model.mesh;
   PALPATE_ASSERT(!model.materials.empty(), "a body needs a material");
   PALPATE_ASSERT(model.region_of.size() == mesh.tetrahedra.size(), "each element needs a material");
-  PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(), "displacements are fixed or free");
+  PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(),
+                 "each displacement must be fixed or free");
   PALPATE_ASSERT(model.load.empty() || model.load.size() == model.fixed.size(),
                  "each displacement needs a load, or none has one");
   PALPATE_ASSERT(model.fibers.empty() || model.fibers.size() == mesh.tetrahedra.size(),
                  "each element needs fibres, or none has them");
   PALPATE_ASSERT(
       mesh.mid_edge_nodes.empty() == (model.discretization.displacement == DisplacementSpace::p1),
-      "only P2 displacement has mid-edge nodes");
+      "only meshes with P2 displacement can have mid-edge nodes");
   return model;
 }
 
@@ -73,7 +74,7 @@ void System::releaseTool() {
 
 void System::chooseTool(Tool tool) {
   PALPATE_ASSERT(tool.weights.empty() || tool.weights.size() == tool.nodes.size(),
-                 "a weighted tool has a weight for each of its nodes");
+                 "a weighted tool needs a weight for each of its nodes");
   releaseTool();
   tool_ = std::move(tool);
   if (const Tool* rigid = rigidTool()) {

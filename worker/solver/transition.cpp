@@ -132,7 +132,7 @@ void TransitionSolver::placeFinger(const std::string& what, const Finger& finger
   place_ = finger.center;
   PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
                      finger_->curvatures.size() == finger_->nodes.size(),
-                 "each node needs derivatives of its weight by s");
+                 "weights need derivatives by the place of the finger");
   tool_ = {finger_->nodes, finger_->weights};
   system_.chooseTool(tool_);
   near_tool_ = {};
@@ -210,7 +210,7 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
     return std::nullopt;
   }
   PALPATE_ASSERT(sensitivity->solution.rows() == system_.unknowns() + system_.multipliers(),
-                 "every unknown and multiplier moves with the tool");
+                 "each unknown and multiplier must have a derivative");
   Start start = {std::move(state), std::move(sensitivity->solution)};
   // The multiplier that balances the body best (least squares). At an equilibrium it is the
   // multiplier of the equilibrium.
@@ -417,7 +417,7 @@ TransitionSolver::Step TransitionSolver::solveFrom(State state, const Eigen::Vec
 /// `way`: metres that the tool has moved since the branch was stable. Fails with Cause::bifurcation
 /// if no stable equilibrium is found.
 TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
-  PALPATE_ASSERT(isUnstable(before.failure), "only an unstable body has a mode to follow");
+  PALPATE_ASSERT(isUnstable(before.failure), "only an unstable body has a buckling mode");
   const State& unstable = before.end.state;
   std::optional<Step> found;
   Cost cost = {.factorizations = 1};
@@ -457,7 +457,7 @@ void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& targ
   const Equilibrium& end = reached.equilibrium;
   PALPATE_ASSERT(isUsable(end), "the results must be finite and not too large");
   PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
-                 "the scene rejects inverted elements");
+                 "this scene allows no inverted elements");
   PALPATE_ASSERT(state.displacement == target, "a configuration must lie at its target");
   reached.fields.displacement.assign(state.u.begin(), state.u.end());
   reached.fields.pressure.reserve(state.q.size());
@@ -523,7 +523,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       break;
     }
   }
-  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "an unfinished transition has failed");
+  PALPATE_ASSERT(reached.outcome.converged() == (at >= 1), "a path must reach its end or fail");
   if (at >= 1) setFields(reached.end->state, target, reached.outcome.configuration());
   cost.seconds = threadSeconds() - began;
   return reached;
@@ -532,7 +532,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
 Reached TransitionSolver::follow(const Start& start, const Finger& finger,
                                  const Eigen::Vector3d& target) {
   PALPATE_ASSERT(start.sensitivity_by_place.cols() == 3,
-                 "a finger's transition ended at the start");
+                 "the start needs derivatives by the place of a finger");
   const double began = threadSeconds();
   const Eigen::Vector3d way = target - start.state.displacement,
                         slide = finger.center - start.place;

@@ -58,7 +58,7 @@ void fillShapeFunctions(IntegrationPoint& point, const std::array<Eigen::Vector3
 void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint&)>& visit) {
   static const std::vector<ReferencePoint> rule = collapsedRule();
   PALPATE_ASSERT(mesh.edges.empty() || mesh.mid_edge_nodes.size() == mesh.tetrahedra.size(),
-                 "an edge of a quadratic mesh is an edge of its elements");
+                 "elements of a quadratic mesh need mid-edge nodes");
   IntegrationPoint point;
   point.nodes = mesh.edges.empty() ? 4 : 10;
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {

@@ -30,7 +30,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
   body.region_of.assign(body.mesh.tetrahedra.size(), 0);
   if (!material.fibers.empty()) {
     std::array<Eigen::Vector3d, 2> directions = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-    PALPATE_ASSERT(material.fibers.size() <= directions.size(), "a law has two families at most");
+    PALPATE_ASSERT(material.fibers.size() <= directions.size(), "at most two fibre families");
     std::copy(material.fibers.begin(), material.fibers.end(), directions.begin());
     body.fibers.assign(body.mesh.tetrahedra.size(), directions);
   }
@@ -39,7 +39,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
 }
 
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes) {
-  PALPATE_ASSERT(!nodes.empty(), "there must be nodes to hold");
+  PALPATE_ASSERT(!nodes.empty(), "there must be nodes to fix");
   for (const std::int32_t node : nodes)
     for (const char axis : axes) body.fixed[3 * node + (axis - 'x')] = 1;
 }

@@ -121,7 +121,7 @@ struct SlurmFleetTest : testing::Test {
     const std::string news = log.str().substr(read_of_log);
     read_of_log += news.size();
     if (news.find("no answer within") != std::string::npos) heard = false;
-    if (news.find("transitions are ready") != std::string::npos) heard = true;
+    if (news.find("solves are ready") != std::string::npos) heard = true;
     return heard;
   }
   bool heard = true;

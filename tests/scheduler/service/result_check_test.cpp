@@ -60,10 +60,11 @@ TEST_F(JudgedResult, ResultsThatNoSolverProducesAreRefused) {
   refuses(there, "residual", [](Outcome& o) { o.configuration().residual = std::nan(""); });
   refuses(there, "symmetric",
           [](Outcome& o) { o.configuration().equilibrium.stiffness(0, 1) += 1e-9; });
-  refuses(there, "drive", [](Outcome& o) { o.configuration().equilibrium.drive[0] = 1; });
+  refuses(there, "configurational force",
+          [](Outcome& o) { o.configuration().equilibrium.drive[0] = 1; });
   refuses(there, "fixed node",
           [&](Outcome& o) { o.configuration().fields.displacement[held] = 1e-9F; });
-  refuses(there, "not at the target",
+  refuses(there, "requested displacement",
           [&](Outcome& o) { o.configuration().fields.displacement[tool] += 1e-3F; });
   refuses(there, "costs", [](Outcome& o) { o.cost.factorizations = -1; });
   refuses(there, "costs", [](Outcome& o) { o.cost.seconds = std::nan(""); });

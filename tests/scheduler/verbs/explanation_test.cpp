@@ -56,7 +56,7 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
 }
 
 TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
-  EXPECT_THAT(explained(3).text(), testing::HasSubstr("no transition to it has been tried yet"));
+  EXPECT_THAT(explained(3).text(), testing::HasSubstr("no solve of this point has been tried yet"));
 }
 
 TEST_F(ExplanationTest, SaysThatAPointLiesBehindUnexpandablePoints) {
@@ -64,9 +64,8 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindUnexpandablePoints) {
   space.points[3].cause = Cause::unreachable;
   const wire::Explanation explanation = explained(3);
   EXPECT_EQ(explanation.cause(), "unreachable");
-  EXPECT_THAT(explanation.text(),
-              testing::AllOf(testing::HasSubstr("failed, unreachable"),
-                             testing::HasSubstr("no neighbour can be expanded")));
+  EXPECT_THAT(explanation.text(), testing::AllOf(testing::HasSubstr("failed, unreachable"),
+                                                 testing::HasSubstr("every neighbour failed")));
 }
 
 TEST_F(ExplanationTest, EndsOnACycleOfParents) {

@@ -75,23 +75,23 @@ TEST(CarriedOrgan, RefusesIndicesOutOfRange) {
               {"triangle 2", "corner"});
   expectFault([](auto& organ) { organ.triangles[2][1] = -1; }, {"triangle 2", "corner -1"});
   expectFault([](auto& organ) { organ.triangles[2][1] = organ.triangles[2][0]; }, {"twice"});
-  expectFault([](auto& organ) { organ.touch_of_triangle[3] = 1; }, {"triangle 3", "touch 1"});
+  expectFault([](auto& organ) { organ.touch_of_triangle[3] = 1; }, {"triangle 3", "part 1"});
   expectFault([](auto& organ) { organ.touches[0].spaces[0] = std::ssize(organ.spaces); },
-              {"touch 0", "space"});
-  expectFault([](auto& organ) { organ.touches[0].spaces.clear(); }, {"touch 0", "no space"});
+              {"part 0", "space"});
+  expectFault([](auto& organ) { organ.touches[0].spaces.clear(); }, {"part 0", "no space"});
   expectFault([](auto& organ) { organ.touches[0].collocation_points.clear(); },
-              {"touch 0", "no collocation points"});
+              {"part 0", "no collocation points"});
   expectFault(
       [](auto& organ) {
         organ.spaces[1].splits = {{{0, 0, 0}, 40}};
       },
-      {"space 1", "split 0"});
+      {"space 1", "split cell 0"});
 }
 
 TEST(CarriedOrgan, RefusesNumbersThatAreNotFinite) {
   expectFault([](auto& organ) { organ.vertices[2].y() = no_number; }, {"vertex 2"});
   expectFault([](auto& organ) { organ.max_force = 0; }, {"force", "0 N"});
-  expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"touch 0"});
+  expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"part 0"});
   expectFault([](auto& organ) { organ.touches[0].collocation_points[0].z() = 1e300; },
               {"collocation point"});
   expectFault([](auto& organ) { organ.spaces[1].patch.finger->center.x() = no_number; },
@@ -117,7 +117,7 @@ TEST(CarriedOrgan, RefusesUnlikeOrOversizedLatticesOfOneSurface) {
   const std::size_t place = bytes.find(both);
   ASSERT_NE(place, std::string::npos);
   std::memcpy(bytes.data() + place + sizeof radius, &finer, sizeof finer);
-  test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"lattice", "about 4188790 points"});
+  test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"lattice", "instead of 4188790"});
 }
 
 TEST(CarriedOrgan, AChangedByteIsRefusedOrLeavesItTouchable) {

@@ -99,7 +99,7 @@ TEST_F(ComparisonTest, ReportsDifferentBodiesWithTheRemedy) {
   EXPECT_THAT(compared["differences"].get<std::vector<std::string>>(), Contains("mesh"));
   ASSERT_EQ(compared["limits"].size(), 1U);
   EXPECT_THAT(compared["limits"][0].get<std::string>(),
-              AllOf(HasSubstr("meshes differ"), HasSubstr("on one mesh")));
+              AllOf(HasSubstr("meshes differ"), HasSubstr("on the same mesh")));
 }
 
 TEST_F(ComparisonTest, LeavesOutUnsharedActiveNodesAndSaysSo) {

@@ -259,7 +259,7 @@ TEST(ClosedSurface, RefusesASurfaceThatEnclosesNothing) {
   refuses({}, {"no triangles"});
   refuses({{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}}, {"coincide"});
   refuses({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, {"corner 2", "only 2"});
-  refuses({{{0, 0, 0}, {1e300, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {"far beyond any body"});
+  refuses({{{0, 0, 0}, {1e300, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {"too far away"});
 }
 
 TEST(ClosedSurface, RefusesAOneSidedSurface) {
