@@ -4,6 +4,7 @@
 #include "common/dataset/hdf5_handle.hpp"
 #include "viewer/devices/device_command.hpp"
 #include "viewer/doctor.hpp"
+#include "viewer/touch_command.hpp"
 #include "viewer/view_command.hpp"
 
 int main(int argc, char** argv) {

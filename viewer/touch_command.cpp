@@ -1,3 +1,5 @@
+#include "viewer/touch_command.hpp"
+
 #include <spdlog/spdlog.h>
 #include <strings.h>
 

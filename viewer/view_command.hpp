@@ -54,8 +54,4 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
 /// display.
 Verb viewVerb();
 
-/// Returns the verb `touch`, which makes the mesh and the scene of an organ, unless they are there,
-/// and runs view() with the scene.
-Verb touchVerb();
-
 }  // namespace palpate

@@ -111,7 +111,7 @@ std::function<ExitCode()> prepareNew(CLI::App& app) {
   app.add_option("PLACE", options->place,
                  "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml")
       ->required()
-      ->type_name("FOLDER");
+      ->type_name("FOLDER|FILE");
   app.add_option("--mesh", options->mesh, "Mesh, written by palpate mesh or Gmsh")
       ->required()
       ->type_name("FILE.msh");

@@ -177,69 +177,70 @@ Push tip() {
   return soft("tip pushed into itself", std::move(mesh), 0.003, 4e-3);
 }
 
+std::vector<Row> interfaces() {
+  // P1-stabilized converges from above to the limit of P2/P1, here its force with n = 16.
+  constexpr double limit_10 = 0.430637, limit_100 = 0.624664;
+  return joined({rowsOfPush(skin("P2/P1", taylor_hood, 10, 4), 0.427129, 1e-4),
+                 rowsOfPush(skin("P2/P1", taylor_hood, 10, 8), 0.432723, 1e-4),
+                 rowsOfPush(skin("P2/P1", taylor_hood, 100, 4), 0.636215, 1e-4),
+                 rowsOfPush(skin("P2/P1", taylor_hood, 100, 8), 0.629640, 1e-4),
+                 rowsOfPush(skin("P1-stabilized", stabilized, 10, 8), limit_10, 0.07),
+                 rowsOfPush(skin("P1-stabilized", stabilized, 10, 16), limit_10, 0.03),
+                 rowsOfPush(skin("P1-stabilized", stabilized, 100, 8), limit_100, 0.08),
+                 rowsOfPush(skin("P1-stabilized", stabilized, 100, 16), limit_100, 0.03)});
+}
+
 }  // namespace
 
 std::vector<Case> hardCases() {
-  return {
-      {"hard-interfaces", false,
-       [] {
-         // P1-stabilized converges from above to the limit of P2/P1, here its force with n = 16.
-         constexpr double limit_10 = 0.430637, limit_100 = 0.624664;
-         return joined({rowsOfPush(skin("P2/P1", taylor_hood, 10, 4), 0.427129, 1e-4),
-                        rowsOfPush(skin("P2/P1", taylor_hood, 10, 8), 0.432723, 1e-4),
-                        rowsOfPush(skin("P2/P1", taylor_hood, 100, 4), 0.636215, 1e-4),
-                        rowsOfPush(skin("P2/P1", taylor_hood, 100, 8), 0.629640, 1e-4),
-                        rowsOfPush(skin("P1-stabilized", stabilized, 10, 8), limit_10, 0.07),
-                        rowsOfPush(skin("P1-stabilized", stabilized, 10, 16), limit_10, 0.03),
-                        rowsOfPush(skin("P1-stabilized", stabilized, 100, 8), limit_100, 0.08),
-                        rowsOfPush(skin("P1-stabilized", stabilized, 100, 16), limit_100, 0.03)});
-       }},
-      {"hard-contrast", false,
-       [] {
-         return joined({rowsOfPush(bone(1e8), 2.374, 1e-3), rowsOfPush(bone(1e10), 2.374, 1e-3),
-                        rowsOfPush(bone(1e10, taylor_hood), 1.87327, 1e-4)});
-       }},
-      {"hard-column", false,
-       [] {
-         Push in_steps = column(10e-3);
-         in_steps.name += ", in 8 steps";
-         in_steps.transitions = 8;
-         return joined({rowsOfPush(column(5e-3), 0.0550424, 1e-5),
-                        rowsOfPush(column(10e-3), 0.0553038, 1e-5),
-                        rowsOfPush(in_steps, 0.0553038, 1e-5)});
-       }},
-      {"hard-fibres", false,
-       [] {
-         return joined({rowsOfPush(fibers(10, 1e-3), 0.32701, 1e-4),
-                        rowsOfPush(fibers(100, 1e-6), 0.344984e-3, 1e-4),
-                        rowsOfPush(fibers(100, 1e-3), 0.356762, 1e-4),
-                        rowsOfPush(fibers(100, 6e-3), 2.6197, 1e-4),
-                        rowsOfPush(fibers(1000, 1e-6), 0.363647e-3, 1e-4),
-                        rowsOfPush(fibers(1000, 1e-3), 0.378154, 1e-4),
-                        rowsOfPush(fibers(1000, 12e-3), 8.09876, 1e-4)});
-       }},
-      {"hard-arteries", false,
-       [] {
-         return joined(
-             {rowsOfPush(media(1e-6), 0.309710e-3, 1e-4), rowsOfPush(media(6e-3), 2.27448, 1e-4),
-              rowsOfPush(media(12e-3), 6.23758, 1e-4),
-              rowsOfPush(adventitia(1e-6), 0.0355532e-3, 1e-4),
-              rowsOfPush(adventitia(6e-3), 0.282896, 1e-4),
-              rowsOfPush(adventitia(12e-3), 0.842489, 1e-4),
-              rowsOfPush(dispersedAdventitia(1e-6), 2.3299e-3, 1e-4),
-              rowsOfPush(dispersedAdventitia(1.5e-3), 7.81461, 1e-4),
-              rowsOfPush(capsule(2e-3), 0.861549, 1e-4), rowsOfPush(capsule(6e-3), 3.10256, 1e-4)});
-       }},
-      {"hard-shapes", false, [] {
-         const Eigen::Vector3d cube(cube_edge, cube_edge, cube_edge);
-         return joined(
-             {rowsOfPush(compression(), 3.27098, 1e-4), rowsOfPush(tip(), 0.207386, 1e-4),
-              rowsOfPush(soft("one layer on bone", boxMesh({cube_edge, cube_edge, 0.01}, {4, 4, 1}),
-                              0.0075, 2e-3),
-                         3.86135, 1e-4),
-              rowsOfPush(soft("flat elements", boxMesh(cube, {4, 4, 64}), 0.0101, 6e-3), 1.70896,
-                         1e-4)});
-       }}};
+  return {{"hard-interfaces", false, interfaces},
+          {"hard-contrast", false,
+           [] {
+             return joined({rowsOfPush(bone(1e8), 2.374, 1e-3), rowsOfPush(bone(1e10), 2.374, 1e-3),
+                            rowsOfPush(bone(1e10, taylor_hood), 1.87327, 1e-4)});
+           }},
+          {"hard-column", false,
+           [] {
+             Push in_steps = column(10e-3);
+             in_steps.name += ", in 8 steps";
+             in_steps.transitions = 8;
+             return joined({rowsOfPush(column(5e-3), 0.0550424, 1e-5),
+                            rowsOfPush(column(10e-3), 0.0553038, 1e-5),
+                            rowsOfPush(in_steps, 0.0553038, 1e-5)});
+           }},
+          {"hard-fibres", false,
+           [] {
+             return joined({rowsOfPush(fibers(10, 1e-3), 0.32701, 1e-4),
+                            rowsOfPush(fibers(100, 1e-6), 0.344984e-3, 1e-4),
+                            rowsOfPush(fibers(100, 1e-3), 0.356762, 1e-4),
+                            rowsOfPush(fibers(100, 6e-3), 2.6197, 1e-4),
+                            rowsOfPush(fibers(1000, 1e-6), 0.363647e-3, 1e-4),
+                            rowsOfPush(fibers(1000, 1e-3), 0.378154, 1e-4),
+                            rowsOfPush(fibers(1000, 12e-3), 8.09876, 1e-4)});
+           }},
+          {"hard-arteries", false,
+           [] {
+             return joined({rowsOfPush(media(1e-6), 0.309710e-3, 1e-4),
+                            rowsOfPush(media(6e-3), 2.27448, 1e-4),
+                            rowsOfPush(media(12e-3), 6.23758, 1e-4),
+                            rowsOfPush(adventitia(1e-6), 0.0355532e-3, 1e-4),
+                            rowsOfPush(adventitia(6e-3), 0.282896, 1e-4),
+                            rowsOfPush(adventitia(12e-3), 0.842489, 1e-4),
+                            rowsOfPush(dispersedAdventitia(1e-6), 2.3299e-3, 1e-4),
+                            rowsOfPush(dispersedAdventitia(1.5e-3), 7.81461, 1e-4),
+                            rowsOfPush(capsule(2e-3), 0.861549, 1e-4),
+                            rowsOfPush(capsule(6e-3), 3.10256, 1e-4)});
+           }},
+          {"hard-shapes", false, [] {
+             const Eigen::Vector3d cube(cube_edge, cube_edge, cube_edge);
+             return joined(
+                 {rowsOfPush(compression(), 3.27098, 1e-4), rowsOfPush(tip(), 0.207386, 1e-4),
+                  rowsOfPush(soft("one layer on bone",
+                                  boxMesh({cube_edge, cube_edge, 0.01}, {4, 4, 1}), 0.0075, 2e-3),
+                             3.86135, 1e-4),
+                  rowsOfPush(soft("flat elements", boxMesh(cube, {4, 4, 64}), 0.0101, 6e-3),
+                             1.70896, 1e-4)});
+           }}};
 }
 
 }  // namespace palpate::verification
