@@ -133,7 +133,8 @@ Problem decodeProblem(std::string_view bytes) {
   wire::Problem message;
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
       !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw failure("a problem description of {} bytes is not a Protobuf message", bytes.size());
+    throw failure("a problem description of {} bytes is damaged: it is no Protobuf message",
+                  bytes.size());
   try {
     Problem problem = fromMessage(message);
     checkProblem(problem);

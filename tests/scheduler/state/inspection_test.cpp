@@ -309,7 +309,7 @@ TEST_F(InspectionTest, ReportsThatASchedulerRunsThere) {
   const Inspection found = look();
   EXPECT_EQ(found.scheduler, std::to_string(getpid()));
   EXPECT_TRUE(found.whole()) << "its tables are from another moment";
-  EXPECT_THAT(describe(found, state), HasSubstr("running there"));
+  EXPECT_THAT(describe(found, state), HasSubstr("process " + std::to_string(getpid())));
 }
 
 TEST_F(InspectionTest, RefusesADirectoryWithoutState) {
