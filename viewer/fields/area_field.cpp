@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bitset>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -87,52 +86,33 @@ class Interpolation {
  public:
   Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
                 std::size_t count, std::size_t except, double width)
-      : from(nearestOf(sites, place, count, except)), place_(place), width_(width) {
-    for (const std::size_t site : from) centers_.push_back(sites[site]);
+      : from(nearestOf(sites, place, count, except)) {
+    std::vector<Eigen::Vector3d> centers;
+    for (const std::size_t site : from) centers.push_back(sites[site]);
+    weights_ = hermiteWeights(place, centers, width);
   }
 
-  /// Interpolates the first `quantities` of the ten quantities at a lattice point. Sites at which
-  /// the lattice point is extrapolated count less than sites at which it is solved.
+  /// Interpolates the first `quantities` of the ten quantities at a lattice point.
   template <int quantities = place_quantities>
   Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
-      const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) {
-    std::array<LeafPlace, sites_of_collocation_point> places;
-    std::bitset<sites_of_collocation_point> solved;
-    for (std::size_t n = 0; n < from.size(); ++n) {
-      places[n] = made[from[n]]->placeOf(point);
-      solved[n] = made[from[n]]->isSolvedAt(places[n]);
-    }
-    const Eigen::MatrixXf& coefficients = weightsFor(solved).coefficients;
+      const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) const {
     Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> sum = decltype(sum)::Zero();
     for (std::size_t n = 0; n < from.size(); ++n) {
       const Eigen::Matrix<float, quantities, place_quantities> block =
-          coefficients.block<quantities, place_quantities>(
+          weights_.coefficients.block<quantities, place_quantities>(
               0, place_quantities * static_cast<Eigen::Index>(n));
-      sum += made[from[n]]->at(places[n]).lazyProduct(block.transpose());
+      const SiteJets& site = *made[from[n]];
+      sum += site.at(site.placeOf(point)).lazyProduct(block.transpose());
     }
     return sum;
   }
 
-  /// Returns HermiteWeights::power for the case that all sites are solved.
-  double power() { return weightsFor(std::bitset<sites_of_collocation_point>().set()).power; }
+  double power() const { return weights_.power; }
 
   const std::vector<std::size_t> from;
 
  private:
-  const HermiteWeights& weightsFor(const std::bitset<sites_of_collocation_point>& solved) {
-    const auto [known, is_new] = weights_.try_emplace(solved.to_ulong());
-    if (is_new) {
-      std::vector<bool> of_sites;
-      for (std::size_t n = 0; n < from.size(); ++n) of_sites.push_back(solved[n]);
-      known->second = hermiteWeights(place_, centers_, of_sites, width_);
-    }
-    return known->second;
-  }
-
-  const Eigen::Vector3d place_;
-  const double width_;
-  std::vector<Eigen::Vector3d> centers_;
-  std::map<std::uint64_t, HermiteWeights> weights_;  ///< key: bit n is set if site n is solved
+  HermiteWeights weights_;
 };
 
 /// Returns the factors of the ten quantities in Q(d) = E - T . d - d . (dT/ds) d / 2.
@@ -400,8 +380,9 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
   const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
   std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
   jets.resize(tree.slots().size());
-  Interpolation interpolation(sites_.points(), collocation_points_.points()[collocation_point],
-                              sites_of_collocation_point, siteCount(), kernel_width * finger_);
+  const Interpolation interpolation(
+      sites_.points(), collocation_points_.points()[collocation_point], sites_of_collocation_point,
+      siteCount(), kernel_width * finger_);
   at_collocation_points_[collocation_point].power = interpolation.power();
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
     if (tree.slots()[slot].kind != SlotKind::hanging)
@@ -423,9 +404,9 @@ void AreaField::judge(std::size_t site) {
   judgements_[site].p_error = own.p_error;
   for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
     doubts.push_back({std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
-  Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
-                       kernel_width * finger_);
-  if (others.from.empty()) return;
+  if (siteCount() == 1) return;
+  const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
+                             kernel_width * finger_);
   const CellTree& tree = own.tree;
   const auto share = static_cast<float>(share_of_lack / std::sqrt(others.power()));
   const auto slopeOf = [](const auto& jet) {

@@ -15,12 +15,9 @@ namespace {
 /// coincide.
 constexpr double ridge = 1e-10;
 
-/// Variances of the noise of extrapolated E, T and dT/ds. For comparison, the variances of the
-/// kernel are 1, 1 and 3 to 9. Measured at 146 exact solutions of a soft dome, pressed in by up to
-/// 1.1 radii: 84 % meet the wanted accuracy with ten times this noise, 90 % with this noise, 89 %
-/// without noise. Of 148 exact solutions of the shipped liver, 146 meet it with this noise or a
-/// third of it, and 147 with the other variances that were tried.
-constexpr std::array<double, 3> noise = {0, 0.001, 0.03};
+/// Variances of the noise of E, T and dT/ds. For comparison, the variances of the kernel are 1, 1
+/// and 3 to 9. docs/internals/measurements.md has what other values give.
+constexpr std::array<double, 3> noise = {0, 1e-4, 3e-3};
 
 /// List of up to four axes, one per differentiation.
 struct Axes {
@@ -97,10 +94,8 @@ Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double wid
 }  // namespace
 
 HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
-                              const std::vector<Eigen::Vector3d>& sites,
-                              const std::vector<bool>& solved, double width) {
-  PALPATE_ASSERT(!sites.empty() && sites.size() == solved.size() && width > 0,
-                 "Hermite interpolation needs sites and a width");
+                              const std::vector<Eigen::Vector3d>& sites, double width) {
+  PALPATE_ASSERT(!sites.empty() && width > 0, "Hermite interpolation needs sites and a width");
   const Eigen::Index n = place_quantities * static_cast<Eigen::Index>(sites.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n), to_place(place_quantities, n);
   for (std::size_t column = 0; column < sites.size(); ++column) {
@@ -113,12 +108,11 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
           blockOf(sites[row], sites[column], width);
   }
   matrix.diagonal() *= 1 + ridge;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (!solved[at(i / place_quantities)])
-      matrix(i, i) += noise[at(axesOf(static_cast<int>(i % place_quantities)).count)];
-  Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
   // The kernel is 1 at distance 0.
-  const double variance = 1 - coefficients.row(0).dot(to_place.row(0));
+  const double variance = 1 - to_place.row(0).dot(matrix.ldlt().solve(to_place.row(0).transpose()));
+  for (Eigen::Index i = 0; i < n; ++i)
+    matrix(i, i) += noise[at(axesOf(static_cast<int>(i % place_quantities)).count)];
+  Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
   // Converts the derivatives to metres; in units of the width they are width^order times larger. T
   // and dT/ds are negative derivatives, so their signs change.
   for (Eigen::Index i = 0; i < n; ++i) {

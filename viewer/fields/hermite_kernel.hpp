@@ -14,25 +14,22 @@ inline constexpr int place_quantities = 10;
 struct HermiteWeights {
   /// place_quantities rows; place_quantities columns per site.
   Eigen::MatrixXf coefficients;
-  /// Standard error of the interpolated energy at the place, relative to the standard error without
-  /// any site: the power function of the kernel (Wu and Schaback 1993). 0 at a site.
+  /// Standard error of the interpolated energy at the place without noise, relative to the standard
+  /// error without any site: the power function of the kernel (Wu and Schaback 1993). 0 at a site.
   double power = 0;
 };
 
 /// Returns the weights that interpolate the quantities in space. The quantities at `place` are
-/// `coefficients` times the stacked quantities of all `sites`. The interpolant is the one of least
-/// norm that reproduces values, gradients and Hessians at all sites (Hermite-Birkhoff
-/// interpolation; Wu 1992). The kernel is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2),
-/// which is positive definite.
+/// `coefficients` times the stacked quantities of all `sites`. The kernel of the interpolation
+/// (Hermite-Birkhoff; Wu 1992) is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2), which is
+/// positive definite.
 ///
-/// The interpolant is exact at the sites that are `solved`. At the other sites the quantities are
-/// extrapolated, so T and dT/ds are treated as data with noise (kriging with a nugget). Derivatives
-/// lose most accuracy by extrapolation, and an exact interpolant would carry their errors to all
-/// places around, multiplied by the distance.
+/// E is exact at the sites. T and dT/ds are data with noise (kriging with a nugget): at sites that
+/// are not solved at a displacement they are extrapolated, and neighbouring sites may lie on
+/// different branches. An exact interpolant of data that contradict each other overshoots.
 ///
 /// `width`: metres, about the distance over which the energy changes. The sites must be distinct.
 HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
-                              const std::vector<Eigen::Vector3d>& sites,
-                              const std::vector<bool>& solved, double width);
+                              const std::vector<Eigen::Vector3d>& sites, double width);
 
 }  // namespace palpate

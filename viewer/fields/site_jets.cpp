@@ -77,13 +77,6 @@ SiteJet SiteJets::at(const LeafPlace& place) const {
   return jets[palpate::at(tree.corners(place.leaf)[cornerAt(place.local)])];
 }
 
-bool SiteJets::isSolvedAt(const LeafPlace& place) const {
-  const LeafCorners& corners = tree.corners(place.leaf);
-  const auto isSolved = [&](std::int32_t slot) { return coverage[palpate::at(slot)] == 1; };
-  return isCorner(place.local) ? isSolved(corners[cornerAt(place.local)])
-                               : std::ranges::all_of(corners, isSolved);
-}
-
 SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     : tree(data.tree), region(data) {
   PALPATE_ASSERT(space.patch.finger, "only a finger has a force -dE/ds along the surface");

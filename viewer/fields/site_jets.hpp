@@ -37,9 +37,6 @@ struct SiteJets {
   /// from the tree of another site of the area, because all have the same ball.
   LeafPlace placeOf(const LatticePoint& point) const;
   SiteJet at(const LeafPlace& place) const;
-  /// Returns whether the jet at `place` is interpolated only from solved points of one branch. If
-  /// not, it is partly extrapolated.
-  bool isSolvedAt(const LeafPlace& place) const;
 
   CellTree tree;
   AnsweredRegion region;
