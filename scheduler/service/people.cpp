@@ -26,7 +26,8 @@ People::People(ServiceState& state, Workers& workers, const SecondSolves& second
       intake_(intake),
       servers_written_(state.now),
       pace_(state.now),
-      work_pace_(state.now) {
+      work_pace_(state.now),
+      measured_(state.now) {
   for (const auto& [name, priority] : state_.tables.priorities()) prioritize(name, priority);
 }
 
@@ -66,6 +67,9 @@ void People::measure() {
   const Time now = state_.now;
   pace_.note(now, intake_.converged());
   work_pace_.note(now, intake_.recorded());
+  if (!state_.paused && !workers_.registry.all().empty())
+    worked_ += std::chrono::duration<double>(now - measured_).count();
+  measured_ = now;
   // Limit the rate of forecasts, because each looks at many points.
   constexpr std::chrono::milliseconds at_least{500};
   if (state_.complete || now - forecast_made_ < at_least) return;
@@ -77,6 +81,7 @@ void People::measure() {
   forecast_ = forecastOf(state_.problem, state_.plans);
   forecast_made_ = now;
   recorded_then_ = intake_.recorded();
+  hindsight_.note(worked_, timeLeft(1, now));
 }
 
 std::int32_t People::retry() {
@@ -166,19 +171,26 @@ const std::string& People::recentStatus() {
   return recent_status_;
 }
 
+double People::timeLeft(double share, Time now) const {
+  const double rate = work_pace_.perSecond(now, intake_.recorded());
+  if (rate <= 0) return 0;
+  // The results recorded since the forecast were among its ready transitions.
+  const double ready =
+      std::max(1.0, forecast_.ready - static_cast<double>(intake_.recorded() - recorded_then_));
+  return (ready + share * forecast_.expected) / rate;
+}
+
 void People::addTimeLeft(wire::Status& status, Time now) const {
   if (state_.complete) {
     status.set_eta_seconds(0);
     return;
   }
-  const double rate = work_pace_.perSecond(now, intake_.recorded());
-  if (rate <= 0 || state_.paused) return;
-  // The results recorded since the forecast were among its ready transitions.
-  const double ready =
-      std::max(1.0, forecast_.ready - static_cast<double>(intake_.recorded() - recorded_then_));
-  status.set_eta_seconds((ready + forecast_.expected) / rate);
-  status.set_eta_low_seconds((ready + forecast_.expected / 2) / rate);
-  status.set_eta_high_seconds((ready + 2 * forecast_.expected) / rate);
+  const double left = timeLeft(1, now);
+  if (left <= 0 || state_.paused) return;
+  const double factor = hindsight_.factor(worked_, left);
+  status.set_eta_seconds(factor * left);
+  status.set_eta_low_seconds(factor * timeLeft(0.5, now));
+  status.set_eta_high_seconds(factor * timeLeft(2, now));
 }
 
 wire::Status People::status(Time now) const {

@@ -2,6 +2,7 @@
 
 #include "scheduler/plan/forecast.hpp"
 #include "scheduler/service/intake.hpp"
+#include "scheduler/service/pace.hpp"
 #include "scheduler/service/status.hpp"
 
 namespace palpate {
@@ -28,6 +29,9 @@ class People {
 
  private:
   const std::string& recentStatus();
+  /// Returns the estimated time left, without hindsight, if `share` of the expected attempts are
+  /// made; seconds; 0 while it is unknown.
+  double timeLeft(double share, Time now) const;
   void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();
   std::int32_t retryFailed(const std::string& cause);
@@ -43,8 +47,10 @@ class People {
   Pace pace_;       ///< rate of equilibria
   Pace work_pace_;  ///< rate of all results
   Forecast forecast_;
-  Time forecast_made_;
+  Time forecast_made_, measured_;
   std::int64_t recorded_then_ = 0;
+  double worked_ = 0;  ///< seconds of this run in which workers solved
+  Hindsight hindsight_;
   std::map<std::string, std::int32_t> priorities_;  ///< by name of a status row
 };
 

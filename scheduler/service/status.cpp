@@ -12,9 +12,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::chrono::seconds pace_window{120};
-constexpr std::chrono::seconds between_samples{1};
-
 void addCounts(wire::SpaceStatus& row, const PointCounts& counts) {
   row.set_unknown(row.unknown() + counts.of(Tag::unknown));
   row.set_expandable(row.expandable() + counts.of(Tag::expandable));
@@ -143,19 +140,6 @@ void addDisk(wire::Status& status, const std::filesystem::path& directory,
   const std::filesystem::space_info disk = std::filesystem::space(directory, unknown);
   status.set_journal_bytes(journal_bytes);
   status.set_disk_free_bytes(unknown ? 0 : disk.available);
-}
-
-void Pace::note(Time now, std::int64_t found) {
-  if (now - samples_.back().when < between_samples) return;
-  samples_.push_back({now, found});
-  // Keep one sample outside the window, so that the samples cover all of it.
-  while (samples_.size() > 2 && now - samples_[1].when >= pace_window) samples_.pop_front();
-}
-
-double Pace::perSecond(Time now, std::int64_t found) const {
-  PALPATE_ASSERT(!samples_.empty(), "at least one sample must be kept");
-  const double elapsed = std::chrono::duration<double>(now - samples_.front().when).count();
-  return elapsed > 0 ? static_cast<double>(found - samples_.front().found) / elapsed : 0;
 }
 
 std::string toJson(const google::protobuf::Message& message) {

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <deque>
-
 #include "scheduler/state/job_store.hpp"
 
 namespace palpate {
@@ -41,24 +38,5 @@ std::string toJson(const google::protobuf::Message& message);
 /// Reads a status written by toJson(); unknown fields are ignored. Throws if the text is not a
 /// status, or if its numbers of points are impossible.
 wire::Status statusFromJson(const std::string& json);
-
-/// Mean rate over the last two minutes of this run. Measures equilibria or all results.
-class Pace {
- public:
-  using Time = std::chrono::steady_clock::time_point;
-  explicit Pace(Time now) : samples_{{now, 0}} {}
-
-  /// `found` is the number of results since construction. Cheap; call it often.
-  void note(Time now, std::int64_t found);
-  /// Returns 0 while nothing was found.
-  double perSecond(Time now, std::int64_t found) const;
-
- private:
-  struct Sample {
-    Time when;
-    std::int64_t found;
-  };
-  std::deque<Sample> samples_;  ///< about one per second, oldest first; never empty
-};
 
 }  // namespace palpate
