@@ -49,9 +49,11 @@ class ViewSession {
     // Open the device last, so that no earlier error can leave it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
     if (!options_.headless) openPicture();
+    // The follower solves the state at rest while the forces are prepared.
+    if (!options_.live.empty()) startLive();
     prepareFirst();
     if (quit_) return;
-    if (!options_.live.empty()) startLive();
+    if (link_) awaitLive();
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
                                            options_.keys, options_.hand_speed, options_.real_time});
     makeTick();
@@ -173,6 +175,9 @@ class ViewSession {
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     followed_.reset();
     link_.emplace(*live_, std::move(link_options));
+  }
+
+  void awaitLive() {
     constexpr std::chrono::seconds patience{10};
     if (!link_->waitUntilReady(patience))
       spdlog::warn("live solving has not started yet{}{}", link_->trouble().empty() ? "" : ": ",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -13,14 +14,25 @@ namespace palpate {
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
-  // Written by the thread that sets `failed`; read after all threads have ended.
+  std::mutex mutex;  // guards the variables below
+  std::size_t first = count;
   std::exception_ptr error;
   const auto work = [&] {
-    for (std::size_t n = next++; n < count && !failed; n = next++) try {
+    // Every number that is taken is run. Otherwise a task of a lower number than a failed one could
+    // be left out.
+    while (!failed) {
+      const std::size_t n = next++;
+      if (n >= count) return;
+      try {
         task(n);
       } catch (...) {
-        if (!failed.exchange(true)) error = std::current_exception();
+        const std::scoped_lock lock(mutex);
+        failed = true;
+        if (n > first) continue;
+        first = n;
+        error = std::current_exception();
       }
+    }
   };
   {
     // The end of this block joins the threads, before `error` is read.

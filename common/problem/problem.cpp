@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/parallel.hpp"
 #include "common/base/text.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/mesh_reader.hpp"
@@ -359,12 +360,15 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
   problem.fixed = selectFixed(scene.fixed, mesh);
   scene.active = expandSurfaces(scene, mesh, problem.fixed);
-  for (const ActiveSelection& active : scene.active) {
-    ActivePatch& patch = problem.active.emplace_back(
-        atLine(active.lines.of("name"), [&] { return selectPatch(active, mesh, problem.fixed); }));
+  problem.active.resize(scene.active.size());
+  inParallel(scene.active.size(), [&](std::size_t n) {
+    const ActiveSelection& active = scene.active[n];
+    ActivePatch& patch = problem.active[n];
+    patch =
+        atLine(active.lines.of("name"), [&] { return selectPatch(active, mesh, problem.fixed); });
     if (patch.finger && scene.contact == ContactMode::unilateral)
       patch.finger->reach = pushedAround(mesh, *patch.finger);
-  }
+  });
   PALPATE_ASSERT(
       std::ranges::none_of(
           scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),

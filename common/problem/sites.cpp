@@ -8,6 +8,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/parallel.hpp"
 #include "common/mesh/free_share.hpp"
 #include "common/mesh/near_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
@@ -77,23 +78,23 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
 std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
                                   const std::vector<Piece>& pieces, double radius,
                                   double distance) {
-  std::vector<double> distances;
-  if (pieces.empty()) return distances;
+  if (pieces.empty()) return {};
   std::vector<Eigen::Vector3d> middles;
   for (const Piece& piece : pieces) middles.push_back(piece.middle);
   const NearPoints near(std::move(middles), radius);
-  for (const Eigen::Vector3d& place : places) {
+  std::vector<double> distances(places.size());
+  inParallel(places.size(), [&](std::size_t number) {
     double whole = 0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::int32_t n : near.near(place)) {
+    for (const std::int32_t n : near.near(places[number])) {
       const Piece& piece = pieces[at(n)];
-      const double bump = bumpAt(piece.middle, place, radius) * piece.area;
+      const double bump = bumpAt(piece.middle, places[number], radius) * piece.area;
       whole += bump;
       sum += bump * piece.normal;
     }
     const double flatness = std::clamp((sum.norm() / whole - bent) / (flat - bent), 0.0, 1.0);
-    distances.push_back(distance * radius * std::lerp(closest, 1.0, flatness));
-  }
+    distances[number] = distance * radius * std::lerp(closest, 1.0, flatness);
+  });
   return distances;
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -36,6 +37,18 @@ TEST(InParallel, RethrowsATasksExceptionAfterAllHaveEnded) {
                std::runtime_error);
   EXPECT_EQ(begun, ended);
   EXPECT_LT(begun, tasks) << "no further ones begin";
+}
+
+TEST(InParallel, RethrowsTheExceptionOfTheLowestNumber) {
+  for (int tried = 0; tried < 100; ++tried) try {
+      inParallel(100, [](std::size_t n) {
+        if (n == 5) std::this_thread::sleep_for(std::chrono::microseconds(100));
+        if (n >= 5) throw std::runtime_error(std::to_string(n));
+      });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(std::string(error.what()), "5");
+    }
 }
 
 }  // namespace
