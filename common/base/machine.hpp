@@ -19,12 +19,12 @@ unsigned coreCount();
 std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
 
-/// Bytes of memory that a solving program needs at its start, on top of the process that starts it.
-/// Try them in that process: from version 0.3.29 on, OpenBLAS waits for its memory while it is
-/// loaded, before a line of the program runs.
+/// Memory that a program that solves needs at its start, bytes. The process that starts it should
+/// call requireMemory() with this size: OpenBLAS 0.3.29 and later wait for their memory while they
+/// are loaded, before main() runs.
 inline constexpr std::size_t memory_of_a_solver = 384u << 20;
-/// Error, which names the limit and the remedy, if the system does not grant this process so many
-/// bytes now. They are not kept.
+/// Error, with the limit and the remedy, if the system does not grant this process that many bytes
+/// now. Frees them before it returns.
 void requireMemory(std::size_t bytes);
 
 }  // namespace palpate

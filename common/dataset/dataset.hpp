@@ -58,7 +58,7 @@ class Dataset {
   const std::string& kernelFamily() const { return kernel_family_; }  ///< CPU family of the workers
   const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene as text
   const Scene& scene() const { return scene_; }                       ///< parsed from sceneToml()
-  /// Quadratic with P2 displacement. Groups are not stored.
+  /// The mesh, quadratic if the displacement is P2. It has no groups, because none are stored.
   const Mesh& mesh() const { return body_.mesh; }
   const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted
   /// One space per active node, in scene order; probe places of areas are separate (probePlaces).

@@ -20,8 +20,8 @@ inline constexpr std::string_view format = "palpate-dataset";
 /// Range of major versions that readers accept. They ignore arrays that they do not know, such as
 /// additions of newer minor versions and /rbf of version 2.
 inline constexpr std::int32_t oldest_major_version = 2, major_version = 3;
-/// Current minor version. Version 2 added fingers, 3 probe places, and 4 the width of a finger's
-/// reach.
+/// Current minor version. Minor version 2 added fingers, 3 added probe places, and 4 the width of a
+/// finger's reach.
 inline constexpr std::int32_t minor_version = 4;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 

@@ -21,8 +21,8 @@ struct FileKind {
 bool isOpenForWriting(const std::filesystem::path& file);
 
 /// Reads files that Writer wrote, without trusting them: types, shapes and hashes are checked
-/// before values are used. Accepts only arrays of the five plain types, stored in the file itself.
-/// Every Error names the file and the array.
+/// before values are used. Accepts only arrays of the types in Element that are stored in the file
+/// itself. Every Error names the file and the array.
 class Reader : public NamedFile {
  public:
   /// Error (bad input) if `file` is missing, not a regular file or not an HDF5 file. Error if it is

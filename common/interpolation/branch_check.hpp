@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// Measures whether two equilibria a and b, `step` metres apart, can lie on one smooth branch. The
-/// mismatches are the parts of the changes of force and energy that the forces and stiffnesses at
-/// both ends do not explain. Each end predicts a change of force over the step, its stiffness K
-/// times the step. `change` is the mean length of these two predictions, and `bend` is the length
-/// of their difference.
+/// Measures whether two equilibria a and b, whose displacements differ by `step` metres, can lie on
+/// one smooth solution branch. The mismatches are the parts of the changes of force and energy that
+/// the forces and stiffnesses at both ends do not explain. Each end predicts a change of force over
+/// the step, its stiffness K times the step. `change` is the mean length of these two predictions,
+/// and `bend` is the length of their difference.
 struct EdgeCheck {
   /// N, |F_b - F_a - (K_a + K_b) / 2 step|: residual of the trapezoidal rule.
   double force_mismatch = 0;
@@ -32,8 +32,8 @@ struct EdgeCheck {
   /// but the order of interpolation is not reduced.
   bool suspect() const;
 };
-/// Checks the step from a to b. `largest_force` is the largest force in the space, N. The
-/// thresholds in newtons shrink with it, so that jumps are also found in soft bodies.
+/// Checks the step from a to b. `largest_force` is the largest force in the configuration space, N.
+/// The thresholds in newtons are reduced with it, so that jumps are also found in soft bodies.
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force);
 

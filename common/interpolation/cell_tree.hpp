@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Source of the nodal data of a slot.
+/// Source of the nodal data of a slot (CellSlot).
 enum class SlotKind : std::uint8_t {
   /// A lattice point with an equilibrium that interpolation uses (interpolatedPoints).
   solved,

@@ -18,10 +18,10 @@ struct EnergySample {
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// Fits a polynomial of the energy around every ghost to the nearest solved points, its sources, by
-/// least squares. Returns one polynomial per slot, zero for slots that are not ghosts. A point is
-/// not a source if an inconsistent edge joins it to a nearer source. Spaces with equal lattices may
-/// share `fits`.
+/// Fits, around every ghost (SlotKind), a polynomial of the energy by least squares. The data are
+/// those of the nearest solved points, its sources. Returns one polynomial per slot, zero for slots
+/// that are not ghosts. A point is not a source if an inconsistent edge joins it to a nearer
+/// source. Spaces with equal lattices may share `fits`.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);

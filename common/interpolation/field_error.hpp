@@ -9,7 +9,7 @@ namespace palpate {
 /// Every corner of a leaf, unless it is hanging, has a local polynomial of the energy. The bound is
 /// based on the differences between the forces of these polynomials and the force of the
 /// interpolant. Their mean, weighted trilinearly, shows how well the data around a place agree. It
-/// is zero at solved corners and continuous across faces. At the same difference, the bound is
+/// is zero at solved corners and continuous across faces. For equal differences, the bound is
 /// larger near ghost corners and suspect edges (branch_check.hpp). A hanging corner adds the bound
 /// in its coarser leaf.
 ///

@@ -10,8 +10,8 @@ namespace palpate {
 /// Derivative orders along x, y, z.
 using Orders = std::array<int, 3>;
 
-/// The first derivatives of a LocalPolynomial in the order of its terms, scaled in the same way; at
-/// most 20.
+/// The derivatives of the first terms of a LocalPolynomial, at most up to third order (20 terms),
+/// scaled as there.
 using KnownDerivatives = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 20, 1>;
 
 /// Taylor polynomial of the energy around a position, with total degree <= 5.
@@ -27,8 +27,8 @@ class LocalPolynomial {
 
   /// Returns energy, force and stiffness `offset` metres from the position.
   Equilibrium at(const Eigen::Vector3d& offset) const;
-  /// Returns the first `count` derivatives at `offset` (metres), at most of third order, scaled
-  /// like `derivatives`.
+  /// Returns the derivatives of the first `count` terms at `offset` (metres), at most up to third
+  /// order, scaled like `derivatives`.
   KnownDerivatives derivativesAt(const Eigen::Vector3d& offset, int count) const;
 };
 
@@ -108,7 +108,7 @@ class LocalFits {
   Eigen::Index kept_ = 0;           ///< total size of the cached matrices, in numbers
 };
 
-/// Settings for fits of the energy of a finger, of which the third derivatives are known too.
+/// Settings for fits of a finger's energy, whose third derivatives are known too.
 inline constexpr LocalFits::Kind finger_fit = {.known = KnownOrders::third,
                                                .highest_extrapolated = 4,
                                                .highest_completed = 4,

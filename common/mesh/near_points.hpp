@@ -18,8 +18,8 @@ class NearPoints {
 
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
   double reach() const { return reach_; }  ///< m
-  /// Returns the indices of all points within the reach of s, ascending, and of some that are
-  /// farther away. Real time.
+  /// Returns ascending point indices: all points within the reach of s, and possibly some farther
+  /// ones. Real time.
   std::span<const std::int32_t> near(const Eigen::Vector3d& s) const noexcept;
   /// Returns whether a point lies within the reach of s (<=). Real time.
   bool isReached(const Eigen::Vector3d& s) const noexcept;
@@ -37,10 +37,10 @@ class NearPoints {
 };
 
 /// Chooses some of `places` by farthest-point sampling, so that every place has a chosen one near
-/// it. `distances` holds the largest wanted distance to a chosen place, one value > 0 per place.
-/// The first place is chosen first. Then the place is chosen that exceeds its wanted distance by
-/// the largest factor, until no place exceeds it. Distances are along straight lines, metres.
-/// Returns the chosen places in the order of choice, the same on every machine.
+/// it. `distances` holds the largest wanted distance from each place to a chosen one, > 0. The
+/// first place is chosen first. The next choice is always the place that exceeds its wanted
+/// distance by the largest factor, until no place exceeds it. Distances are along straight lines,
+/// metres. Returns the chosen places in the order of choice, the same on every machine.
 ///
 /// `accepts` is called before a place is chosen, with the number of places `taken` so far. Places
 /// that it refuses are never chosen and need no chosen place near them. It may throw, for instance

@@ -17,8 +17,7 @@ Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept;
 
 /// Returns `point` (metres), or, if it is so far away that squared distances could overflow, a
-/// nearer point in the same direction. Seen from either, the same point of a body is nearest. Real
-/// time.
+/// nearer point in the same direction. The nearest point of a body is the same for both. Real time.
 Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept;
 
 /// Returns the point of the mesh's rest surface that is nearest to `place` (metres, finite). Checks

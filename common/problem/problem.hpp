@@ -77,8 +77,8 @@ PressureSlots pressureSlots(const Problem& problem);
 ///   body is wide;
 /// - a rigid patch and the fixed nodes are the whole body, or a weighted patch has fewer than three
 ///   nodes;
-/// - a finger is as wide as the body, rests on fixed nodes, or is so small that a surface needs
-///   more than max_sites of it;
+/// - a finger is as wide as the body, rests mostly on fixed nodes, or is so small that its surface
+///   needs more than max_sites sites;
 /// - a component of the mesh has no fixed nodes, and shares no nodes with the others, or only nodes
 ///   on one line;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
@@ -95,8 +95,8 @@ Problem resolve(Scene scene, Mesh mesh);
 /// format is an Error that mentions `palpate mesh`.
 Problem loadProblem(const std::filesystem::path& scene_file);
 
-/// Encode a problem as bytes, in which form workers get it, and decode the bytes. The bytes are the
-/// Protobuf message palpate.wire.Problem with a deterministic field order.
+/// Encode a problem as the bytes that workers get, and decode these bytes. They are the Protobuf
+/// message palpate.wire.Problem with a deterministic field order.
 ///
 /// In the decoded scene, the mesh path is reduced to its file name, and metres_per_unit is 1. Node
 /// sets, weights, regions and fibres are not selected again, but taken from the bytes and checked

@@ -100,8 +100,8 @@ struct ActiveSelection {
   /// Metres. The patch holds all nodes that are at most this far away, except fixed ones.
   double radius = 0;
   ToolKind tool = ToolKind::rigid;  ///< all kinds but rigid require a radius > 0
-  /// Selects the part of the surface inside it: every vertex there that is not fixed, or for a
-  /// finger the whole part.
+  /// Selects every vertex of this part of the surface that is not fixed, or for a finger the whole
+  /// part.
   std::optional<SurfaceSelection> surface = {};
   /// Name of the area to which a finger belongs. All fingers of an area have the same radius. They
   /// are the sites from which the energy E(s, p) is interpolated for any place s between them.

@@ -10,13 +10,14 @@
 
 namespace palpate {
 
-/// Every place of an area has a site within this distance, in finger radii. The energy of the area
-/// is interpolated between sites that are this close. Sites lie closer together where the surface
-/// bends under the finger (common/problem/sites.hpp).
+/// An area is a surface that a finger may touch anywhere. Its sites are the finger positions that
+/// have a configuration space of their own; the energy is interpolated between them. No place where
+/// the finger can stand is farther from its nearest site than this distance, in finger radii. Sites
+/// lie closer together where the surface bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
 /// Forces can be interpolated at a place of the surface if its nearest site is within this
-/// distance, in finger radii. It exceeds site_distance, because site_distance was kept only at the
-/// discrete places among which the sites were chosen.
+/// distance, in finger radii. It exceeds site_distance, because sites were chosen among discrete
+/// places, and only these are sure to lie within site_distance.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
 /// The contact of a soft finger with the surface at rest. Lengths in metres.
@@ -24,14 +25,14 @@ struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
   double radius = 0;
   /// The part of the finger's workspace ball for which configurations are computed. With unilateral
-  /// contact these are the displacements that the finger reaches by pushing, at any of the places
-  /// under it.
+  /// contact, a pushing finger reaches these displacements at some place that it covers
+  /// (pushedAround).
   PushedPart reach = {};
   bool operator==(const Finger&) const = default;
 };
 
-/// The tool's contact with the body: the active node, and all nodes that the tool moves together or
-/// averages.
+/// The tool's contact with the body: the active node, and all nodes that a rigid tool moves or
+/// whose mean displacement another tool prescribes.
 struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node

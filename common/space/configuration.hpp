@@ -56,8 +56,8 @@ struct FingerSlopes {
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
-  // The third derivatives have about seven correct digits. They are arbitrary at jumps of the
-  // stiffness (worker/solver/third_derivatives.hpp).
+  // The third derivatives have about seven correct digits. They have no meaning where the stiffness
+  // jumps (worker/solver/third_derivatives.hpp).
   /// N/m^2, d stiffness / d p, symmetric in all three axes.
   SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
   /// N/m^2, d stiffness / d s. Column k is also the second derivative of drive[k] with respect to
@@ -67,7 +67,7 @@ struct FingerSlopes {
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
-/// Force, energy and their derivatives: everything about a configuration but its nodal fields.
+/// Force, energy and their derivatives in a configuration.
 struct Equilibrium : ToolEquilibrium, FingerSlopes {};
 
 /// Largest allowed magnitude of a stored number, SI units. No tissue reaches it, and values

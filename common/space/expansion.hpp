@@ -4,10 +4,9 @@
 
 namespace palpate {
 
-/// The energy E(s, p) of a finger near one of its equilibria, as the Taylor polynomial that the
-/// equilibrium's derivatives give: complete to the second order in the place s and the displacement
-/// p, and to the third but for d3E/ds3. Force and drive are exact derivatives of this polynomial,
-/// so their work around a closed loop is zero.
+/// Taylor polynomial of a finger's energy E(s, p) at one of its equilibria. It is complete to
+/// second order in the place s and the displacement p, and to third order except for d3E/ds3. Force
+/// and drive are exact derivatives of this polynomial, so their work around a closed loop is zero.
 struct Expansion {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< s of the equilibrium, metres
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< p of the equilibrium, metres
@@ -17,8 +16,8 @@ struct Expansion {
     double energy = 0;                                ///< J
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, -dE/dp
     Eigen::Vector3d drive = Eigen::Vector3d::Zero();  ///< N, -dE/ds
-    /// N, magnitude of the third-order terms of the force: what the expansion would be wrong by if
-    /// it ended at the second order.
+    /// N, magnitude of the third-order terms of the force. It estimates the error that the
+    /// expansion would have without them.
     double last_terms = 0;
   };
   /// Evaluates the polynomial at s and p, metres. Real time.

@@ -17,7 +17,7 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// Returns i^2 + j^2 + k^2.
 std::int64_t squaredNorm(const LatticePoint& point);
 
-/// Numbers of the lattice points around one, at most 26, without an allocation.
+/// Numbers of the points around a lattice point, at most 26; allocates no memory.
 using Neighbours = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1, Eigen::ColMajor, 26, 1>;
 
 /// An edge of a leaf cell, given by its two lattice points.

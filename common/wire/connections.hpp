@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Limits on connections to a ROUTER.
+/// Limits on connections to a ZeroMQ ROUTER socket.
 struct PeerLimits {
   /// Largest message including its payload, bytes. The connection of a larger one is closed, but
   /// only after the message was received into memory.
@@ -20,8 +20,8 @@ struct PeerLimits {
   /// Allowed rate of messages per connection. A burst may contain as many messages as are allowed
   /// in two seconds.
   double messages_per_second = 20000;
-  /// Largest number of simultaneous connections. By default it is the limit of the process on
-  /// descriptors, less some that are reserved for its own use.
+  /// Largest number of simultaneous connections. The default is the process's limit on file
+  /// descriptors, less some for its own use.
   std::optional<std::size_t> connections = std::nullopt;
   /// Largest number of silent connections, from which no message was received. For each of them,
   /// libzmq may have an incomplete frame of 128 kB in memory.
