@@ -12,7 +12,7 @@ namespace palpate {
 /// Options of a fleet, for every engine.
 struct FleetOptions {
   Asked asked;
-  std::string endpoint;  ///< the scheduler's, as nodes reach it
+  std::string endpoint;  ///< address at which nodes reach the scheduler
   int every_s = 30;
   int give_up_s = 900;
   bool dry_run = false;

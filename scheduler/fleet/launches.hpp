@@ -67,7 +67,8 @@ class Launches {
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
 
-  /// Takes the current jobs. `ended` is in order of time, and may list jobs that earlier calls had.
+  /// Takes the current jobs. `ended` is sorted by time and may list jobs that earlier calls listed
+  /// too.
   Change see(const std::vector<Ended>& ended, const std::vector<Running>& running, Time now);
 
   /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.

@@ -25,9 +25,9 @@ using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cau
 
 /// The points of one configuration space, stored compactly, with running counts by kind.
 ///
-/// A build may have ten million points. A point takes about 180 bytes, and 700 more if the tool is
-/// a finger. A PointRecord always takes 800 bytes, most of them for data that only fingers have.
-/// Reading a count takes constant time.
+/// A build may have ten million points. A point takes about 180 bytes, and 600 more if the tool is
+/// a finger. A PointRecord always takes about 800 bytes, most of them for data that only fingers
+/// have. Reading a count takes constant time.
 class CompactPoints {
  public:
   /// Starts with `uniform` unknown points. Points added later are counted separately (added()).

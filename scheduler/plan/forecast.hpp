@@ -17,9 +17,9 @@ inline constexpr std::int64_t most_forecast = 50000;
 /// Estimates the remaining work of a build.
 ///
 /// Each unknown lattice point is counted with the probability that it will be tried. This
-/// probability follows from the points on the straight line between rest and the point: the
-/// outermost one that was tried decides. If no transition may start from that one, the probability
-/// is zero. Otherwise it falls with the distance from there.
+/// probability follows from the outermost point that was tried on the straight line from rest to
+/// the unknown point. If no transition may start from that point, the probability is zero.
+/// Otherwise it falls with the distance between the two.
 ///
 /// A space is expected to grow by refinement as much as the finished spaces did (by a fifth while
 /// few are finished). Once refinement of a space has begun, its own forecast is used

@@ -31,8 +31,8 @@ inline constexpr int losses_before_alone = 2;
 /// because workers also die for reasons unrelated to their work.
 inline constexpr int deaths_before_aside = 5;
 
-/// How often a transition was handed out, and how many workers died while they held it. Kept across
-/// runs of the scheduler.
+/// Hand-outs of a transition, and the worker deaths in which it is suspected. Kept across runs of
+/// the scheduler.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
   int suspected = 0;           ///< deaths of workers that named it or had it next in order
@@ -82,7 +82,7 @@ class Leases {
 
   /// Ends the leases of a worker without blaming any transition. Its transitions wait again.
   void giveBack(const std::string& worker);
-  /// The target that a worker will solve last. lastOf() returns none if the worker holds nothing.
+  /// The last target in the order of a worker. lastOf() returns none if the worker holds no target.
   struct Last {
     std::uint32_t attempts = 0;  ///< hand-outs so far
     bool is_check = false;
@@ -92,8 +92,8 @@ class Leases {
   bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends the lease that lastOf() describes. The worker must hold one.
   void giveBackLast(const std::string& worker);
-  /// The transitions that would be blamed if a worker died now: the target that it was `solving`,
-  /// if known, and the next target in its order.
+  /// The transitions that would be blamed if a worker died now: the target that it is `solving`, if
+  /// known, and the first target in its order.
   struct Suspects {
     std::optional<ResultKey> named, next;
     bool alone = false;  ///< `next` was handed out alone
@@ -130,8 +130,8 @@ class Leases {
     std::uint64_t job = 0;
     bool is_check = false;
   };
-  /// Orders points by their distance from the origin, because points near it make most others
-  /// ready.
+  /// Orders points by their distance from the origin, because more transitions depend on points
+  /// near it.
   struct NearestFirst {
     bool operator()(const LatticePoint& a, const LatticePoint& b) const {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
@@ -169,7 +169,7 @@ class Leases {
   std::set<ResultKey> waiting_checks_;
   std::unordered_map<std::string, Held> by_worker_;
   std::size_t waiting_count_ = 0;
-  /// total number of leases; a check counts in both
+  /// number of leases, and number of those that are checks
   std::size_t leased_count_ = 0, leased_checks_ = 0;
   std::uint64_t last_job_;
 };

@@ -75,8 +75,8 @@ class SpacePlan {
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
-  /// Number of stages begun since the lattice; a stage that begins again counts again. Every
-  /// transition that was open before a stage began has been recorded.
+  /// Number of stages begun after the stage `lattice`. A stage that is repeated counts each time.
+  /// Every transition that was open before a stage began has been recorded.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Number of transitions that are ready and not recorded.

@@ -5,15 +5,16 @@
 
 namespace palpate {
 
-/// How the scheduler continues after a turn of a coordinator.
+/// How the scheduler continues after a turn. One turn is one exchange() of messages with all peers
+/// (transport.hpp).
 enum class Next : std::uint8_t {
   go_on,
   stop,      ///< an operator asked for it
   complete,  ///< every space is complete and recorded
   stuck,     ///< Coordinator::stuck()
-  /// Some recorded results must be computed again: an operator wants failures tried again, or
-  /// Coordinator::liars() gave the results. A new Build continues in the directory
-  /// (Build::keepOut).
+  /// Some recorded results must be computed again, because an operator wants failures tried again,
+  /// or because workers in Coordinator::liars() computed them. A new Build continues in the
+  /// directory (Build::keepOut).
   anew,
 };
 
@@ -30,8 +31,8 @@ enum class Next : std::uint8_t {
 /// (SpotChecks). Plans do not wait for these checks, but the build is complete only after them.
 ///
 /// Throws if the journal or the tables fail, and DamagedRecord if a result that is needed can no
-/// longer be read. After an exception, and after Next::anew, the object must not be used. Only
-/// results that are on disk have been acknowledged.
+/// longer be read. After an exception, and after Next::anew, the object must not be used. In any
+/// case, only results that are on disk have been acknowledged.
 class Coordinator {
  public:
   using Time = ServiceState::Time;
@@ -45,12 +46,12 @@ class Coordinator {
   /// Refuses a message that its sender's role does not allow. The sender is told why. If the sender
   /// is a worker, it is removed.
   void refuse(const Incoming& incoming, Time now);
-  /// Does the work that is due: commits a group, takes back the leases of silent workers, hands out
-  /// jobs. Call after every batch of messages and at nextDeadline(). With `all_read`, every
-  /// received message has been read; otherwise no worker is judged to be silent, because its
-  /// messages may be unread. Returns next().
+  /// Does the work that is due: commits a group of results, takes back the leases of silent
+  /// workers, hands out jobs. Call after every batch of messages and at nextDeadline(). With
+  /// `all_read`, every received message has been read; otherwise no worker is judged to be silent,
+  /// because its messages may be unread. Returns next().
   Next advance(Time now, bool all_read = true);
-  /// Returns how the scheduler should continue after the messages and turns so far.
+  /// Returns how the scheduler should continue now.
   Next next() const;
   /// Returns the messages to be sent, in order.
   std::vector<Outgoing> takeOutbox() {

@@ -15,12 +15,12 @@ class Intake {
   Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Handouts& handouts);
 
   /// Handles a received result. Moves the contents to be recorded out of the message. Returns true
-  /// if the result ended a check (SecondSolves::compare).
+  /// if the result ended a check in which no worker was wrong (SecondSolves::compare).
   bool take(Worker& worker, Incoming& incoming);
   /// True if the group has reached its size limit.
   bool isFull() const;
-  /// True if the group has waited long enough, or if a worker waits for work. `all_read`: no
-  /// received message is left unread.
+  /// True if the group has waited long enough, or if a worker waits for work. `all_read` is true if
+  /// no received message is left unread.
   bool isDue(bool all_read);
   /// Time at which the group becomes due if all messages are read by then.
   ServiceState::Time deadline() const;

@@ -36,7 +36,7 @@ class ResultCheck {
   /// Returns true if two results of one transition agree in every reproducible bit.
   static bool agree(const wire::Result& first, const wire::Result& second);
   /// Returns the part of a result that must have the same bits from every worker. Leaves out the
-  /// lease, the giver, the duration, the number of steps, and the parent of the start.
+  /// lease, the worker, the duration, the number of steps, and the parent of the start.
   static std::string reproducibleBytes(wire::Result result);
 
  private:

@@ -12,9 +12,9 @@
 namespace palpate {
 
 struct SpotCheckSettings {
-  /// Fraction of all results that are solved again, whoever gave them. Up to a quarter of this
-  /// fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest is
-  /// drawn by lot. 0: no checks.
+  /// Fraction of all results that are solved again, regardless of the worker. Up to a quarter of
+  /// this fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest
+  /// is drawn by lot. 0: no checks.
   double share = 0.01;
   /// This many failures, and this many odd results, may be solved again even beyond their quarter.
   /// A small build has few results, and one of them may be wrong.
@@ -136,7 +136,8 @@ class SpotChecks {
   std::int64_t results_ = 0, odd_picked_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< oddness of the latest results, as a ring buffer
   std::size_t next_ = 0;         ///< next entry to overwrite
-  double odd_from_;              ///< threshold: a fraction share / 8 of the latest results is odder
+  /// oddness above which a result is odd; about share / 8 of the latest results exceed it
+  double odd_from_;
 };
 
 /// Returns the exclusions that a verdict adds to the exclusions in `before`. For each worker that

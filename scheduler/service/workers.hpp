@@ -18,8 +18,8 @@ class Workers {
   WorkerRegistry registry;
   Leases leases;
   Allotment allotment;
-  Crowd heard;             ///< workers of this run, and of the recorded results
-  bool newcomers = false;  ///< one joined since the table of servers was written
+  Crowd heard;             ///< keys and machines of the workers of this and earlier runs
+  bool newcomers = false;  ///< a worker joined since the table of servers was written
 
   // Messages of workers. hello() returns true if the worker is the first one on a second machine.
   bool hello(const Incoming& incoming);
@@ -41,8 +41,8 @@ class Workers {
   /// then does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
 
-  /// Removes a worker that left without a message. No transition is blamed unless the worker's
-  /// process is known to have ended.
+  /// Removes a worker that left without a message. Blames no transition yet: that is done if the
+  /// worker's process turns out to have ended.
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
   void processEnded(std::uint32_t pid);

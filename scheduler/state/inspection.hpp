@@ -27,9 +27,9 @@ struct Inspection {
     std::int32_t divisions = 1;  ///< lattice coordinates per spacing
   };
 
-  /// Process number of the scheduler that was running in the directory during the inspection, if
-  /// any. In this case, the journal is read as far as it was written, and the number of its records
-  /// is not compared with the tables.
+  /// Process id of the scheduler that held the directory during the inspection, or "unknown"; none
+  /// if no scheduler held it. With a scheduler, the journal is read as far as it was written, and
+  /// the number of its records is not compared with the tables.
   std::optional<std::string> scheduler;
   std::optional<ContentId> build;  ///< none if neither the tables nor the journal name a build
   std::string scene_name;          ///< empty if the tables cannot be read

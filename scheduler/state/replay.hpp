@@ -47,7 +47,7 @@ std::optional<wire::Result> readRecorded(const JournalReader& journal, const Res
 /// fields, or empty if the transition starts from the rest state.
 std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 
-/// What was missing when known results were recorded in a plan.
+/// The remaining work of a plan after recorded results were entered into it.
 struct Settled {
   std::vector<ResultKey> missing;  ///< ready transitions without a usable result: to be solved
   /// Recorded results that cannot be used. Either they are unreadable, or they started from fields

@@ -33,8 +33,8 @@ class StateDirectory {
   static std::optional<Address> liveAddress(const std::filesystem::path& directory);
   /// Folder of the keys that only a build and its own workers use.
   std::filesystem::path keys() const { return path_ / "keys"; }
-  /// Returns the process number of the scheduler that holds the lock of `directory`, or "unknown"
-  /// if it cannot be read; none if the lock is free.
+  /// Returns the process id of the scheduler that holds the lock of `directory`, or "unknown" if it
+  /// cannot be read; none if the lock is free.
   static std::optional<std::string> holder(const std::filesystem::path& directory);
 
   /// Throws if the folder was removed or replaced by another.

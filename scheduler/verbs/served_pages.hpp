@@ -25,8 +25,8 @@ struct PageOptions {
 };
 
 /// The pages of a scheduler: metrics for Prometheus, and the dashboard with its data, which only
-/// this machine can reach. The pages have their own threads. These use the status that the
-/// scheduler's thread offers, and read the state directory as `events` and `explain` do.
+/// this machine can reach. Their threads use the status that the scheduler's thread offers, and
+/// read the state directory as `palpate events` and `palpate explain` do.
 class ServedPages {
  public:
   /// Listens and logs the addresses. Throws Error if it cannot listen.
