@@ -36,7 +36,7 @@ inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }
 
-#ifdef __x86_64__  // the fields are also compiled for WebAssembly, which has only one family
+#ifdef __x86_64__  // viewer/fields is also compiled for WebAssembly, which has only one family
 /// Returns the fastest family that this machine supports. Any thread.
 inline CpuFamily cpuFamily() {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return CpuFamily::baseline;

@@ -54,8 +54,8 @@ std::filesystem::path programBeside(const std::string& name);
 /// one cause. For example, timeout(1) signals a process and then its group, and after Ctrl-C a
 /// child gets a signal from the terminal and another one from its parent.
 bool interrupted();
-/// Throws an Error with the exit code of an interrupt if interrupted(). Only for work that has not
-/// replaced any file yet.
+/// Throws an Error with the exit code of an interrupt if interrupted(). Call it only before any
+/// file is replaced: the message says that nothing was written.
 inline void endWhenInterrupted() {
   if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; nothing was written");
 }

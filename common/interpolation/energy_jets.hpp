@@ -64,9 +64,9 @@ EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing
 using AxisFactors = std::array<std::array<std::array<std::array<double, 3>, 2>, 3>, 3>;
 AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local);
 
-/// Interpolates the jet at a place in a leaf, one axis after the other. known(c, n) returns number
-/// n of the jet at corner c. `factors` is axisFactors() at the place, and `zero` is the zero of
-/// Value, a type with sums and products with a Factor.
+/// Interpolates the jet at a place in a leaf, one axis after the other. known(c, n) returns entry n
+/// of the jet at corner c. `factors` is axisFactors() at the place, and `zero` is the zero of
+/// Value, a type whose values can be added and multiplied by a Factor.
 template <class Factor, class Value, class Known>
 std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
   std::array<Value, 108> by_x;  // [corner in y and z][orders in y and z][wanted in x]
@@ -92,11 +92,11 @@ std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, K
   return by_z;
 }
 
-/// Factors with which the interpolated energy, or a derivative of it, depends on each of the 27
-/// numbers of the jet at each corner.
+/// Coefficients of the interpolated energy, or of a derivative of it, for each of the 27 numbers of
+/// each corner's jet.
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
-/// Returns the factors of the derivative along `direction`, per metre.
+/// Returns the coefficients of the derivative along `direction`, per metre.
 LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
                      const Eigen::Vector3d& direction) noexcept;
 

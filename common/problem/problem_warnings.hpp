@@ -17,7 +17,7 @@ namespace palpate {
 /// - nearly flat tetrahedra;
 /// - a position `near` that is farther from the surface than the mean edge length;
 /// - a workspace much larger than the distance from the active nodes to the fixed nodes;
-/// - single nodes under the tool, and active nodes that coincide.
+/// - tools that are a single node, and active nodes that coincide.
 ///
 /// Takes about as long as reading the mesh. `palpate check` prints the warnings.
 std::vector<std::string> warningsOf(const Problem& problem);

@@ -37,8 +37,8 @@ std::string_view name(Cause cause);
 std::optional<Cause> causeOf(std::uint32_t value);
 /// Returns the cause with this word, or nullopt.
 std::optional<Cause> causeNamed(std::string_view word);
-/// Returns whether `cause` can be the cause of a transition that was tried: true for all but none
-/// and unreachable.
+/// Returns whether a transition that was tried can end with this cause: true for all but none and
+/// unreachable.
 bool stopsTransitions(Cause cause);
 
 /// A cause and the numbers to judge it by. Fields that do not apply keep their defaults.

@@ -78,8 +78,8 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
                                const wire::Message& message, std::string_view payload = {});
 
 /// Sends a payload without copying it, so that messages for a peer that does not read take no
-/// memory. `payload` and `until_sent` are kept alive until the system has taken the last frame, or
-/// the connection ends. Any thread may destroy the last reference.
+/// further memory. `payload` and `until_sent` are kept alive until the system has taken the last
+/// frame, or the connection ends. Any thread may destroy the last reference.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message,
                                const std::shared_ptr<const std::string>& payload,

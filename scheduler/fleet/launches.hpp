@@ -52,6 +52,7 @@ class Launches {
     std::chrono::seconds age{};
   };
   struct Ended {
+    /// `from_outside`: ended by Slurm or a user, such as a cancelled or preempted job
     enum class How : std::uint8_t { well, failed, from_outside };
     std::string id, node;
     How how{};

@@ -35,8 +35,8 @@ inline constexpr int deaths_before_aside = 5;
 /// the scheduler.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
-  int suspected = 0;           ///< deaths of workers that named it or had it next in order
-  int deaths = 0;              ///< deaths that are attributed to it
+  int suspected = 0;  ///< deaths of workers that reported it as being solved, or had it first
+  int deaths = 0;     ///< deaths that are attributed to it
   auto operator<=>(const Losses&) const = default;
 };
 

@@ -13,8 +13,8 @@ struct Refinement {
   /// Cells to split, sorted by level and then by lowest corner. Merge them into SpaceTable::splits
   /// together with the points.
   std::vector<LatticeCell> splits;
-  /// Likely number of points that later rounds will ask for. This is only a forecast, on which no
-  /// result depends.
+  /// Likely number of points that later refinement steps will ask for. This is only a forecast; no
+  /// result depends on it.
   double later = 0;
   /// Fraction (0 to 1) of the ball in which the likely force error meets the accuracy; for a
   /// finger, the fraction of the positions that count.
