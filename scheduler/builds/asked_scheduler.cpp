@@ -66,7 +66,7 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   HandshakeWatch handshakes(context, socket);
   if (const std::string trouble = connectDealer(socket, endpoint); !trouble.empty())
     throw failure("{}: {}", endpoint, trouble);
-  if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
+  if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: sending failed", endpoint);
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (std::chrono::steady_clock::now() < deadline) {
     if (auto answer = receiveMessage(socket, false)) {
@@ -93,7 +93,7 @@ wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   const wire::Message answer = ask(scheduler, question);
   if (!answer.has_status_reply())
     throw failure("{}: the program that answers there is not a Palpate scheduler", endpoint);
-  wire::Status status = statusFromJson(answer.status_reply().json());
+  wire::Status status = statusFromJson(answer.status_reply().json(), endpoint);
   if (endpoint == where) return status;
   if (const auto build = buildIn(where); build && build->hex() != status.build())
     throw failure(

@@ -48,7 +48,7 @@ SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
 
 wire::Status progressIn(const std::filesystem::path& directory) {
   if (const auto kept = StoredTables(directory).progress()) try {
-      return statusFromJson(kept->status);
+      return statusFromJson(kept->status, directory.string());
     } catch (const Error&) {
       // The stored status is damaged: compute it from the journal.
     }

@@ -187,17 +187,17 @@ void discardUnknownFields(wire::Status& status) {
 
 }  // namespace
 
-wire::Status statusFromJson(const std::string& json) {
+wire::Status statusFromJson(const std::string& json, const std::string& source) {
   wire::Status status;
   google::protobuf::util::JsonParseOptions options;
   // A newer scheduler may have more fields.
   options.ignore_unknown_fields = true;
   if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
       !result.ok())
-    throw failure("the answer is not a status: {}", result.ToString());
+    throw failure("{}: not a status that this version can read: {}", source, result.ToString());
   discardUnknownFields(status);
   if (!countsMakeSense(status))
-    throw failure("the answer is not a status: its numbers of points are inconsistent");
+    throw failure("{}: not a status: its numbers of points are inconsistent", source);
   return status;
 }
 

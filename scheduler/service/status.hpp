@@ -36,7 +36,7 @@ void addDisk(wire::Status& status, const std::filesystem::path& directory,
 /// fields that have their default value.
 std::string toJson(const google::protobuf::Message& message);
 /// Reads a status written by toJson(); unknown fields are ignored. Throws if the text is not a
-/// status, or if its numbers of points are impossible.
-wire::Status statusFromJson(const std::string& json);
+/// status, or if its numbers of points are impossible. `source` names its origin in errors.
+wire::Status statusFromJson(const std::string& json, const std::string& source);
 
 }  // namespace palpate

@@ -233,7 +233,7 @@ TEST_F(ServerTest, AnswersPeopleBesideWorkers) {
   zmq::socket_t person = connect();
   send(person, statusRequest());
   const wire::Status status =
-      statusFromJson(expect(person, Message::kStatusReply).message.status_reply().json());
+      statusFromJson(expect(person, Message::kStatusReply).message.status_reply().json(), "a");
   EXPECT_EQ(status.scene(), "cube");
   EXPECT_EQ(status.spaces_size(), 2);
   send(person, stopRequest());

@@ -13,28 +13,31 @@ TEST(Status, SurvivesJson) {
   status.set_scene("a \"quoted\"\nname");
   status.set_eta_seconds(12.5);
   (*status.mutable_failed_attempts())["step_budget"] = 3;
-  const wire::Status back = statusFromJson(toJson(status));
+  const wire::Status back = statusFromJson(toJson(status), "a");
   EXPECT_EQ(back.scene(), status.scene());
   EXPECT_EQ(back.eta_seconds(), 12.5);
   EXPECT_EQ(back.failed_attempts().at("step_budget"), 3);
-  test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
+  test::expectError(ExitCode::failed, [] { statusFromJson("<html>", "tcp://n7:1"); },
+                    {"tcp://n7:1", "not a status"});
 }
 
 TEST(Status, IsRefusedWithImpossibleNumbersOfPoints) {
   const auto refuse = [](const std::string& spaces) {
-    test::expectError(ExitCode::failed, [&] { statusFromJson(R"({"spaces":[)" + spaces + "]}"); },
+    test::expectError(ExitCode::failed,
+                      [&] { statusFromJson(R"({"spaces":[)" + spaces + "]}", "a"); },
                       {"not a status", "numbers of points"});
   };
   refuse(R"({"points":2147483647,"unknown":-1})");
   refuse(R"({"points":-2})");
   refuse(R"({"points":3,"failed":4})");
   refuse(R"({"points":2000000000},{"points":2000000000})");
-  EXPECT_EQ(statusFromJson(R"({"spaces":[{"points":3,"failed":3}]})").spaces(0).failed(), 3);
+  EXPECT_EQ(statusFromJson(R"({"spaces":[{"points":3,"failed":3}]})", "a").spaces(0).failed(), 3);
 }
 
 TEST(Status, OmitsUnknownValues) {
-  const wire::Status status = statusFromJson(R"({"news":[1],"spaces":[{"points":3,"":{"a":1}}]})");
-  EXPECT_EQ(status.SerializeAsString(), statusFromJson(toJson(status)).SerializeAsString());
+  const wire::Status status =
+      statusFromJson(R"({"news":[1],"spaces":[{"points":3,"":{"a":1}}]})", "a");
+  EXPECT_EQ(status.SerializeAsString(), statusFromJson(toJson(status), "a").SerializeAsString());
 }
 
 TEST(Status, HasOneRowForAllProbePlacesOfAnArea) {
