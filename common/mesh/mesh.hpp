@@ -122,7 +122,7 @@ MeshQuality measure(const Mesh& mesh);
 /// In an element with negative volume two nodes are swapped; reoriented_tetrahedra counts such
 /// elements. Error (bad input) for
 /// - a mesh without tetrahedra;
-/// - indices out of range, and groups of tetrahedra that do not exist;
+/// - indices of nodes or tetrahedra out of range, also in groups;
 /// - coordinates that are not finite or exceed farthest_node;
 /// - an element with a repeated node, and a degenerate element (shape measure < 1e-6);
 /// - a face shared by three tetrahedra, or by two on the same side.

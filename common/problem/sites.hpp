@@ -12,17 +12,17 @@ namespace palpate {
 inline constexpr std::size_t max_sites = 5000;
 
 /// Returns the largest distance from a place to its nearest site, in radii, for a finger of
-/// `radius` (metres). It is site_distance, and is reduced to 0.7 of this value if forces up to
-/// max_force may press the finger in by more than its radius. The depth is estimated with the
-/// smallest shear modulus at rest of all regions, without fibres. readScene has already limited
-/// max_force to the largest force of the device.
+/// `radius` (metres). It is site_distance if the finger is pressed in by at most 0.75 radii, falls
+/// to 0.7 of this value at 1.25 radii, and stays there. The depth is that at max_force, but at most
+/// the workspace radius. It is estimated with the smallest shear modulus at rest of all regions,
+/// without fibres. readScene has already limited max_force to the largest force of the device.
 double siteDistance(const Scene& scene, double radius);
 
 /// Returns the sites of a finger of `radius` (metres) that cover these triangles of the mesh's
 /// surface. Each site is the place that is farthest from all earlier sites, until no place is
-/// farther than `distance` radii from its nearest site. At rims and tips the distance is reduced to
-/// 0.6 of this value, because the energy changes faster along the surface there. Distances are
-/// along straight lines, because a finger's energy is a function of its position in space
+/// farther than `distance` radii from its nearest site. At rims and tips the distance is reduced,
+/// by up to 40 %, because the energy changes faster along the surface there. Distances are along
+/// straight lines, because a finger's energy is a function of its position in space
 /// (finger_weights.hpp). One site may therefore serve both sides of a thin lobe.
 ///
 /// A place is left out if nearly half or more of the finger would rest on `fixed` (sorted), or if

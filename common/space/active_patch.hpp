@@ -39,15 +39,15 @@ struct ActivePatch {
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
   /// Empty for a rigid tool. A weighted-average tool has one weight per node with sum 1,
   /// proportional to the surface integral of the node's shape function times the bump (1 -
-  /// (r/radius)^2)^2. With P2 displacement some weights may be negative, because quadratic shape
-  /// functions are negative in places.
+  /// (r/radius)^2)^2, with r the distance from the active node. With P2 displacement some weights
+  /// may be negative, because quadratic shape functions are negative in places.
   std::vector<double> weights = {};
   /// Set for a finger, which may be centred anywhere on the surface. The weights are then computed
   /// by fingerWeights() around its centre (finger_weights.hpp), and `node` is the vertex in `nodes`
   /// that is nearest to the centre.
   std::optional<Finger> finger = {};
-  /// Set for a finger that is a probe place of an area. Its space then consists of the rest
-  /// position and this one displacement, metres.
+  /// Set for a finger that is a probe place of an area. Its configuration space then consists of
+  /// the rest position and this one displacement, metres.
   std::optional<Eigen::Vector3d> probe = {};
   bool operator==(const ActivePatch&) const = default;
 };

@@ -43,7 +43,7 @@ struct PushedPart {
 };
 
 /// The positions of one configuration space: the uniform lattice of the closed workspace ball
-/// (paper, Eq. 11, with the origin) and the points that refinement added.
+/// (paper, Eq. 11, including the origin) and the points that refinement added.
 ///
 /// Whether a point lies in the ball is decided in integers: i^2+j^2+k^2 <= (radius/spacing)^2. A
 /// floating-point test would lose some points that lie exactly on the sphere. For a radius of 100

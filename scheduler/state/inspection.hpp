@@ -70,10 +70,10 @@ Inspection inspect(const std::filesystem::path& directory);
 /// Inspects a state directory whose lock the caller holds.
 Inspection inspect(const StateDirectory& held);
 
-/// Marks damaged records as dropped, and recreates damaged or missing tables. Returns messages
-/// about the changes. The next start of the build computes the lost results. A repair may be
-/// interrupted at any moment and repeated. Throws without changing anything if the directory holds
-/// records of several builds.
+/// Marks damaged records as dropped. Recreates damaged or missing tables if Inspection::problem is
+/// known. Returns messages about the changes. The next start of the build computes the lost
+/// results. A repair may be interrupted at any moment and repeated. Throws without changing
+/// anything if the directory holds records of several builds.
 std::vector<std::string> repair(const StateDirectory& held, const Inspection& found);
 
 }  // namespace palpate

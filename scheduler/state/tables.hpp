@@ -77,8 +77,8 @@ class StoredTables {
 class Tables : public StoredTables {
  public:
   /// Opens the tables in `directory`, or creates them. Throws (bad input) if they belong to another
-  /// version or another build; the message names the scene of that build. If the tables are
-  /// damaged, renames them to state.db.damaged and creates new ones.
+  /// version or another build; the message names the scene of that build. If the tables are damaged
+  /// and there is a journal, renames them to state.db.damaged and creates new ones.
   Tables(const StateDirectory& directory, const Problem& problem)
       : Tables(directory, problem, problemId(problem)) {}
   /// Opens existing tables of any build.
