@@ -28,14 +28,14 @@ namespace {
 FileDescriptor beyondStandard(FileDescriptor file) {
   if (file.get() > STDERR_FILENO) return file;
   FileDescriptor other(fcntl(file.get(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
-  if (!other) throw failure("fcntl: {}", errnoText());
+  if (!other) throw failure("cannot duplicate a file descriptor: {}", errnoText());
   return other;
 }
 
 /// Makes a file in memory. Unlike a pipe, it accepts any amount of data before the data is read.
 FileDescriptor memoryFile(const char* name) {
   FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
-  if (!file) throw failure("memfd_create: {}", errnoText());
+  if (!file) throw failure("cannot make a file in memory: {}", errnoText());
   return beyondStandard(std::move(file));
 }
 
@@ -45,7 +45,7 @@ std::string readWhole(const FileDescriptor& file) {
   for (;;) {
     const ssize_t read = pread(file.get(), part.data(), part.size(), std::ssize(text));
     if (read < 0 && errno == EINTR) continue;
-    if (read < 0) throw failure("memory file failed: {}", errnoText());
+    if (read < 0) throw failure("cannot read a program's output: {}", errnoText());
     if (read == 0) return text;
     text.append(part.data(), static_cast<std::size_t>(read));
   }
@@ -84,7 +84,7 @@ pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("pipe: {}", errnoText());
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("cannot make a pipe: {}", errnoText());
   const FileDescriptor reading = beyondStandard(FileDescriptor(ends[0]));
   FileDescriptor writing = beyondStandard(FileDescriptor(ends[1]));
   const pid_t parent = getpid();
@@ -117,7 +117,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
   for (;;) {
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return why;
-    if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
+    if (ended < 0 && errno != EINTR) throw failure("cannot wait for a program: {}", errnoText());
     if (why == WhyEnded::by_itself && program.heeds_interrupts && interrupted()) {
       why = WhyEnded::interrupted;
       kill(-child, SIGTERM);  // with the child's own children
@@ -140,7 +140,8 @@ Ran runToItsEnd(const ForeignProgram& program) {
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
-  if (!writeAt(in.get(), 0, program.input)) throw failure("memory file failed: {}", errnoText());
+  if (!writeAt(in.get(), 0, program.input))
+    throw failure("cannot store the input of {}: {}", name, errnoText());
   const pid_t child = start(program, {in.get(), out.get(), err.get()});
   int status = 0;
   switch (endOf(child, program, status)) {

@@ -63,7 +63,7 @@ void tellError(const std::string& verb, const std::string& what) {
 void refuseFewDescriptors() {
   constexpr rlim_t fewest = 64;
   struct rlimit limit {};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit failed: {}", errnoText());
   if (limit.rlim_cur < fewest)
     throw failure(
         "this process may open only {} files and connections, but needs {}; run: ulimit -n {}",

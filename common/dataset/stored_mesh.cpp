@@ -35,7 +35,7 @@ void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
   const auto edges = readElements<2>(in, edges_path, mesh.nodes.size());
   const std::vector<Eigen::Vector3d> points = mesh.nodes;
   if (edges.size() >= points.size())
-    throw in.damaged(edges_path, "has more edges than there are points");
+    throw in.damaged(edges_path, "has as many edges as nodes, or more");
   mesh.nodes.resize(points.size() - edges.size());
   for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
     checkIndices(in, tetrahedra_path, tetrahedron, mesh.nodes.size());

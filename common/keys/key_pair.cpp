@@ -16,7 +16,7 @@ KeyPair KeyPair::make() {
 KeyPair::KeyPair(const Bytes32& secret) : secret_(secret) {
   startSodium();
   if (crypto_scalarmult_base(open_.data(), secret_.data()) != 0)
-    throw failure("libsodium cannot derive a public key from this secret");
+    throw failure("this secret key has no public key; make a new one: palpate key new --replace");
 }
 
 KeyPair::~KeyPair() { sodium_memzero(secret_.data(), secret_.size()); }

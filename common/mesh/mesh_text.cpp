@@ -40,7 +40,7 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
                    "           note: dropped {} without a tetrahedron; later ones renumbered\n",
                    counted(mesh.dropped_nodes, "node"));
   if (mesh.reoriented_tetrahedra > 0)
-    fmt::format_to(out, "           note: {} had negative volume; their node order was reversed\n",
+    fmt::format_to(out, "           note: {} had negative volume; two nodes of each were swapped\n",
                    tetrahedraText(mesh.reoriented_tetrahedra));
   for (const auto& [group, nodes] : mesh.node_groups)
     fmt::format_to(out, "group      \"{}\": {}\n", group, counted(nodes.size(), "node"));

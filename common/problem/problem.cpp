@@ -118,7 +118,7 @@ void checkFixed(const Problem& problem) {
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
   if (patch.finger.has_value() != finger || (finger && !isFinger(*patch.finger)))
-    throw badInput("active \"{}\": a finger needs a valid place, and another tool must have none",
+    throw badInput("active \"{}\": only a finger has a centre and reach, and these must be valid",
                    patch.name);
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
   if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
@@ -253,7 +253,7 @@ void checkActive(const Problem& problem, std::size_t i, const NodeSet& surface) 
   checkPatch(problem, i, surface);
   checkProbe(problem, i);
   if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
-    throw badInput("active \"{}\" comes after the places of probes, which must be last",
+    throw badInput("active \"{}\": comes after a probe place, but probe places must be last",
                    problem.active[i].name);
 }
 

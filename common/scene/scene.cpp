@@ -75,7 +75,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
       throw section.wrong("group", "missing: give a physical group of the mesh, a box or a sphere");
     // Check this before the material is read, so that a duplicate group is reported first.
     if (!region.group.empty())
-      refuseTwin(section, regions, &Region::group, "group", "regions are the group");
+      refuseTwin(section, regions, &Region::group, "group", "regions have the group");
     region.material = readMaterial(section);
   }
   return regions;
@@ -216,7 +216,7 @@ ActiveSelection readActive(const TomlSection& section) {
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
-    throw section.wrong("area", "is only for fingers without surface, which is an area itself");
+    throw section.wrong("area", "is only for fingers without surface; a surface is an area itself");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong(
         "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",

@@ -41,7 +41,7 @@ std::uint64_t cookieOf(int descriptor) {
 
 std::size_t mostConnections() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit failed: {}", errnoText());
   return limit.rlim_cur > 2 * descriptors_of_our_own ? limit.rlim_cur - descriptors_of_our_own
                                                      : descriptors_of_our_own;
 }

@@ -49,7 +49,7 @@ ZapHandler::ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const Key
     : questions_(context, zmq::socket_type::rep),
       admission_(keys),
       wake_up_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!wake_up_) throw failure("eventfd: {}", errnoText());
+  if (!wake_up_) throw failure("eventfd failed: {}", errnoText());
   socket.set(zmq::sockopt::curve_server, true);
   setKey(socket, ZMQ_CURVE_SECRETKEY, keys.own().secret());
   constexpr std::string_view domain = "palpate";

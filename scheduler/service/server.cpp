@@ -74,7 +74,7 @@ std::string Server::refusalOf(const Incoming& incoming) {
   if (roles == Roles::none) return "this key is no longer allowed";
   if (!wanted || include(roles, *wanted)) return "";
   return fmt::format(
-      "this key has the role {}, but this needs {}: run palpate key allow where the server runs",
+      "this key has the role {}, but the request needs {}: run palpate key allow at the server",
       wordsOf(roles), wordsOf(*wanted));
 }
 

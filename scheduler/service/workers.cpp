@@ -189,7 +189,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} does not work on its solves; other workers get them",
+    state_.chronicle.warn("worker {} on {} reports no solve but holds some; other workers get them",
                           worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
