@@ -30,8 +30,7 @@ constexpr std::string_view blasKernelsOf(CpuFamily family) {
 }
 
 /// Names the element kernels and the OpenBLAS kernels, as in "avx2/Haswell". Together they
-/// determine the bits of a result. The name depends on the family alone, not on the model of the
-/// CPU.
+/// determine the bits of a result. The name depends on the family alone, not on the CPU model.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }

@@ -19,9 +19,9 @@ unsigned coreCount();
 std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc/self/cgroup",
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
 
-/// Memory that a program that solves needs at its start, bytes. The process that starts it should
-/// call requireMemory() with this size: OpenBLAS 0.3.29 and later wait for their memory while they
-/// are loaded, before main() runs.
+/// Memory that a solver program needs at its start, bytes. The process that starts it should call
+/// requireMemory() with this size: OpenBLAS 0.3.29 and later wait for their memory while they are
+/// loaded, before main() runs.
 inline constexpr std::size_t memory_of_a_solver = 384u << 20;
 /// Error, with the limit and the remedy, if the system does not grant this process that many bytes
 /// now. Frees them before it returns.

@@ -26,8 +26,8 @@ std::filesystem::path linkTarget(std::filesystem::path file);
 /// the complete old or the complete new content. `write` must write the new content to the path
 /// that it gets (FILE.tmp); this file is then flushed to disk and renamed. If several processes or
 /// threads replace one file, they do so one after the other. If `write` throws or the disk fails
-/// (Error), FILE.tmp is removed. Error if `file` is anything but a regular file, such as a device
-/// or a directory.
+/// (Error), FILE.tmp is removed. Error if `file` exists and is not a regular file (for example, a
+/// device or a directory).
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write);
 
@@ -54,7 +54,7 @@ void syncFolder(const std::filesystem::path& folder);
 void refuseUnwritable(const std::filesystem::path& file, const char* option);
 
 /// Error (bad input) if `file`, which is about to be written, is one of the inputs, even under
-/// another path. `option` is the one that the message suggests, as in refuseUnwritable().
+/// another path. `option` is the command-line option that the message names.
 void refuseInput(const std::filesystem::path& file, const char* option,
                  std::span<const std::filesystem::path> inputs);
 

@@ -79,7 +79,7 @@ class Dataset {
   /// empty if the dataset stores none (storedPressures). Values are NaN at points that are not
   /// solved.
   NodalFields surfaceFields(std::size_t space) const;
-  /// Reads and verifies every array, including the nodal fields. Error that names the first damaged
+  /// Reads and verifies every array, including the nodal fields. Error names the first damaged
   /// array.
   void verifyAll() const;
 

@@ -62,13 +62,13 @@ class KeyFolder {
 
   bool hasOwn() const;
   KeyPair own() const;
-  /// Returns the own key. If there is none, makes it, and the folder if necessary. Two processes
-  /// that do this at the same time get the same key.
+  /// Returns this user's key. If there is none, makes it, and the folder if necessary. Two
+  /// processes that do this at the same time get the same key.
   KeyPair ownOrNew() const;
-  /// Replaces the own key by a new one.
+  /// Replaces this user's key by a new one.
   KeyPair replaceOwn() const;
 
-  /// Returns the admitted keys in the order of the file, without the own key.
+  /// Returns the admitted keys in the order of the file, without this user's own.
   std::vector<AllowedKey> allowed() const;
   /// Adds an entry to the admitted keys; an existing entry for the same key is replaced. Error (bad
   /// input) for a name with control characters or #.
@@ -78,7 +78,7 @@ class KeyFolder {
   bool withdraw(const std::string& name_or_key) const;
 
   /// Returns the key of the server at `endpoint`: from the line for this endpoint, else from the
-  /// line for "*", else the own key. If all machines of a user share this folder, servers and
+  /// line for "*", else this user's key. If all machines of a user share this folder, servers and
   /// clients have the same key, and no list is needed.
   PublicKey serverAt(const std::string& endpoint) const;
   /// Sets the key of the server at `endpoint`, which may be "*".
@@ -95,8 +95,9 @@ class KeyFolder {
 /// build. Any thread.
 class Admission {
  public:
-  /// Makes the own key if there is none. Error (bad input) if the list cannot be read. If the list
-  /// becomes unreadable later, a warning is logged and the last list that was read stays in force.
+  /// Makes this user's key if there is none. Error (bad input) if the list cannot be read. If the
+  /// list becomes unreadable later, a warning is logged and the last list that was read stays in
+  /// force.
   explicit Admission(KeyFolder folder);
 
   /// Returns the roles of a key; Roles::none if the key is not admitted.

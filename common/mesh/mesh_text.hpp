@@ -9,8 +9,8 @@ namespace palpate {
 std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::string& name);
 
 /// Returns a sentence about coincident nodes and one about hinges, if the mesh has any: both mean
-/// that parts of the body touch without being joined. `file` is the mesh file that the advice in
-/// the sentences names.
+/// that parts of the body touch without being joined. `file` is the mesh file in the commands that
+/// the sentences suggest.
 std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quality,
                                       const std::string& file);
 

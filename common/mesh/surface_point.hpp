@@ -24,8 +24,7 @@ Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept;
 /// every triangle. For many queries use the tree in viewer/haptics.
 SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place);
 
-/// Return the rest position of a surface point, metres, and the outward unit normal of a surface
-/// triangle.
+/// Return the rest position of a surface point, metres, and a triangle's outward unit normal.
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);
 Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle);
 

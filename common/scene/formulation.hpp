@@ -41,8 +41,8 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 /// - "finger" prescribes the weighted mean around a point that may be anywhere on the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 
-/// Words of the scene file for the enumerators of a Choice, in their order. Each enum that a scene
-/// uses has a specialisation.
+/// Words that stand for the enumerators of Choice in the scene file, in order. Each enum that a
+/// scene uses has a specialisation.
 template <class Choice>
 inline constexpr std::array<std::string_view, 0> words_of = {};
 template <>

@@ -25,8 +25,7 @@ struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
   double radius = 0;
   /// The part of the finger's workspace ball for which configurations are computed. With unilateral
-  /// contact, a pushing finger reaches these displacements at some place that it covers
-  /// (pushedAround).
+  /// contact, these are the displacements that pushing reaches (pushedAround).
   PushedPart reach = {};
   bool operator==(const Finger&) const = default;
 };

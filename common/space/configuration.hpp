@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// The nodal fields of a configuration, in float32. They are stored and sent in this form, and
-/// transitions start from it.
+/// The nodal fields of a configuration, in float32, as in files and messages. Transitions start
+/// from these rounded values.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, one row per node, metres
   /// One per slot of Problem::pressures, Pa; empty without a pressure space.

@@ -32,13 +32,11 @@ enum class Cause : std::uint8_t {
 /// Returns the word for a cause in messages and files, such as "iteration_limit". It is "none" for
 /// Cause::none and empty for an invalid value.
 std::string_view name(Cause cause);
-/// Returns the cause with this value in a message or file, or nullopt if this program does not know
-/// it.
+/// Returns the cause with this value in a message or file, or nullopt for an unknown value.
 std::optional<Cause> causeOf(std::uint32_t value);
 /// Returns the cause with this word, or nullopt.
 std::optional<Cause> causeNamed(std::string_view word);
-/// Returns whether a transition that was tried can end with this cause: true for all but none and
-/// unreachable.
+/// Returns whether a transition can end with this cause: true for all but none and unreachable.
 bool stopsTransitions(Cause cause);
 
 /// A cause and the numbers to judge it by. Fields that do not apply keep their defaults.

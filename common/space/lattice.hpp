@@ -74,8 +74,7 @@ class Lattice {
   static Lattice ofRest(double radius, double spacing, std::int32_t divisions);
 
   /// Error (bad input) unless radius and spacing are > 0, radius >= spacing, and the lattice would
-  /// have at most 10 million points. Takes constant time, because the number of points is
-  /// estimated.
+  /// have at most 10 million points. Takes constant time: it estimates the number of points.
   static void check(double radius, double spacing);
 
   double radius() const { return radius_; }              ///< metres

@@ -34,8 +34,8 @@ struct PointRecord {
   ContentId fields;
 };
 
-/// Returns whether the force at the point exceeds the scene's max_force: the point is solved, or
-/// its solve was given up because the force was far larger.
+/// Returns whether the force at the point exceeds the scene's max_force. Such a point is
+/// terminating, or its solve was abandoned because the force grew far larger.
 inline bool isBeyondForce(const PointRecord& record) {
   return record.tag == Tag::terminating ||
          (record.tag == Tag::failed && record.cause == Cause::beyond_force);

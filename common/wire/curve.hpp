@@ -15,10 +15,10 @@ namespace palpate {
 /// Sets the keys of a client's socket: its own key pair and the key of the server to which it will
 /// connect.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
-/// Sets the keys of a client's socket for a server at `endpoint`, from `keys`. If there is no own
-/// key and the endpoint is on this machine, makes a key, as a server does. If the endpoint is on
-/// another machine, a missing own key is an Error, because the server could not know a new key.
-/// Error (bad input) for an invalid endpoint.
+/// Sets the keys of a client's socket for a server at `endpoint`, from `keys`. If this user has no
+/// key and the endpoint is on this machine, makes one, as a server does. If the endpoint is on
+/// another machine, a missing key is an Error, because the server could not know a new key. Error
+/// (bad input) for an invalid endpoint.
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint);
 
 /// Authenticates the clients of a server's socket. Only messages of clients that know the server's
@@ -27,8 +27,8 @@ void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::stri
 /// context, and destroy it after the socket.
 class ZapHandler {
  public:
-  /// `socket` must belong to `context` and must not be bound yet. Makes the server's own key if
-  /// there is none. Error (bad input) if the keys cannot be read.
+  /// `socket` must belong to `context` and must not be bound yet. Makes this user's key if there is
+  /// none. Error (bad input) if the keys cannot be read.
   ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
   ~ZapHandler();
   ZapHandler(const ZapHandler&) = delete;

@@ -55,10 +55,10 @@ struct FleetLimits {
   int transitions_each = 2;  ///< ready transitions that justify one more worker
 };
 
-/// Returns the number of workers to request, or, if the frontier has become narrow, minus the
-/// number of queued workers to cancel. Running workers leave by themselves when they are idle.
-/// Follows HyperQueue's automatic allocation (backlog, most workers, least use), with the frontier
-/// in place of its task queue.
+/// Returns the number of workers to request, or, if too few transitions are ready, minus the number
+/// of queued workers to cancel. Running workers leave by themselves when they are idle. Follows
+/// HyperQueue's automatic allocation (backlog, most workers, least use), with ready transitions in
+/// place of its task queue.
 int moreWorkers(const FleetView& view, const FleetLimits& limits);
 
 }  // namespace palpate

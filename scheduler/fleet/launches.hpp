@@ -42,8 +42,8 @@ class Backoff {
 class Launches {
  public:
   using Time = Backoff::Time;
-  /// A job that fails within this time after its start never worked. A job that is older is
-  /// considered to work.
+  /// A job that fails within this time after its start counts as an early failure. A job that has
+  /// run longer is considered to work.
   static constexpr std::chrono::seconds early{30};
   static constexpr int most_in_a_row = 5, most_on_a_node = 3;
 
@@ -68,8 +68,7 @@ class Launches {
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
 
-  /// Takes the current jobs. `ended` is sorted by time and may list jobs that earlier calls listed
-  /// too.
+  /// Takes the current jobs. `ended` is sorted by time and may repeat jobs of earlier calls.
   Change see(const std::vector<Ended>& ended, const std::vector<Running>& running, Time now);
 
   /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.

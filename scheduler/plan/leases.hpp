@@ -31,8 +31,7 @@ inline constexpr int losses_before_alone = 2;
 /// because workers also die for reasons unrelated to their work.
 inline constexpr int deaths_before_aside = 5;
 
-/// Hand-outs of a transition, and the worker deaths in which it is suspected. Kept across runs of
-/// the scheduler.
+/// Hand-outs of a transition, and worker deaths in which it is suspected. Kept across restarts.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
   int suspected = 0;  ///< deaths of workers that reported it as being solved, or had it first
@@ -130,8 +129,7 @@ class Leases {
     std::uint64_t job = 0;
     bool is_check = false;
   };
-  /// Orders points by their distance from the origin, because more transitions depend on points
-  /// near it.
+  /// Orders points by distance from the origin: most transitions depend on points near it.
   struct NearestFirst {
     bool operator()(const LatticePoint& a, const LatticePoint& b) const {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);

@@ -58,7 +58,7 @@ class SpacePlan {
  public:
   SpacePlan(const Problem& problem, std::uint32_t space);
 
-  /// Returns a transition of this plan; none if the plan does not have both points (yet).
+  /// Returns the transition with this key; none if the plan does not have both points (yet).
   std::optional<Transition> find(const ResultKey& key) const;
   ResultKey keyOf(const Transition& transition) const;
 
@@ -92,8 +92,7 @@ class SpacePlan {
   std::int32_t size() const { return positions_.size(); }
   /// Number of the first probe, one past the last point.
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
-  /// Recorded results of points and probes. A point is failed as soon as no further attempt will be
-  /// made.
+  /// Recorded results of points and probes. A point is failed once no further attempt will be made.
   const CompactPoints& points() const { return points_; }
   PointRecord point(std::int32_t number) const { return points_.record(number); }
   /// Failed attempts in the order in which they were made.

@@ -22,8 +22,7 @@ class Handouts {
   /// Sends the nodal fields that a job starts from. If workers have left too many such messages
   /// unread, sends nothing; the worker asks again.
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
-  /// Returns true if this worker was asked for the result: it carries the seal of the lease
-  /// (LeaseSeal).
+  /// Returns true if the result carries the seal of a lease to this worker (LeaseSeal).
   bool asked(const Worker& worker, const wire::Result& result) const;
   /// Notes the duration of a solve, s. A solve that takes far longer than the longest one so far
   /// counts as hung.

@@ -10,7 +10,7 @@ namespace palpate {
 /// Returns the BLAKE2b hash of `text`, 16 bytes, keyed with `secret` of 16 to 64 bytes. Nobody can
 /// compute or predict it without the secret.
 std::string keyedHash(std::string_view text, std::string_view secret);
-/// Returns a transition as text for keyedHash(), with 8 bytes per number.
+/// Encodes a transition for keyedHash(), with 8 bytes per number.
 std::string bytesOf(const ResultKey& key);
 
 /// A transition that is leased to a worker.

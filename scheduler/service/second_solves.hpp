@@ -34,8 +34,7 @@ class SecondSolves {
   /// Counts a second result of a transition, and reports it if it differs from the first. Returns
   /// true if both are the same.
   bool isSame(const Worker& worker, const wire::Result& first, const wire::Result& second);
-  /// Excludes a worker that gave two different results of one transition; this alone proves an
-  /// error.
+  /// Excludes a worker that gave two different results of one transition, which proves an error.
   void contradict(const Worker& worker, const wire::Result& result);
 
   /// Returns, for each waiting check, how independent the next worker must be.

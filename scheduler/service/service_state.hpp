@@ -60,9 +60,9 @@ struct CoordinatorSettings {
   EventLog* events = nullptr;
 };
 
-/// The state that the parts of a coordinator share: the build with its records and plans, the
-/// messages to be sent, the reports, and the decisions. The referenced objects must outlive this
-/// one. One thread.
+/// The state that the parts of a coordinator share: the build with its records and plans, outgoing
+/// messages, reports, and flags such as `stopping`. The referenced objects must outlive this one.
+/// One thread.
 struct ServiceState {
   using Time = std::chrono::steady_clock::time_point;
 

@@ -16,8 +16,8 @@ struct SpotCheckSettings {
   /// this fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest
   /// is drawn by lot. 0: no checks.
   double share = 0.01;
-  /// This many failures, and this many odd results, may be solved again even beyond their quarter.
-  /// A small build has few results, and one of them may be wrong.
+  /// Up to this many failures, and this many odd results, are solved again even beyond their
+  /// quarter. A small build has few results, and one of them may be wrong.
   std::int64_t suspects_at_least = 8;
   /// Limit on the number of open checks, because new work goes first.
   std::size_t most_open = 64;
@@ -108,7 +108,7 @@ class SpotChecks {
   /// True if the worker that gave this opinion gave a different one before.
   bool contradicts(const ResultKey& key, const Opinion& opinion) const;
 
-  /// The workers that are right or wrong. `wrong` is empty if all agreed.
+  /// The workers judged right and those judged wrong. `wrong` is empty if all agreed.
   struct Verdict {
     std::vector<wire::Provenance> right, wrong;
   };

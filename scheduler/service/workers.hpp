@@ -46,8 +46,8 @@ class Workers {
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
   void processEnded(std::uint32_t pid);
-  /// Sets the kernel family to that of the first result. Workers with other kernels are made to say
-  /// hello again; they are then told to use these kernels, or why they may not stay.
+  /// Sets the kernel family to that of the first result. Workers with other kernels must say hello
+  /// again. They are then told to use these kernels, or are refused with the reason.
   void settleKernels(const std::string& family);
   /// Tells all workers to leave.
   void drainAll();
