@@ -31,7 +31,7 @@ std::string faultOfSplits(const SpaceRows& space) {
     // The table may come from a file, so check the level before a shift, which is undefined for 31
     // and more.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
-      return fmt::format("split cell {} has level {}, which cannot be halved", i, cell.level);
+      return fmt::format("split cell {} has the invalid level {}", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
     const bool aligned = std::ranges::all_of(
         cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });

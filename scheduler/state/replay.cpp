@@ -69,8 +69,9 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
     if (!outcome) {
       // The checksum is right, so another version of the program wrote the record, or this version
       // has a bug.
-      senseless.push_back(
-          fmt::format("segment {}, byte {}: an invalid result", where.segment, where.offset));
+      senseless.push_back(fmt::format("{}: the record at byte {} is not a valid result",
+                                      JournalReader(directory).segmentPath(where.segment).string(),
+                                      where.offset));
       return;
     }
     if (result.build() != build.bytes())
