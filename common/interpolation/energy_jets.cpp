@@ -175,11 +175,11 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   return jet;
 }
 
-/// Factors of the data at both ends of an interval in one derivative at a place, [end 0..1][order
-/// of the datum 0..2].
+/// Coefficients of the data at both ends of an interval, for one derivative at a place: [end
+/// 0..1][order of the datum 0..2].
 using AxisBasis = std::array<std::array<double, 3>, 2>;
-/// Quintic Hermite basis along an axis, on the interval 0..1: the factors for the value, the first
-/// and the second derivative.
+/// Quintic Hermite basis along an axis, on the interval 0..1: the coefficients for the value, the
+/// first and the second derivative.
 using Basis = std::array<AxisBasis, 3>;
 
 /// Returns the basis at t. The functions f, g and k belong to the lower end: there f has value 1, g

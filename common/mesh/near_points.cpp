@@ -23,8 +23,8 @@ NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
   for (const Eigen::Vector3d& point : points_) box.extend(point);
   lowest_ = box.min().array() - reach;
   const Eigen::Vector3d size = box.sizes().array() + 2 * reach;
-  // The number of cubes is limited. If the points extend over many reaches, cubes are larger and
-  // their lists longer.
+  // The number of cubes is limited. If the points extend over many times the reach, cubes are
+  // larger and their lists longer.
   edge_ = std::max(reach, size.maxCoeff() / most_cubes);
   for (std::size_t axis = 0; axis < 3; ++axis)
     cubes_[axis] = 1 + static_cast<std::int32_t>(size[static_cast<Eigen::Index>(axis)] / edge_);

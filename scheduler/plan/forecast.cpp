@@ -7,8 +7,9 @@ namespace palpate {
 namespace {
 
 /// `usual_growth` is the growth by refinement that is expected while few spaces are finished, as a
-/// fraction of the uniform lattice. In the mean of growths, it counts like a space with a fraction
-/// `worth` of all lattice points. It always counts, because the spaces that finish early grow most.
+/// fraction of the uniform lattice. In the mean growth it has the weight of a space with a fraction
+/// `worth` of all lattice points. It keeps this weight, because the spaces that finish early grow
+/// most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
 /// Numbers of points of all uniform lattices by outcome, and of attempts, so far.

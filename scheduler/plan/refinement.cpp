@@ -33,8 +33,8 @@ constexpr double enough = 0.998;
 constexpr double enough_of_finger = 0.99;
 
 /// A corner outside the ball is solved if it is at most this many edge lengths of its leaf outside.
-/// Farther corners stay unsolved (ghosts): pressing deeper than asked leads across folds that the
-/// ball does not have, and splitting the leaf serves as well.
+/// Farther corners stay unsolved (ghosts): displacements far beyond the ball may lie behind folds,
+/// and splitting the leaf serves as well.
 constexpr double reach_outside = 0.25;
 
 /// Average number of points that halving a cell adds: seven amid other cells, fewer at the rim of
