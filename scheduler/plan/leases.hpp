@@ -13,8 +13,8 @@
 
 namespace palpate {
 
-/// Transitions sent to one worker as one job. All have the same start, that is the same space and
-/// parent. Never empty.
+/// The transitions (targets) sent to one worker as one job. All have the same start, that is the
+/// same space and parent. Never empty.
 struct Handout {
   std::uint64_t job = 0;
   std::vector<ResultKey> targets;

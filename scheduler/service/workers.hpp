@@ -75,7 +75,7 @@ class Workers {
   void blame(const Leases::Suspects& suspects);
 
   ServiceState& state_;
-  std::string epoch_;                                    ///< 16 random bytes
+  std::string epoch_;                                    ///< random, identifies this run
   std::map<Tables::NumberedTransition, Losses> losses_;  ///< from earlier runs
   /// Workers that were lost and did not come back, the latest last. If their processes turn out to
   /// have ended, their suspects are blamed.
