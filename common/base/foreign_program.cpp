@@ -140,8 +140,7 @@ Ran runToItsEnd(const ForeignProgram& program) {
   const std::string& name = program.words[0];
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
-  if (!writeAt(in.get(), 0, program.input))
-    throw failure("cannot store the input of {}: {}", name, errnoText());
+  if (!writeAt(in.get(), 0, program.input)) throw failure("cannot write stdin: {}", errnoText());
   const pid_t child = start(program, {in.get(), out.get(), err.get()});
   int status = 0;
   switch (endOf(child, program, status)) {
