@@ -110,8 +110,8 @@ ExitCode makeScene(const TouchOptions& options, const path& scene) {
   if (code != ExitCode::done) return code;
   made.mesh.clear();
   spdlog::info(
-      "the mesh {} and the scene {} are in this folder: check what the scene guesses, then touch "
-      "it again, or build it with: palpate build {}",
+      "the mesh {} and the scene {} are in this folder: check the proposed values in the scene, "
+      "then touch it again, or build it with: palpate build {}",
       mesh.filename().string(), scene.string(), shellWord(scene.string()));
   return ExitCode::done;
 }

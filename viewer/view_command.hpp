@@ -13,22 +13,22 @@ namespace palpate {
 
 /// Options of `palpate view`.
 struct ViewOptions {
-  /// At least one; the first one is shown at the start. It may be a scene (SCENE.toml), which is
-  /// solved around the hand.
+  /// At least one; the first is shown at the start. The first may also be a scene (SCENE.toml),
+  /// which the live solver solves near the hand.
   std::vector<std::filesystem::path> datasets;
   std::string device;          ///< a word of device_choice.hpp
   KeyOptions keys = {};        ///< for a network device
   std::string profile;         ///< a name in device_profiles; empty: the device's own limits
-  std::filesystem::path live;  ///< scene of the first dataset; empty: nothing follows the hand
-  std::string follower;        ///< endpoint of a follower; empty: one is started
+  std::filesystem::path live;  ///< scene of the first dataset; empty: no live solver
+  std::string follower;        ///< endpoint of a live solver; empty: one is started
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< nothing: as the scene requests
   double friction = 0.2;
   double reach = 0;                       ///< m; passed to TouchSurface
   double rate = 1000;                     ///< Hz
   double hand_speed = usual_slide_speed;  ///< m/s
-  /// s of haptic time. If it is 0, the run lasts until the window is closed, the device ends or a
-  /// signal arrives.
+  /// Length of the run, s of haptic time. If it is 0, the run lasts until the window is closed, the
+  /// device ends or a signal arrives.
   double duration = 0;
   bool headless = false;
   bool fast = false;  ///< ticks as fast as possible, without a clock

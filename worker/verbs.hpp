@@ -17,7 +17,7 @@ extern const Verb work_verb;
 /// `palpate solve`: solves exactly at given displacements, without a scheduler.
 extern const Verb solve_verb;
 
-/// `palpate follow`: solves around the hand of a haptic client.
+/// `palpate follow`: the live solver, which solves near the hand of a haptic client.
 extern const Verb follow_verb;
 
 /// Set if a solver thread is still running when the program ends. The program must then not return

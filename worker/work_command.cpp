@@ -221,8 +221,9 @@ class Supervisor {
     short_lives_ = lived_short ? short_lives_ + 1 : 0;
     const int number = WTERMSIG(status);
     if (short_lives_ >= most_short_lives) {
-      spdlog::error("worker {} died of signal {} right after its start, like {} before it", pid,
-                    number, most_short_lives - 1);
+      spdlog::error(
+          "worker {} died of signal {} right after its start, like {} before it; not replaced", pid,
+          number, most_short_lives - 1);
       result_ = ExitCode::failed;
       return true;
     }

@@ -35,7 +35,7 @@ class Plugin {
       throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
     void* const symbol = dlsym(library_.get(), entry_point);
     if (symbol == nullptr)
-      throw badInput("{} is not a device plug-in, or is one for another version: {}", file.string(),
+      throw badInput("{}: is not a device plug-in of this version: {}", file.string(),
                      lastDlError());
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
@@ -57,12 +57,12 @@ class Plugin {
       throw badInput("device plug-in {}: {}() returned NULL", file, entry_point);
     if (table_->abi != PALPATE_DEVICE_ABI)
       throw badInput(
-          "device plug-in {} is built for version {} of palpate_device.h, but this program for "
-          "{}: rebuild it with this program's header",
+          "device plug-in {} is built for version {} of palpate_device.h, but this program uses "
+          "version {}; rebuild the plug-in with its header",
           file, table_->abi, PALPATE_DEVICE_ABI);
     if (table_->size < sizeof(palpate_device_plugin))
       throw badInput(
-          "device plug-in {}: its table has {} bytes, but that of version {} has {}: rebuild it",
+          "device plug-in {}: its table has {} bytes, but version {} needs {}; rebuild the plug-in",
           file, table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
     if (table_->name == nullptr || table_->enumerate == nullptr || table_->open == nullptr ||
         table_->limits == nullptr || table_->read == nullptr || table_->write == nullptr ||

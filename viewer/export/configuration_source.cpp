@@ -78,7 +78,7 @@ void ConfigurationSource::refuseUnsolved(const SpaceTable& space, std::int32_t n
   const PointRecord& record = space.points[at(number)];
   const std::string file = dataset_.file().string();
   throw badInput(
-      "{}: point ({}) of {} is {}{}: no configuration to export; for the reason see palpate "
+      "{}: point ({}) of {} has the tag {}{} and no configuration; for the reason run: palpate "
       "explain {} --active {} {}",
       file, vectorText(point, 6), space.patch.name, name(record.tag),
       record.tag == Tag::failed ? fmt::format(" ({})", name(record.cause)) : "", shellWord(file),

@@ -92,9 +92,11 @@ std::filesystem::path ExportTarget::seriesFile(std::size_t number) const {
 void ExportTarget::beginSeries() const {
   std::error_code error;
   std::filesystem::create_directory(seriesFolder(), error);
-  if (!error) std::filesystem::remove(file_, error);
   if (error)
-    throw failure("{}: cannot start the series: {}", seriesFolder().string(), error.message());
+    throw failure("{}: cannot create the folder: {}", seriesFolder().string(), error.message());
+  std::filesystem::remove(file_, error);
+  if (error)
+    throw failure("{}: cannot remove the earlier list: {}", file_.string(), error.message());
 }
 
 void ExportTarget::endSeries(std::size_t count) const {

@@ -17,10 +17,11 @@ constexpr double reach_radii = 1;
 constexpr double area_weight = 1e-4;
 /// Softens the weights near an expansion, in squared reaches.
 constexpr double softening = 0.05;
-/// Factors of the error bound, for 99 % of touches (tests/measure/bench/live_run): of the
-/// disagreement of the expansions, and of their last terms times the distance in reaches.
+/// Factors of the error bound, so that it holds for 99 % of touches (tests/measure/bench/live_run).
+/// One multiplies the disagreement of the expansions, the other their last terms times the distance
+/// in reaches.
 constexpr double disagreement_factor = 2, remainder_factor = 2.5;
-/// Relative error of a follower's equilibrium itself (TransitionSolver::follow).
+/// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
 
 }  // namespace
@@ -70,7 +71,7 @@ double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   if (level_ >= 1) return share;
   AreaSample from = area;
   const double share_before = blend(before_, s, p, from);
-  // Smooth at both ends of the fade.
+  // The weights change smoothly at both ends of the fade.
   const double now = level_ * level_ * (3 - 2 * level_), before = 1 - now;
   sample.energy = now * sample.energy + before * from.energy;
   sample.force = now * sample.force + before * from.force;

@@ -7,18 +7,19 @@
 
 namespace palpate {
 
-/// Corrects samples of an area's energy by equilibria that a follower has solved around the hand
-/// (worker/solver/follower.hpp). The energies of the last two are blended by a partition of unity,
+/// Corrects samples of an area's energy by equilibria that the live solver found near the hand
+/// (worker/solver/follower.hpp). The last two of them are blended with the area by a partition of
+/// unity,
 ///
 ///   E(s, p) = (b E_area(s, p) + sum of w_n E_n(s, p)) / (b + sum of w_n),
 ///
-/// where E_n are expansions of the third order, the weights w_n fall steeply with the distance of
-/// (s, p) from the expansion and end at its reach, and b is a small constant. So near an expansion
-/// the follower's energy counts, and far from both the area's. When an expansion is added, the
-/// blend fades over to the new pair. Force and drive are the gradient of one energy as long as the
-/// expansions and the fade stay the same.
+/// where E_n is the third-order expansion of the energy at equilibrium n. The weight w_n falls
+/// steeply with the distance of (s, p) from that equilibrium and is zero beyond its reach; b is a
+/// small constant. So E follows the live solver near an equilibrium, and the area far from both.
+/// When an expansion is added, the blend fades to the new pair. Force and drive are the gradient of
+/// one energy while neither the expansions nor the fade change.
 ///
-/// One thread, real time: nothing allocates, locks, throws or logs.
+/// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {
  public:
   /// Duration of the fade to the area alone, s.
@@ -27,16 +28,16 @@ class LiveCorrection {
   /// `finger_radius`: m.
   explicit LiveCorrection(double finger_radius);
 
-  /// Begins to fade over to this expansion and the one before, within `seconds`, 0 or more. If a
-  /// fade is in progress, it goes on toward the new pair.
+  /// Begins to fade to this expansion and the one before, within `seconds`, 0 or more. A fade in
+  /// progress continues at its rate, toward the new pair.
   void add(const Expansion& expansion, double seconds) noexcept;
-  /// Lets `seconds` of the fade pass.
+  /// Advances the fade by `seconds`.
   void advance(double seconds) noexcept;
-  /// Begins to fade over to the area alone.
+  /// Begins to fade to the area alone.
   void release() noexcept;
 
-  /// Replaces `sample`, the area's at (s, p), by the corrected one. s: m, place of the finger; p:
-  /// m, displacement. Returns the share of the expansions, 0 to 1. The error bound contains the
+  /// Corrects `sample`, which must be the area's sample at (s, p). s: m, place of the finger; p: m,
+  /// displacement. Returns the share of the expansions, 0 to 1. The error bound includes the
   /// disagreement of the expansions and the size of their last terms.
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept;

@@ -24,7 +24,7 @@ struct AnchorSlope {
 /// displacement.
 class BlendedForce {
  public:
-  /// `live` corrects the areas of `live_model` (ContactOptions); null: nothing does.
+  /// `live` corrects the areas of `live_model` (ContactOptions); null: no correction.
   explicit BlendedForce(const LiveTouch* live = nullptr, const HapticModel* live_model = nullptr)
       : live_(live), live_model_(live_model) {}
 
@@ -40,7 +40,7 @@ class BlendedForce {
   /// of the spaces. In such a sum energy and error_bound are NaN if one space has none, inside is
   /// true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
-  /// Returns the share of a follower's equilibria in the force, 0 to 1.
+  /// Returns the share of the live solver's equilibria in the force, 0 to 1.
   double followed() const { return followed_; }
 
   /// Returns the derivatives for an anchor that moves within `triangle`. The triangle must be

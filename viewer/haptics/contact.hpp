@@ -33,7 +33,7 @@ struct Touch : ForceSample {
   /// displacement of the anchor, m, at which the force fields of the spaces are evaluated
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
-  double followed = 0;  ///< share of a follower's equilibria in the force, 0 to 1
+  double followed = 0;  ///< share of the live solver's equilibria in the force, 0 to 1
   double gap = 0;       ///< distance to the body while not touching, m; negative inside the body
 
   /// Returns the part of the displacement that lies beyond the computed region, m. Pictures leave

@@ -89,7 +89,7 @@ class HapticTick {
   const TickOptions& options() const noexcept { return options_; }
 
  private:
-  /// Returns whether the model in use is the one that is followed.
+  /// Returns whether the live solver corrects the model in use.
   bool touchesLive() const noexcept {
     return models_[static_cast<std::size_t>(state_.model)] == options_.contact.live_model;
   }

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// The finger under the hand, as the haptic thread saw it.
+/// State of the finger in one tick of the haptic thread.
 struct LiveHand {
   double time = 0;  ///< s, of the tick
   bool touching = false;
@@ -14,22 +14,24 @@ struct LiveHand {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, of the tissue
 };
 
-/// Passes hands from the haptic thread to the thread that asks a follower, and equilibria back.
-/// Wait-free on both sides; only the newest value of each is kept. Belongs to the areas of one
-/// model, whose fingers have the same radius.
+/// Passes the state of the hand from the haptic thread to the thread that asks the live solver
+/// (LiveLink), and equilibria back. Wait-free on both sides; only the newest value of each is kept.
+/// Belongs to the areas of one model, whose fingers have the same radius.
 class LiveTouch {
  public:
-  /// `finger_radius`: m. `guessed`: the model is a guess, so that only followed forces are known:
-  /// all others are marked as not inside, with themselves as error bound.
+  /// `finger_radius`: m. `guessed`: the model is a guess (GuessedDataset), and only the live
+  /// solver's forces are reliable. All other forces are marked as not inside, and their error bound
+  /// is at least the force itself.
   explicit LiveTouch(double finger_radius, bool guessed = false)
       : radius_(finger_radius), guessed_(guessed), correction_(finger_radius) {}
 
   double fingerRadius() const { return radius_; }  ///< m
 
   // The haptic thread; real time.
-  /// Takes a new equilibrium, if there is one, and lets `period` seconds of the fade pass. A fade
-  /// changes the force by at most 1 % or 5 mN in a tick, unless it would then take longer than
-  /// 0.3 s, or a newer equilibrium that differs arrives during the fade.
+  /// Takes a new equilibrium, if there is one, and advances the fade to it by `period` seconds. A
+  /// fade changes the force per tick by at most 1 % or 5 mN, whichever is more. It is faster only
+  /// if it would otherwise take longer than 0.3 s, or if a different equilibrium arrives during the
+  /// fade.
   void begin(double period) noexcept;
   /// Publishes the hand.
   void publish(const LiveHand& hand) noexcept;
@@ -37,7 +39,7 @@ class LiveTouch {
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept;
 
-  // The thread that asks the follower.
+  // The thread that asks the live solver.
   const LiveHand& hand() noexcept { return hands_.read(); }
   void answer(const Expansion& expansion) noexcept { answers_.write({++answered_, expansion}); }
 
@@ -52,9 +54,9 @@ class LiveTouch {
   const bool guessed_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<Answer> answers_;
-  std::uint64_t answered_ = 0;  ///< of the asking thread
+  std::uint64_t answered_ = 0;  ///< used by the asking thread
 
-  // Of the haptic thread.
+  // Used by the haptic thread.
   LiveCorrection correction_;
   std::uint64_t taken_ = 0;
   LiveHand last_;  ///< the hand that was published last

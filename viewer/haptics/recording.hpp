@@ -30,7 +30,7 @@ struct RecordedRun {
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
-/// Collects the states of a run in memory, 200 bytes each: 10 minutes at 1 kHz take 120 MB. Use it
+/// Collects the states of a run in memory, 230 bytes each: 10 minutes at 1 kHz take 140 MB. Use it
 /// from one thread at a time, and never from the haptic thread, because it allocates
 /// (HapticLoop::takeRecorded).
 class Recorder {
@@ -64,7 +64,7 @@ class Recorder {
   ///   /contact/displacement float64  n x 3 m, of the anchor; 0 when not touching
   ///   /contact/inside       uint8    n     0 or 1; 1 when not touching
   ///   /contact/coverage     float64  n     0 to 1; 1 when not touching
-  ///   /contact/followed     float64  n     share of a follower's equilibria, 0 to 1
+  ///   /contact/followed     float64  n     share of the live solver's equilibria, 0 to 1
   ///   /contact/energy       float64  n     J, in the tissue; NaN if the method has none
   ///   /contact/error_bound  float64  n     N; NaN if the method gives none
   ///   /guards               int32    n     bits of Guarded: part of the format, only append

@@ -5,14 +5,14 @@
 
 namespace palpate {
 
-/// A dataset of guesses for a scene that nobody has computed: a spring at every site of a finger,
-/// about as stiff as the softest material. A hand feels it for the first hundredths of a second of
-/// a contact, until a follower has answered, and where the follower does not keep up (LiveTouch
-/// with `guessed`). The file is removed with this object.
+/// A dataset of guesses for a scene without a dataset: a spring at every site of a finger, about as
+/// stiff as the softest material. A hand feels the guess in the first hundredths of a second of a
+/// contact, until the live solver has answered, and whenever the live solver does not keep up
+/// (LiveTouch with `guessed`). The destructor removes the file.
 class GuessedDataset {
  public:
-  /// Error (bad input) if no finger touches the scene. Error if the file cannot be written, in the
-  /// directory for temporary files.
+  /// Error (bad input) if a tool of the scene is not a finger. Error if the file cannot be written
+  /// in the directory for temporary files.
   explicit GuessedDataset(Problem problem);
 
   const std::filesystem::path& file() const { return file_; }

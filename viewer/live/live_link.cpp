@@ -17,12 +17,12 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto answer_poll = 1ms;
-/// Analysing the pattern of a large body, and loading the libraries.
+/// Time for the live solver to load its libraries and analyse the pattern of a large body.
 constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
 /// A solve that begins from rest takes longer than any other.
 constexpr auto answer_patience = 3s;
-/// The user is told of a hand that waits longer for its answer.
+/// The user is warned if an answer takes longer than this.
 constexpr auto late_after = 300ms;
 constexpr auto pause_after_trouble = 500ms;
 /// The speed of a hand is its motion over at least this time, s.
@@ -30,7 +30,7 @@ constexpr double speed_time = 0.004;
 
 }  // namespace
 
-/// A follower with a socket in a directory that only this user can open.
+/// A live solver with its socket in a directory that only this user can open.
 struct LiveLink::Follower {
   Follower() {
     pid = startChild({programBeside("palpate-worker").string(), "follow", "--quiet", "--insecure",
@@ -106,7 +106,7 @@ void LiveLink::run(const std::stop_token& stop) {
   follower_.reset();
 }
 
-/// Serves one connection; returns when there is trouble with it, or at the end.
+/// Serves one connection. Returns if it fails, or when `stop` is requested.
 void LiveLink::attend(const std::stop_token& stop) {
   if (std::string trouble = connect(); !trouble.empty()) return tell(std::move(trouble));
   if (!greet(stop)) return;
@@ -147,7 +147,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
   if (reply && reply->has_refused())
     tell(fmt::format("the live solver refuses: {}", printable(reply->refused().reason())));
   else if (options_.endpoint.empty())
-    tell("the live solver could not be started");
+    tell("the live solver ended or does not answer; starting it again");
   else
     tell(fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
                      options_.endpoint));
@@ -191,7 +191,7 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   statistics_.largest_seconds = std::max(statistics_.largest_seconds, took.count());
 }
 
-/// Returns the next message from the follower; nothing if it does not come in time, or the process
+/// Returns the answer of the live solver; nothing if it does not arrive in time, or if the process
 /// has ended.
 std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
                                            std::chrono::milliseconds patience,
@@ -200,7 +200,7 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
   const auto goes_on = [&] {
     return Clock::now() < until && !stop.stop_requested() && !(follower_ && follower_->ended());
   };
-  // Until the connection stands, the socket takes nothing.
+  // The socket accepts no message until the connection is established.
   const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {
     if (!goes_on() || Clock::now() - began > connection_patience) return std::nullopt;

@@ -15,40 +15,40 @@ namespace palpate {
 
 struct LiveLinkOptions {
   std::string problem;                 ///< encodeProblem()
-  std::string endpoint;                ///< of a follower; empty: start one on this machine
-  std::optional<KeyFolder> keys = {};  ///< nothing if the follower needs no key
+  std::string endpoint;                ///< of a live solver; empty: start one on this machine
+  std::optional<KeyFolder> keys = {};  ///< nothing if the live solver needs no key
 };
 
-/// How a follower has kept up with the hand.
+/// Statistics of a live solver: how well it keeps up with the hand.
 struct LiveStatistics {
-  std::uint64_t answers = 0;   ///< equilibria
-  std::uint64_t failures = 0;  ///< hands without an equilibrium
-  std::uint64_t restarts = 0;  ///< times that the follower was started or connected again
-  double seconds = 0;          ///< s from the question to the answer, sum over answers and failures
-  double largest_seconds = 0;  ///< s
+  std::uint64_t answers = 0;   ///< number of equilibria received
+  std::uint64_t failures = 0;  ///< number of hand positions without an equilibrium
+  std::uint64_t restarts = 0;  ///< number of restarts and reconnections of the live solver
+  double seconds = 0;  ///< s, time from question to answer, summed over answers and failures
+  double largest_seconds = 0;  ///< s, largest time from question to answer
 };
 
-/// Asks a follower for the equilibria around the hand, on a thread of its own. If the follower
-/// ends, hangs or cannot be reached, it is started or asked again, and trouble() says so; meanwhile
-/// the loop goes on with the equilibria that it has.
+/// Asks a live solver (`palpate follow`) for the equilibria near the hand, in a thread of its own.
+/// If the live solver ends, hangs or cannot be reached, it is started or connected again, and
+/// trouble() reports it. Meanwhile the haptic loop continues with the last equilibria.
 class LiveLink {
  public:
   /// `touch` must outlive this object. Error (bad input) for an invalid endpoint.
   LiveLink(LiveTouch& touch, LiveLinkOptions options);
-  ~LiveLink();  ///< ends a follower that was started
+  ~LiveLink();  ///< ends the live solver if it was started here
 
-  /// Waits until the follower is ready or a difficulty is known, at most this long. Returns whether
+  /// Waits at most this long until the live solver is ready or a problem is known. Returns whether
   /// it is ready.
   bool waitUntilReady(std::chrono::seconds longest);
-  /// Returns a sentence about the present difficulty; empty if there is none. Any thread.
+  /// Describes the current problem as a sentence; empty if there is none. Any thread.
   std::string trouble() const;
   LiveStatistics statistics() const;  ///< any thread
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Follower;  ///< a process that was started here
+  struct Follower;  ///< a live solver that was started here
 
-  // On the thread of the link.
+  // On the link's thread.
   void run(const std::stop_token& stop);
   void attend(const std::stop_token& stop);
   std::string connect();

@@ -39,7 +39,7 @@ void main() {
   float shine = 0.14 * s16 + 0.56 * clamp(40.0 * (s - 0.977), 0.0, 1.0)
               + 0.30 * graze * graze * graze * (0.7 + 0.3 * n.y);
   float dark = max(0.0, 1.0 - dot(away, away));
-  // What is dry is hatched.
+  // Surfaces without shine are hatched.
   float wave = abs(fract(0.09 * (gl_FragCoord.x + gl_FragCoord.y)) - 0.5);
   float hatch = 0.5 * clamp(1.0 - 8.0 * wet, 0.0, 1.0) * clamp(9.0 * wave - 2.7, 0.0, 1.0);
   vec3 colour = mix(skin.rgb, vec3(0.93, 0.90, 0.87), hatch) * light;

@@ -41,8 +41,10 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
 std::string methodOf(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
   if (asked.empty()) return known.front();
-  if (asked.size() > 1 || std::ranges::find(known, asked.front()) == known.end())
-    throw badInput("--methods: a comparison of two datasets uses one method; choose one of {}",
+  if (asked.size() > 1)
+    throw badInput("--methods: give one method to compare two datasets, not {}", asked.size());
+  if (std::ranges::find(known, asked.front()) == known.end())
+    throw badInput("--methods: unknown method \"{}\"; known: {}", asked.front(),
                    fmt::join(known, ", "));
   return asked.front();
 }

@@ -9,10 +9,10 @@
 
 namespace palpate {
 
-/// Serves a follower to one haptic client at a time. The client sends its problem, then one hand
-/// after the other; each hand is answered by the equilibrium near it before the next is read
-/// (docs/internals/wire.md). Another client is refused until the first one has been silent for two
-/// seconds. One thread.
+/// Offers the live solver to one haptic client at a time (docs/internals/wire.md). The client sends
+/// its problem, then positions of the hand. Each position is answered by the equilibrium near it
+/// before the next one is read. Another client is refused until the first one has been silent for
+/// two seconds. One thread.
 class FollowServer {
  public:
   /// Listens at `endpoint`. `keys`: nothing if clients need no key. Errors as from bindRouter().

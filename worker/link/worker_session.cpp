@@ -119,7 +119,7 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   // This is the second answer to a hello that was repeated.
   if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
-  if (!build) throw failure("the scheduler at {} gave a damaged answer", options_.endpoint);
+  if (!build) throw failure("the scheduler at {} sent an invalid build id", options_.endpoint);
   epoch_ = welcome.epoch();
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));

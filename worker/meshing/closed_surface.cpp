@@ -445,7 +445,7 @@ class SurfaceRepair {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       if (turned[t] == 1) std::swap(triangles_[t][1], triangles_[t][2]);
     if (total > 0)
-      note("reversed: {} of {}, which faced the other side than the neighbours", total,
+      note("reversed: {} of {}, which faced the other side than their neighbours", total,
            counted(triangles_.size(), "triangle"));
   }
 

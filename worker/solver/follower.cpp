@@ -8,13 +8,13 @@
 namespace palpate {
 namespace {
 
-/// An answer is in use from the end of its solve to the end of the next one. Aiming at the middle
-/// of this time, in durations of a solve, makes the largest error least.
+/// Time for which the hand is predicted, in durations of a solve. It ends in the middle of the time
+/// in which the answer is used, which is from the end of its solve to the end of the next one.
 constexpr double ahead = 1.5;
-/// Longest time for which the motion of a hand is extrapolated, s. It changes within a tenth of a
+/// Longest time for which the hand is predicted, s. Hands change their motion within a tenth of a
 /// second.
 constexpr double longest_ahead = 0.15;
-/// Weight of the last solve in the usual duration.
+/// Weight of the last solve in the expected duration of a solve.
 constexpr double newest_share = 0.3;
 /// Distance from the last equilibrium, in finger radii, beyond which the path from rest is shorter
 /// than the path along the surface.

@@ -7,21 +7,22 @@
 
 namespace palpate {
 
-/// Solves for equilibria of a finger that follows a hand, each from the last one. The body stays on
-/// the branch by which the hand came. One thread.
+/// The live solver: finds equilibria of a finger near a moving hand. Each solve starts from the
+/// last equilibrium, so the body stays on its solution branch. One thread.
 class Follower {
  public:
   /// `problem` must outlive this object. `radius`: of the finger, m. Error if the sparsity pattern
   /// cannot be analysed.
   Follower(const Problem& problem, const ElementKernels& kernels, double radius);
 
-  /// Solves for the equilibrium where the hand will be when the answer is in use: the expected
-  /// duration of the solve ahead, and half of it more. Begins from rest if there is no equilibrium
-  /// yet, if the hand is far from the last one, or if the way from there fails. Error (bad input)
-  /// if no finger can be at the hand's place, as beside fixed nodes.
+  /// Solves for the equilibrium at the predicted position of the hand, 1.5 times the expected
+  /// duration of the solve ahead. The answer is used around that time. Starts from rest if there is
+  /// no equilibrium yet, if the hand is far from the last one, or if the transition from there
+  /// fails. Error (bad input) if no finger can be at the hand's place, for instance beside fixed
+  /// nodes.
   Followed follow(const HandMotion& hand);
 
-  /// Forgets the last equilibrium: the hand has left the body.
+  /// Forgets the last equilibrium. Call it when the hand has left the body.
   void release() { at_.reset(); }
 
  private:

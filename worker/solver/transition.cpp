@@ -19,8 +19,8 @@ namespace {
 /// Largest relative residual of du/dp. This residual enters the error of the stiffness squared, so
 /// the stiffness is right to about 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// The same for intermediate steps, where du/dp only serves as a predictor, and for equilibria that
-/// are felt, whose third derivatives have this relative error.
+/// The same for intermediate steps, where du/dp only serves as a predictor, and for the live solver
+/// (Use::felt), whose third derivatives have this relative error.
 constexpr double loose_sensitivity_tolerance = 1e-2, felt_sensitivity_tolerance = 1e-3;
 /// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
 /// be accurate, because Newton follows it.

@@ -31,9 +31,9 @@ struct TransitionOptions {
 
 /// A finger's transitions are solved up to this multiple of the scene's max_force. Points beyond
 /// max_force are needed because a cell with a missing corner gives answers only up to half an edge
-/// from that corner. With a factor of 3, two thirds of the points of deep lattices, and three
-/// quarters of the time, went beyond max_force, and no touch up to max_force was more accurate.
-/// With 1.5, the answers in stiff tissue ended at 2 N where max_force was 3.3 N.
+/// from that corner. With a factor of 3, two thirds of the points of deep lattices lay beyond
+/// max_force and took three quarters of the time, but touches up to max_force were no more
+/// accurate. With 1.5, the answers in stiff tissue ended at 2 N although max_force was 3.3 N.
 inline constexpr double solved_force_share = 2;
 
 /// A configuration from which transitions can start, with its tangent predictor.
@@ -101,13 +101,13 @@ class TransitionSolver {
   /// Outcome::cost does not contain the factorisation of `start`, which all of its targets share.
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
-  /// Moves a finger from `start` to another place of the surface and to `target` (metres), for a
-  /// solver that follows a hand: both may change a little. Chooses the finger as the tool; errors
-  /// as from placeFinger(). `start` is the end of a follow() or a reach() of a finger, whose
-  /// factorisation is used as long as it is good enough.
+  /// Moves a finger from `start` to a nearby place of the surface and to a nearby displacement
+  /// `target`, metres. For the live solver. Chooses the finger as the tool; errors as from
+  /// placeFinger(). `start`: the end of a follow() or of a finger's reach(). Uses the factors that
+  /// the solver holds as long as they are good enough.
   ///
-  /// The outcome is as valid as that of reach(), on the branch of `start`, but right to about five
-  /// digits only, because a hand waits for it. So it is no result of a build.
+  /// The outcome is as valid as that of reach(), and on the branch of `start`. To save time, it is
+  /// accurate to about five digits only, so it must not be stored in a dataset.
   Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target);
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
@@ -117,7 +117,8 @@ class TransitionSolver {
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:
-  /// What the end of a step is for: only to go on from, to be felt around, or to be stored.
+  /// Purpose of a step's end: start of the next step only (passed), answer to a hand (felt), or
+  /// stored result (stored).
   enum class Use : std::uint8_t { passed, felt, stored };
   struct Step;
   struct Linearization;

@@ -91,10 +91,10 @@ TEST_F(ExportCommand, SaysWhyThereIsNoConfiguration) {
   options.displacement.clear();
   const LatticePoint failed = sample.lattice.point(7), unknown = sample.lattice.point(32);
   options.point = {failed.begin(), failed.end()};
-  expectBadInput([&] { run(); }, {"sample.h5", "of tip is failed (wrong_inertia)",
-                                  "palpate explain", "--active tip"});
+  expectBadInput([&] { run(); },
+                 {"sample.h5", "tip", "failed (wrong_inertia)", "palpate explain", "--active tip"});
   options.point = {unknown.begin(), unknown.end()};
-  expectBadInput([&] { run(); }, {"of tip is unknown"});
+  expectBadInput([&] { run(); }, {"tip", "unknown"});
   options.point = {3, 0, 0};
   expectBadInput([&] { run(); }, {"(3, 0, 0) is not in the lattice"});
   expectNothingIsLeft();

@@ -146,9 +146,9 @@ TEST_F(ComparisonTest, TakesOneMethod) {
   options.report.methods = {"trilinear"};
   EXPECT_EQ(json()["method"], "trilinear");
   options.report.methods = {"trilinear", "potential"};
-  expectBadInput([&] { run(); }, {"--methods", "one method", "tricubic"});
+  expectBadInput([&] { run(); }, {"--methods", "one method", "2"});
   options.report.methods = {"cubic"};
-  expectBadInput([&] { run(); }, {"--methods", "potential"});
+  expectBadInput([&] { run(); }, {"--methods", "\"cubic\"", "potential"});
 }
 
 TEST_F(ComparisonTest, IsRefusedForMoreThanTwo) {
