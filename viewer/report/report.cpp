@@ -154,8 +154,8 @@ NodeErrors errorsOf(const Study& study, const std::vector<NodeComparison>& nodes
   return errors;
 }
 
-std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeComparison>& nodes) {
-  std::vector<std::vector<WayComparison>> methods(study.methods.size());
+std::vector<ErrorShell> shellsOf(const Study& study, const std::vector<NodeComparison>& nodes) {
+  std::vector<std::vector<DistanceComparison>> methods(study.methods.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
     PALPATE_ASSERT(nodes[n].size() == methods.size(), "each node needs results of every method");
@@ -164,7 +164,7 @@ std::vector<WayShell> waysOf(const Study& study, const std::vector<NodeCompariso
         methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
   }
   const double radius = study.open.front().spaces().front().lattice.radius();
-  return measureWays(methods, radius, study.target);
+  return measureShells(methods, radius, study.target);
 }
 
 /// Returns the measurements of all active nodes. errors: errors of the compared nodes on the
@@ -281,7 +281,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
     }
     if (report.measured != n) continue;
     errors = std::move(of_nodes);
-    if (!report.areas_alone) report.ways = waysOf(study, nodes);
+    if (!report.areas_alone) report.shells = shellsOf(study, nodes);
   }
   report.nodes = nodesOf(study, errors);
   report.areas = measureAreas(report.open.front(), report.target);

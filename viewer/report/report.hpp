@@ -3,9 +3,9 @@
 #include "viewer/report/area_measures.hpp"
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
+#include "viewer/report/error_shells.hpp"
 #include "viewer/report/field_comparison.hpp"
 #include "viewer/report/node_pictures.hpp"
-#include "viewer/report/way_measures.hpp"
 
 namespace palpate {
 
@@ -81,7 +81,7 @@ struct Report {
   std::optional<std::size_t> measured;
   /// Errors on the measured lattice, by distance from rest. Empty if no errors can be measured, or
   /// if areas_alone.
-  std::vector<WayShell> ways;
+  std::vector<ErrorShell> shells;
   std::vector<AreaMeasures> areas;  ///< areas of fingers, in the first dataset
   /// Whether everything touchable belongs to the area of a finger. A user then never feels a
   /// single site. Methods are therefore compared on one site only, and text and page omit the

@@ -79,7 +79,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
           {"methods", methods}};
 }
 
-Json wayJson(const Report& report, const WayShell& shell) {
+Json shellJson(const Report& report, const ErrorShell& shell) {
   PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "each method must have results");
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
@@ -172,7 +172,7 @@ Json toJson(const Report& report) {
   for (const LatticeMeasures& lattice : report.lattices)
     json["lattices"].push_back(latticeJson(report, lattice));
   json["ways"] = Json::array();
-  for (const WayShell& shell : report.ways) json["ways"].push_back(wayJson(report, shell));
+  for (const ErrorShell& shell : report.shells) json["ways"].push_back(shellJson(report, shell));
   for (const NodeMeasures& node : report.nodes) json["nodes"].push_back(nodeJson(report, node));
   json["areas"] = Json::array();
   for (const AreaMeasures& area : report.areas) json["areas"].push_back(areaJson(area));

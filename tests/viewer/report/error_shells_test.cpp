@@ -1,21 +1,22 @@
-#include "viewer/report/way_measures.hpp"
+#include "viewer/report/error_shells.hpp"
 
 #include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
 
-WayComparison at(double way, const Eigen::Vector3d& exact, const Eigen::Vector3d& interpolated) {
-  return {way, {.exact = exact, .interpolated = interpolated}};
+DistanceComparison at(double distance, const Eigen::Vector3d& exact,
+                      const Eigen::Vector3d& interpolated) {
+  return {distance, {.exact = exact, .interpolated = interpolated}};
 }
 
-TEST(WayMeasures, MeasureTheExactSolutionsInEachShell) {
-  const std::vector<WayShell> shells =
-      measureWays({{at(0.01, {0, 0, 1}, {0, 0, 1.5}), at(0.02, {0, 0, 2}, {0, 0, 3}),
-                    at(0.08, {0, 0, 1}, {0, 0, 1})},
-                   {}},
-                  0.08, {});
-  ASSERT_EQ(shells.size(), way_shells);
+TEST(ErrorShells, MeasureTheExactSolutionsInEachShell) {
+  const std::vector<ErrorShell> shells =
+      measureShells({{at(0.01, {0, 0, 1}, {0, 0, 1.5}), at(0.02, {0, 0, 2}, {0, 0, 3}),
+                      at(0.08, {0, 0, 1}, {0, 0, 1})},
+                     {}},
+                    0.08, {});
+  ASSERT_EQ(shells.size(), shell_count);
   EXPECT_EQ(shells[0].methods[0].count, 0U);
   // A solution on the border of two shells belongs to the outer one.
   EXPECT_EQ(shells[1].methods[0].count, 1U);
@@ -25,11 +26,11 @@ TEST(WayMeasures, MeasureTheExactSolutionsInEachShell) {
   // A solution on the sphere belongs to the last shell.
   EXPECT_EQ(shells.back().methods[0].count, 1U);
   EXPECT_NEAR(shells.back().to, 0.08, 1e-15);
-  for (const WayShell& shell : shells) EXPECT_EQ(shell.methods[1].count, 0U);
+  for (const ErrorShell& shell : shells) EXPECT_EQ(shell.methods[1].count, 0U);
 }
 
-TEST(WayMeasures, HaveTheMeanAndTheMaximumOfEqs13And14) {
-  const std::vector<WayShell> shells = measureWays(
+TEST(ErrorShells, HaveTheMeanAndTheMaximumOfEqs13And14) {
+  const std::vector<ErrorShell> shells = measureShells(
       {{at(0.01, {3, 4, 0}, {3, 4.5, 0}), at(0.01, {0, 0.5, 0}, {0.1, 0.5, 0})}}, 1, {});
   const ErrorMeasures& measures = shells[0].methods[0];
   EXPECT_NEAR(measures.error.mean, (0.5 + 0.1) / 2, 1e-15);
