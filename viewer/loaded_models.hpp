@@ -18,8 +18,9 @@ namespace palpate {
 /// thread may use its models (HapticModel).
 class LoadedModels {
  public:
-  /// Called on the waiting thread, first at the start of the preparation and then several times a
-  /// second. share: progress of the preparation, 0 to 1. Returns false to stop the preparation.
+  /// Called on the thread that waits in prepareFirst(), at the start of the preparation and then
+  /// several times a second. share: progress of the preparation, 0 to 1. Returns false to stop the
+  /// preparation.
   using Meanwhile = std::function<bool(const HapticModel& model, double share)>;
 
   /// Reads the files without preparing any method. Throws the errors of Dataset and HapticModel.

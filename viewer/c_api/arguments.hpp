@@ -110,8 +110,8 @@ void give(Struct* to, Struct value) noexcept {
   std::memcpy(to, &value, value.size);
 }
 
-/// Returns `defaults`, overwritten by the members of the caller's structure, as many as its version
-/// has. The structure's size was checked before.
+/// Returns `defaults`, overwritten by all members that the caller's version of the structure has.
+/// The structure's size was checked before.
 template <class Struct>
 Struct taken(const Struct* from, Struct defaults) noexcept {
   std::memcpy(&defaults, from, from->size);

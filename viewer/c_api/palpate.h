@@ -118,7 +118,7 @@ typedef struct palpate_dataset_info {
   int32_t vertex_count;   /* vertices of the surface */
   int32_t triangle_count; /* triangles of the surface */
   int32_t reserved;       /* 0 */
-  double max_force;       /* N, from the scene; the solver did not go on to larger forces */
+  double max_force;       /* N, force limit of the scene, beyond which solving stops */
 } palpate_dataset_info;
 
 /* An active node and its space. */
@@ -135,9 +135,9 @@ typedef struct palpate_space_info {
 } palpate_space_info;
 
 /* Loads `file` (UTF-8), verifies it, and prepares the interpolation. Takes seconds, and several
- * times the memory of the file. The file is closed on return and may then be replaced or removed.
- * options: NULL for the defaults. Pass *dataset to palpate_dataset_close later; it is NULL on
- * failure. Errors: PALPATE_BAD_FILE, PALPATE_INVALID_ARGUMENT (unknown method, negative reach),
+ * times as much memory as the file's size. The file is closed on return and may then be replaced or
+ * removed. options: NULL for the defaults. Pass *dataset to palpate_dataset_close later; it is NULL
+ * on failure. Errors: PALPATE_BAD_FILE, PALPATE_INVALID_ARGUMENT (unknown method, negative reach),
  * PALPATE_OUT_OF_MEMORY. Any thread; concurrent calls wait for each other. HDF5, which reads the
  * file, is not thread-safe: no other part of the process may use HDF5 during the call. */
 PALPATE_API palpate_status palpate_dataset_open(const char* file,

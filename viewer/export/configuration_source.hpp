@@ -16,7 +16,7 @@ class ConfigurationSource {
   explicit ConfigurationSource(const Dataset& dataset) : dataset_(dataset) {}
 
   /// Returns the configuration at a step of a path; does not set `way`. `answers`: the object that
-  /// answered the step. It must belong to this dataset and be the same in every call.
+  /// answered the step. It must use this dataset and be the same in every call.
   ExportedConfiguration interpolated(const ForceAnswers& answers, const WayStep& step);
 
   /// Returns the solved configuration at a lattice point, given by its coordinates in spacings.

@@ -56,9 +56,9 @@ inline bool isWithin(double length, double radius) noexcept {
 ///
 /// Together with the interpolated energy inside the region it is a single energy. The force is the
 /// exact negative gradient of this energy, and continuous at the edge. Along n the force grows with
-/// the stiffness of the continuation, which is at least the stiffness of the tissue at the edge. It
-/// is also large enough that the force reaches max_force within 3 mm, or within a tenth of the
-/// workspace's radius if that is less.
+/// the stiffness of the continuation. This stiffness is at least the tissue's at the edge, and so
+/// large that the force reaches max_force within 3 mm, or within a tenth of the workspace's radius
+/// if that is less.
 ///
 /// The stiffness of the sample is exact at the edge. Beyond the edge it neglects that the tissue's
 /// stiffness and the slope of the edge change from direction to direction. The error bound grows by

@@ -36,10 +36,10 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// - In p, ten quantities (E, its gradient and its Hessian in s) are interpolated on the lattice of
 ///   each site, which may be refined (site_jets.hpp).
 /// - In s, the quantities are interpolated from the sites to *collocation points*, places that lie
-///   closer together than the sites. The kernel interpolant reproduces value, gradient and Hessian
-///   at each of the seven nearest sites (hermite_kernel.hpp). Few sites suffice, because the error
-///   falls with about the fifth power of the distance between sites. The lattice of a collocation
-///   point is refined wherever one of the lattices of its seven sites is refined.
+///   closer together than the sites. The kernel interpolant reproduces E at each of the seven
+///   nearest sites, and its gradient and Hessian nearly (hermite_kernel.hpp). Few sites suffice,
+///   because the error falls with about the fifth power of the distance between sites. The lattice
+///   of a collocation point is refined wherever one of the lattices of its seven sites is refined.
 /// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
 ///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
 ///
@@ -68,7 +68,7 @@ class AreaField {
   };
   /// Prepares nothing yet. `sites`: spaces of one build, with fingers of the same radius; they must
   /// outlive the preparation. `collocation_points`: all collocation points of the area, at least
-  /// one. Error if a site has cells that are halved more often than any build does.
+  /// one. Error if a site has cells that are halved more often than a build can halve them.
   AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
   /// Prepares everything and calls `progress`, as prepareAll() does. `surface`: as in
   /// collocationPointsOf().
@@ -131,13 +131,14 @@ class AreaField {
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };
+  /// Error estimates and answered region of one site.
   struct Judgement {
     std::size_t tree = 0;
     std::vector<Doubt> doubts;  ///< per slot of the tree
     FieldError p_error;         ///< error of interpolation in p, in the tree's leaves
     AnsweredRegion region;
   };
-  /// Edge of the answered region at a place along one direction.
+  /// Edge of the answered region at a place, along one direction.
   struct PlacedEdge : RegionEdge {
     /// m/m and N/m per m, derivatives by the place s.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();

@@ -8,7 +8,7 @@ namespace palpate {
 /// leaves meet), for methods that interpolate nodal data. They depend on the kind of the slot:
 ///
 ///   solved   the data of the lattice point
-///   ghost    the values of the ghost's local polynomial of the energy (energy_jets.hpp)
+///   ghost    not solved: the values of a local polynomial of the energy (energy_jets.hpp)
 ///   hanging  zero, because the method interpolates them itself (fillHanging in cell_tree.hpp)
 ///
 /// A ghost's polynomial fits the data of the nearest solved points. It is exact for energies up to

@@ -14,8 +14,9 @@ inline constexpr int place_quantities = 10;
 struct HermiteWeights {
   /// place_quantities rows; place_quantities columns per site.
   Eigen::MatrixXf coefficients;
-  /// Standard error of the interpolated energy at the place without noise, relative to the standard
-  /// error without any site: the power function of the kernel (Wu and Schaback 1993). 0 at a site.
+  /// Power function of the kernel (Wu and Schaback 1993), without noise: standard error of the
+  /// interpolated energy at the place, relative to the standard error without any site. 0 at a
+  /// site.
   double power = 0;
 };
 
@@ -24,9 +25,9 @@ struct HermiteWeights {
 /// (Hermite-Birkhoff; Wu 1992) is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2), which is
 /// positive definite.
 ///
-/// E is exact at the sites. T and dT/ds are data with noise (kriging with a nugget): at sites that
-/// are not solved at a displacement they are extrapolated, and neighbouring sites may lie on
-/// different branches. An exact interpolant of data that contradict each other overshoots.
+/// E is exact at the sites. T and dT/ds are treated as noisy data (kriging with a nugget). Sites
+/// without a solution at the displacement have extrapolated values, and neighbouring sites may lie
+/// on different branches. An exact interpolant of contradictory data would overshoot.
 ///
 /// `width`: metres, about the distance over which the energy changes. The sites must be distinct.
 HermiteWeights hermiteWeights(const Eigen::Vector3d& place,

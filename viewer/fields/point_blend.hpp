@@ -16,8 +16,8 @@ struct PointShare {
 /// Values of solved points, one row per point.
 using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Factors of the solved points of a space in quantities that are interpolated between them:
-/// shapes, pressures, whole configurations, but not forces.
+/// Interpolation weights of the solved points of a space, for shapes, pressures and whole
+/// configurations. Forces are interpolated by ForceField instead.
 ///
 /// Interpolation is tri-linear in the leaf around a displacement. A ghost corner is extrapolated
 /// from the nearest solved corners, at most 20, without corners on another branch than the nearest.

@@ -12,9 +12,9 @@ struct ContactOptions {
   double friction = 0.2;         ///< Coulomb friction coefficient, >= 0; unilateral only
   double grab_distance = 0.005;  ///< m; glued: the tool grips a surface within this distance
   double most_slide = 0.002;     ///< largest slide of the anchor per tick, m
-  /// Sliding changes the force by at most this fraction of it per tick, in addition to the change
-  /// by the tool's own motion. This keeps the force continuous while the anchor slides down from a
-  /// ridge between two triangles. Smaller values feel softer and lag more.
+  /// Per tick, sliding changes the force by at most this fraction of the force, in addition to the
+  /// change by the tool's own motion. This keeps the force continuous while the anchor slides down
+  /// from a ridge between two triangles. Smaller values feel softer and lag more.
   double most_relaxation = 0.005;
   /// Equilibria around the hand that correct the areas of `live_model`; null: none. Both must
   /// outlive the contact.

@@ -8,9 +8,9 @@ namespace {
 
 /// Factor on K (D + T/2). For a mass of 20 g the smallest factor that works is about 2.5.
 constexpr double damping = 4;
-/// Factors on the measured acceleration. It is late, and the true acceleration grows with the
-/// force. growing_out: for the force on the way out. growing_ahead: for predicting when the force
-/// must begin to fall.
+/// Factors on the measured acceleration. The measurement lags, and the true acceleration grows with
+/// the force. growing_out: for the force on the way out. growing_ahead: for predicting when the
+/// force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
 constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than the way
                                        // of a slow press in rest_duration

@@ -32,13 +32,12 @@ struct LoopOptions {
 ///
 /// The loop sleeps until absolute times (clock_nanosleep, CLOCK_MONOTONIC), so the rate does not
 /// drift. A tick that ends after the start of the next one is a missed deadline; the loop then
-/// continues from the current time and does not catch up. If the thread itself computed for longer
-/// than the period (its processor time), the program missed the deadline; otherwise the operating
-/// system did.
+/// continues from the current time and does not catch up. A miss is the program's if the tick took
+/// more processor time than the period, otherwise the operating system's.
 ///
 /// If no tick ends for `watchdog` seconds, the watchdog thread halts the device and counts the
 /// halt. When the ticks continue, the loop starts from zero force (Guarded::late). It also restarts
-/// from zero if it notices such a gap itself, or resumes a tick that another loop ran.
+/// from zero if it notices such a gap itself, or if another loop ran the HapticTick before.
 ///
 /// The watchdog also halts a lost device, because the device's own thread may hang and hold the
 /// last force. The device is resumed after the first tick in which it is not lost. That tick counts

@@ -26,7 +26,8 @@ struct HapticModelOptions {
   /// Prepare everything in the constructor. If false, the caller prepares each method with
   /// HapticModel::prepare(), and the pressures with preparePressures().
   bool prepare = true;
-  /// Stops reading the shapes; the constructor then throws an Error of an interrupt.
+  /// Stops reading the shapes; the constructor then throws an Error with the exit code of an
+  /// interrupt.
   std::stop_token stop = {};
 };
 
@@ -45,7 +46,7 @@ class HapticModel {
   /// also prepares the areas, which all methods share: about 12 s for 315 sites with 37 solved
   /// points each. Does nothing if the method is prepared. Do not prepare one method in two threads
   /// at the same time. If `stop` is requested, the preparation stops; the next call continues with
-  /// the remaining spaces, but starts again with the areas. Throws Error for an unknown method.
+  /// the remaining spaces, but prepares all areas again. Throws Error for an unknown method.
   void prepare(std::size_t method, const std::stop_token& stop = {});
   /// As prepare(), but prepares the spaces in this thread alone; areas still use all cores.
   void prepareAlone(std::size_t method, const std::stop_token& stop);

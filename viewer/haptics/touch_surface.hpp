@@ -60,9 +60,9 @@ struct TouchArea {
 /// therefore continuous between active nodes. It would jump if only the nearest vertex counted, as
 /// in the paper.
 ///
-/// The area of a finger is touchable in the triangles whose three corners are near its sites.
-/// Forces come from the energy of the area. The weights of up to three sites at each vertex only
-/// blend the shapes that are displayed.
+/// The area of a finger is touchable in the triangles whose three corners are near its sites and
+/// not all fixed. Forces come from the energy of the area. The weights of up to three sites at each
+/// vertex only blend the shapes that are displayed.
 ///
 /// Vertices are numbered as in Dataset::surfaceNodes(). Immutable: any thread may read.
 class TouchSurface {

@@ -29,9 +29,9 @@ class BodyView {
   /// Returns the end of the displacement scale, m. It is a round number and grows with the largest
   /// displacement since the body was last at rest, or since forgetScale().
   double fullColour() const { return full_colour_; }
-  /// Returns the end of the pressure scale, Pa. It is a round number and grows with strengthOf()
-  /// the pressures that are shown, up to about SurfacePressures::usual(). It is 0 until pressures
-  /// are shown.
+  /// Returns the end of the pressure scale, Pa. It is a round number and grows with the
+  /// strengthOf() of the pressures shown, up to about SurfacePressures::usual(). It is 0 until
+  /// pressures are shown.
   double fullPressure() const { return full_pressure_; }
   /// Makes the scales at least as large as those of another view. Takes effect with the next
   /// shade().

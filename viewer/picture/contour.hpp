@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// Edges along which the picture of a triangle surface ends. One of the two triangles at such an
-/// edge faces the eye, the other does not.
+/// Silhouette edges of a triangle surface: one of the two triangles at such an edge faces the eye,
+/// the other does not.
 ///
 /// These edges are drawn over the surface as soft lines, which hide its jagged pixels.
-/// Multisampling would do the same at four times the cost when drawing in software. For the shape
-/// at rest the edges are the outline. One thread.
+/// Multisampling would do the same at four times the cost when drawing in software. The ghost's
+/// outline consists of the silhouette edges of the shape at rest. One thread.
 class Contour {
  public:
   /// corners: three vertices per triangle of a closed surface.

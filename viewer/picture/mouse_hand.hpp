@@ -30,9 +30,9 @@ struct HandInput {
 /// Unilateral contact: the tool waits slightly outside the skin, in front of the place under the
 /// pointer. While the mouse button is held, or after the key was pressed, the tool is pressed in
 /// along the normal and slides over the surface after the pointer. The wheel changes the depth.
-/// When released, the tool comes out in the direction in which it went in. If the button is pressed
-/// while the keys press the tool, it continues at the place under the pointer if that is touchable,
-/// and otherwise ends the press.
+/// When released, the tool comes out in the direction in which it went in. If the mouse button is
+/// pressed while keys hold the tool pressed, the press moves to the place under the pointer if that
+/// is touchable, and otherwise ends.
 ///
 /// Glued contact: the tool appears when it grips the place, and is then pulled in the plane of the
 /// screen.

@@ -38,10 +38,11 @@ struct ViewLabel {
   bool uncertain = false;  ///< the arrow is amber; the text says why
 };
 
-/// Marks that are drawn over the view for a hand without a device.
+/// Marks drawn over the view: a ring at the pointed place (mouse and keys only), and a hint to the
+/// user.
 struct HandMarks {
-  /// A circle with a radius of `ring_radius` metres around the place under the pointer; empty if
-  /// there is no circle.
+  /// The place under the pointer or chosen by keys, the middle of a ring with a radius of
+  /// `ring_radius` metres; empty if there is no ring.
   std::optional<PointedPlace> ring = {};
   double ring_radius = 0;
   std::string hint = {};  ///< a sentence; empty if there is no hint

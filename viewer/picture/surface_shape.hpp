@@ -48,18 +48,9 @@ class SurfaceShape {
   /// Returns 1 for a touchable vertex and 0 for others. A smooth transition hides the triangles
   /// along the border.
   std::span<const float> felt() const { return felt_; }
-  double length(std::size_t vertex) const {
-    return lengths_[vertex];
-  }  ///< length of the
-     ///< displacement, m
-  double largest() const {
-    return largest_;
-  }  ///< the largest of these
-     ///< lengths, m
-  std::size_t size() const {
-    return lengths_.size();
-  }  ///< number of vertices in
-     ///< the arrays
+  double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of displacement, m
+  double largest() const { return largest_; }                           ///< of these lengths, m
+  std::size_t size() const { return lengths_.size(); }  ///< number of vertices in the arrays
 
  private:
   void setFelt(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable);

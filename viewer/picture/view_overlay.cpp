@@ -231,7 +231,7 @@ class Overlay {
   std::vector<ScreenBox> taken_;
 };
 
-/// Draws the hint for a hand without a device. Returns the area that it covers, if there is a hint.
+/// Draws the hint, if there is one. Returns the area that it covers.
 std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
   if (contents.hand.hint.empty()) return {};
   // Stay above the scale bar of the first body, which is between the two bodies.

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Draws over the view: names, the number at the arrow, legends, scale and axes, messages, and for
-/// a hand without a device its ring and hint. If the help is shown, it replaces the legends. If
+/// Draws over the view: names, the number at the arrow, legends, scale and axes, messages, the ring
+/// of a hand without a device, and the hint. If the help is shown, it replaces the legends. If
 /// another dataset is shown beside, draws its names and its number over the other half, or the
 /// reason why nothing is touched there.
 ///

@@ -10,8 +10,8 @@ namespace palpate {
 
 /// A field, or the reason why it could not be made.
 struct MadeField {
-  std::unique_ptr<ForceField> field;  ///< reason; empty if the field could be made
-  std::string problem;                ///< empty if it could
+  std::unique_ptr<ForceField> field;  ///< null if it could not be made
+  std::string problem;                ///< the reason; empty if the field could be made
 };
 MadeField tryToMake(const std::string& method, const SpaceTable& space);
 
@@ -36,8 +36,8 @@ struct MethodComparison {
 /// Makes the field of every method from `space` and evaluates it at every held-out solution.
 ///
 /// A single method that interpolates in cells decides which solutions are covered, so the covered
-/// solutions are the same for all methods. Measuring the work around closed loops takes longer than
-/// everything else, and is done only `with_loops`.
+/// solutions are the same for all methods. `with_loops`: also measures the work around closed
+/// loops, which takes longer than everything else.
 std::vector<MethodComparison> compareMethods(const SpaceTable& space,
                                              const std::vector<std::string>& methods,
                                              const std::vector<HeldOutSolution>& held_out,

@@ -40,8 +40,8 @@ class Mailbox {
   // Network side.
   /// Appends a job to the queue.
   void put(ReadyJob job);
-  /// Drops the queued jobs and the rest of the current one. The target in work is finished and
-  /// reported.
+  /// Drops the queued jobs and the rest of the current one. The target that is being solved is
+  /// finished and reported.
   void forgetJobs();
   /// Announces that no more jobs will come: next() returns nothing once the queue is empty.
   void close();

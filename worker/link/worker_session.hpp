@@ -25,7 +25,7 @@ struct SessionOptions {
   double give_up_s = 15 * 60;
   /// The worker leaves after this long without work. 0: never.
   double leave_idle_s = 0;
-  /// After an interrupt: time limit for the target in work to be solved and acknowledged.
+  /// After an interrupt: time limit for the current target to be solved and acknowledged.
   double drain_s = 10;
 };
 

@@ -10,7 +10,7 @@ namespace palpate {
 /// A degree of freedom: a component of a node's displacement (0, 1, 2), or a pressure slot
 /// (PressureSlots).
 struct Dof {
-  std::int32_t node;  ///< node number; the slot number of a pressure
+  std::int32_t node;  ///< node number; for a pressure, the slot number
   int component;
 };
 inline constexpr int pressure_component = 3;

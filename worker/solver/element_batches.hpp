@@ -11,7 +11,7 @@ struct ElementBatch {
   BatchGeometry geometry;
   std::array<std::int32_t, lanes> element;  ///< element in each lane; -1 if the lane is unused
   std::uint16_t material;
-  /// Numbers of local unknowns per element: of displacements, and of displacements and pressures.
+  /// Local unknowns per element: number of displacement components, and number of all unknowns.
   int displacements, unknowns;
 
   /// Returns the degree of freedom of a local unknown of the element in this lane.

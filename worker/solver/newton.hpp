@@ -13,8 +13,8 @@ struct NewtonOptions {
   /// Factorises a new tangent in each iteration. Use it for bodies whose stiffness jumps: Broyden's
   /// updates of an old tangent help little there.
   bool renew_always = false;
-  /// Begins with the factors that the solver has, of a tangent near the start. They are of the tool
-  /// that is chosen now (TangentSolver::useFactorsWith).
+  /// Begins with the factors that the solver holds. They must be of a tangent near the start, with
+  /// the border of the current tool (TangentSolver::useFactorsWith).
   bool begin_with_old_factors = false;
   /// Also accepts a step if the next correction with the same tangent is smaller (natural
   /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). For bodies with a

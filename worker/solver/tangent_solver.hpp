@@ -25,8 +25,9 @@ class TangentSolver {
   /// Factorises `tangent`. Factorization::negative_pivots counts pivots of the bordered matrix.
   [[nodiscard]] Factorization factorize(const Tangent& tangent);
 
-  /// Returns whether there are factors, and changes their border: K stays as it was factorised. A
-  /// finger that slides changes only the border, so its old factors stay useful.
+  /// Replaces the border of the factors; the factors of K stay. A sliding finger changes the border
+  /// most, so its old factors stay useful. Returns false if there are no factors, or if MUMPS
+  /// reports an error.
   [[nodiscard]] bool useFactorsWith(const Eigen::MatrixXd& border);
   /// The report on the factors, with negative_pivots for their present border.
   const Factorization& factorization() const { return factorization_; }
@@ -58,7 +59,7 @@ class TangentSolver {
 
   std::unique_ptr<LinearSolver> solver_;
   Factorization factorization_;
-  std::int32_t pivots_of_K_ = 0;  ///< negative ones
+  std::int32_t pivots_of_K_ = 0;  ///< number of negative pivots of K
   // The border of the last factorised tangent, K^-1 border, and border^T K^-1 border.
   Eigen::MatrixXd border_, inverse_border_;
   Eigen::PartialPivLU<Eigen::Matrix3d> complement_;
