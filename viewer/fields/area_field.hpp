@@ -127,7 +127,7 @@ class AreaField {
   /// Error estimate and coverage at a slot of a site's lattice.
   struct Doubt {
     /// Relative error of the force if the site is interpolated from the sites around it instead of
-    /// its own data, divided by the square root of HermiteWeights::power at the site.
+    /// its own data, divided by the square root of that interpolation's HermiteWeights::power.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };

@@ -16,7 +16,7 @@ namespace {
 constexpr double ridge = 1e-10;
 
 /// Variances of the noise of E, T and dT/ds. For comparison, the variances of the kernel are 1, 1
-/// and 3 to 9. docs/internals/measurements.md has what other values give.
+/// and 3 to 9. docs/internals/measurements.md has the errors with other values.
 constexpr std::array<double, 3> noise = {0, 1e-4, 3e-3};
 
 /// List of up to four axes, one per differentiation.
