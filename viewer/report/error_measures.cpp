@@ -17,7 +17,7 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
   std::size_t holds = 0;
   std::vector<double> ratios;
   for (const ForceComparison& at : comparisons) {
-    // Most methods give no bounds. The others give none far from solved points.
+    // Methods without bounds give NaN.
     if (!std::isfinite(at.error_bound)) continue;
     const double error = (at.interpolated - at.exact).norm();
     ++measures.bounds;

@@ -21,7 +21,7 @@ constexpr int timed_positions = 4096, batch = 256;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Methods that interpolate in cells. Only their samples have a coverage.
+/// Methods whose coverage depends only on the corners of the cell around a displacement.
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
@@ -155,8 +155,7 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
     if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
       cells = std::move(made.field);
   }
-  // If none of the methods interpolates in cells, make such a field just to find the covered
-  // solutions.
+  // If none of them was made, make one just to find the covered solutions.
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;
   if (!cells) return results;

@@ -35,9 +35,9 @@ struct MethodComparison {
 
 /// Makes the field of every method from `space` and evaluates it at every held-out solution.
 ///
-/// A single method that interpolates in cells decides which solutions are covered, so the covered
-/// solutions are the same for all methods. `with_loops`: also measures the work around closed
-/// loops, which takes longer than everything else.
+/// One method whose coverage depends only on the corners of a cell decides which solutions are
+/// covered, so the covered solutions are the same for all methods. `with_loops`: also measures the
+/// work around closed loops, which takes longer than everything else.
 std::vector<MethodComparison> compareMethods(const SpaceTable& space,
                                              const std::vector<std::string>& methods,
                                              const std::vector<HeldOutSolution>& held_out,
