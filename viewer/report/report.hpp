@@ -56,8 +56,8 @@ struct NodeMeasures {
   std::size_t held_out = 0;            ///< number of exact solutions that measure it
   std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
   double largest_force = 0;            ///< N, over solved lattice points
-  /// Error bound of the default method over the whole ball, on the shown lattice, N; all NaN if the
-  /// node has no pictures.
+  /// Error bound of the default method over the whole ball, on the shown lattice, N; all NaN in a
+  /// report without pictures.
   Spread bound;
   /// Index of this node among the compared ones; empty if only the default method is measured on
   /// it.

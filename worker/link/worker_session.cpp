@@ -324,9 +324,9 @@ bool WorkerSession::solverHangs(Time now) {
   const auto limit = progress.hung_after;
   if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
   spdlog::error(
-      "the solver hangs: {} s on one solve, many times the longest of this build; this worker "
-      "ends, and its solves go to others",
-      std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count());
+      "the solver hangs: {} s on one solve, above the limit of {} s; this worker ends, and its "
+      "solves go to others",
+      std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count(), limit.count());
   return true;
 }
 
