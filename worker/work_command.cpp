@@ -222,7 +222,7 @@ class Supervisor {
     const int number = WTERMSIG(status);
     if (short_lives_ >= most_short_lives) {
       spdlog::error(
-          "worker {} died of signal {} right after its start, like {} before it; not replaced", pid,
+          "worker {} died of signal {} right after its start, like {} before it; giving up", pid,
           number, most_short_lives - 1);
       result_ = ExitCode::failed;
       return true;

@@ -33,10 +33,9 @@ void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
     spdlog::info("{}", state.held ? "a simulator connected to the device"
                                   : "the simulator released the device");
   if (state.lapses > last.lapses)
-    spdlog::warn(
-        "no valid force from the simulator; the device renders zero force until one arrives");
+    spdlog::warn("no valid force from the simulator; zero force until one arrives");
   if (state.outdated > last.outdated)
-    spdlog::warn("{} forces arrived too late and were ignored; check the network connection",
+    spdlog::warn("{} forces arrived too late and were ignored; check the network",
                  state.outdated - last.outdated);
   if (state.garbage > last.garbage)
     spdlog::warn("{} invalid messages were ignored", state.garbage - last.garbage);

@@ -19,9 +19,8 @@ struct LiveHand {
 /// Belongs to the areas of one model, whose fingers have the same radius.
 class LiveTouch {
  public:
-  /// `finger_radius`: m. `guessed`: the model is a guess (GuessedDataset), and only the live
-  /// solver's forces are reliable. All other forces are marked as not inside, and their error bound
-  /// is at least the force itself.
+  /// `finger_radius`: m. `guessed`: the model is a guess (GuessedDataset). Forces without the live
+  /// solver are then marked as not inside, with an error bound of at least the force itself.
   explicit LiveTouch(double finger_radius, bool guessed = false)
       : radius_(finger_radius), guessed_(guessed), correction_(finger_radius) {}
 

@@ -75,8 +75,8 @@ class SurfacePressures {
   std::vector<std::vector<float>> rows_;  ///< [space]; released when the field of the space is made
   std::vector<std::unique_ptr<const PressureField>> fields_;
   std::vector<std::uint8_t> known_;  ///< per vertex; 1 if the vertex has a pressure
-  std::vector<double>
-      strengths_;  ///< strengthOf() of each configuration, Pa, while the fields are made
+  /// strengthOf() of each configuration, Pa, while the fields are made
+  std::vector<double> strengths_;
   double usual_ = 0;
   bool everywhere_;
   std::atomic<std::size_t> made_ = 0;

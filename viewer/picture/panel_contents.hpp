@@ -41,8 +41,7 @@ struct ViewLabel {
 /// Marks drawn over the view: a ring at the pointed place (mouse and keys only), and a hint to the
 /// user.
 struct HandMarks {
-  /// The place under the pointer or chosen by keys, the middle of a ring with a radius of
-  /// `ring_radius` metres; empty if there is no ring.
+  /// Middle of the ring, whose radius is `ring_radius` metres; empty if there is no ring.
   std::optional<PointedPlace> ring = {};
   double ring_radius = 0;
   std::string hint = {};  ///< a sentence; empty if there is no hint

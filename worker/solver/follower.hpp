@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// The live solver: finds equilibria of a finger near a moving hand. Each solve starts from the
-/// last equilibrium, so the body stays on its solution branch. One thread.
+/// last equilibrium, so the body stays on its branch. One thread.
 class Follower {
  public:
   /// `problem` must outlive this object. `radius`: of the finger, m. Error if the sparsity pattern
@@ -18,8 +18,7 @@ class Follower {
   /// Solves for the equilibrium at the predicted position of the hand, 1.5 times the expected
   /// duration of the solve ahead. The answer is used around that time. Starts from rest if there is
   /// no equilibrium yet, if the hand is far from the last one, or if the transition from there
-  /// fails. Error (bad input) if no finger can be at the hand's place, for instance beside fixed
-  /// nodes.
+  /// fails. Error (bad input) if no finger can be at the hand's place, as beside fixed nodes.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.
