@@ -41,7 +41,7 @@ std::function<ExitCode()> prepareFollow(CLI::App& app) {
 
 }  // namespace
 
-const Verb follow_verb = {
-    "follow", "Solve configurations near a client's hand (palpate view --live)", prepareFollow};
+const Verb follow_verb = {"follow", "Live solver: solve near a client's hand (palpate view --live)",
+                          prepareFollow};
 
 }  // namespace palpate
