@@ -49,7 +49,7 @@ class ViewSession {
     // Open the device last, so that no earlier error can leave it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
     if (!options_.headless) openPicture();
-    // The follower solves the state at rest while the forces are prepared.
+    // The live solver finds the state at rest while the forces are prepared.
     if (!options_.live.empty()) startLive();
     prepareFirst();
     if (quit_) return;
@@ -429,7 +429,7 @@ class ViewSession {
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
-  std::optional<Problem> followed_;      ///< of the scene, until the follower has it
+  std::optional<Problem> followed_;      ///< of the scene, until the live solver has it
   std::optional<GuessedDataset> guess_;  ///< if the user gave a scene
   const ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;

@@ -165,13 +165,12 @@ palpate_status palpate_query_many(const palpate_dataset* dataset, std::int32_t s
       !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
   const palpate_answers wanted = taken(answers, palpate_answers{});
-  for (const void* array :
-       {static_cast<const void*>(wanted.drives), static_cast<const void*>(wanted.places),
-        static_cast<const void*>(wanted.triangles)})
-    if (array != nullptr) {
-      refuse("{}: answers->drives, places and triangles are for areas; set them to NULL", __func__);
-      return PALPATE_INVALID_ARGUMENT;
-    }
+  if (wanted.drives != nullptr || wanted.places != nullptr || wanted.triangles != nullptr ||
+      wanted.distances != nullptr) {
+    refuse("{}: answers->drives, places, triangles and distances are for areas; set them to NULL",
+           __func__);
+    return PALPATE_INVALID_ARGUMENT;
+  }
   const ForceField& field = dataset->loaded->model.field(at(method), at(space));
   for (std::size_t n = 0; n < count; ++n)
     giveAnswer(wanted, n, sampleOf(field, displacements + 3 * n));

@@ -328,6 +328,10 @@ TEST_F(CDataset, RefusesNullPointers) {
   EXPECT_INVALID(palpate_query_many(shared(), 0, 0, p, 1, nullptr), "answers is NULL");
   answers.triangles = &number;
   EXPECT_INVALID(palpate_query_many(shared(), 0, 0, p, 1, &answers), "triangles");
+  answers.triangles = nullptr;
+  double distance = 0;
+  answers.distances = &distance;
+  EXPECT_INVALID(palpate_query_many(shared(), 0, 0, p, 1, &answers), "distances");
   EXPECT_INVALID(palpate_displacements(nullptr, 0, p, shape, 3, nullptr), "dataset is NULL");
   EXPECT_INVALID(palpate_displacements(shared(), 0, p, nullptr, 3, nullptr),
                  "displacements is NULL");
