@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -15,13 +16,21 @@ class App;
 namespace palpate {
 
 /// A verb of a program, such as `check`. `prepare` declares the verb's options on `app` and returns
-/// the function that runs the verb after parsing. That function owns the options through a
-/// std::shared_ptr that it captures.
+/// the function that runs the verb after parsing and owns the options.
 struct Verb {
   const char* name;
   const char* summary;  ///< one line, for --help
   std::function<ExitCode()> (*prepare)(CLI::App& app);
 };
+
+/// The `prepare` of a verb whose options declare themselves by `Options::addTo(CLI::App&)`. The
+/// verb runs `run(options, streams...)`.
+template <class Options, auto run, auto&... streams>
+std::function<ExitCode()> prepareVerb(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  options->addTo(app);
+  return [options] { return run(*options, streams...); };
+}
 
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and
 /// palpate-answers. Parses the command line, including the common options --version, -q/--quiet,

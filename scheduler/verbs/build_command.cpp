@@ -26,6 +26,16 @@ constexpr std::chrono::minutes first_word_limit{2};
 struct BuildOptions {
   BuildOrder order;
   int workers = static_cast<int>(coreCount());
+
+  void addTo(CLI::App& app) {
+    order.addTo(app);
+    app.add_option("-j,--workers", workers, "Worker processes, one core each [number of cores]")
+        ->check(CLI::Range(1, 4096));
+    app.footer(
+        "You can interrupt a build at any time; the same command continues it.\n"
+        "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, 130 "
+        "interrupted.");
+  }
 };
 
 /// Worker processes on this machine. A process that ends is replaced.
@@ -81,32 +91,21 @@ class LocalWorkers : public Crew {
   bool joined_ = false;
 };
 
-std::function<ExitCode()> prepareBuild(CLI::App& app) {
-  auto options = std::make_shared<BuildOptions>();
-  options->order.addTo(app);
-  app.add_option("-j,--workers", options->workers,
-                 "Worker processes, one core each [number of cores]")
-      ->check(CLI::Range(1, 4096));
-  app.footer(
-      "You can interrupt a build at any time; the same command continues it.\n"
-      "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, 130 "
-      "interrupted.");
-  return [options] {
-    requireMemory(memory_of_a_solver);  // for a worker
-    Serving serving;
-    serving.endpoint = "tcp://127.0.0.1:*";
-    serving.own_keys = true;
-    serving.drain_limit = std::chrono::seconds(15);
-    serving.crew = [&](Server& server, Build& build) {
-      return std::make_unique<LocalWorkers>(server, build, options->workers);
-    };
-    return serveBuild(options->order, std::move(serving));
+ExitCode buildHere(const BuildOptions& options) {
+  requireMemory(memory_of_a_solver);  // for a worker
+  const auto crew = [&](Server& server, Build& build) {
+    return std::make_unique<LocalWorkers>(server, build, options.workers);
   };
+  return serveBuild(options.order, {.endpoint = "tcp://127.0.0.1:*",
+                                    .own_keys = true,
+                                    .keys = {},
+                                    .crew = crew,
+                                    .drain_limit = std::chrono::seconds(15)});
 }
 
 }  // namespace
 
 const Verb build_verb = {"build", "Compute the dataset of a scene with workers on this machine",
-                         prepareBuild};
+                         prepareVerb<BuildOptions, buildHere>};
 
 }  // namespace palpate

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "scheduler/verbs/inspection_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
@@ -11,6 +10,17 @@ struct CheckStateOptions {
   std::string directory;
   bool repair = false;
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("DIRECTORY", directory, "State directory (docs/internals/state.md)")->required();
+    app.add_flag("--repair", repair,
+                 "Drop damaged records and rebuild damaged tables; no scheduler may run");
+    app.add_flag("--json", json, "Print one JSON object (docs/commands.md)");
+    app.footer(
+        "Changes nothing without --repair. For a scene (a TOML file), `palpate check` prints a "
+        "summary.\n"
+        "Exit codes: 0 whole, 1 damaged, 2 not a state directory.");
+  }
 };
 
 ExitCode checkState(const CheckStateOptions& options) {
@@ -32,23 +42,9 @@ ExitCode checkState(const CheckStateOptions& options) {
   return found.whole() ? ExitCode::done : ExitCode::failed;
 }
 
-std::function<ExitCode()> prepareCheckState(CLI::App& app) {
-  auto options = std::make_shared<CheckStateOptions>();
-  app.add_option("DIRECTORY", options->directory, "State directory (docs/internals/state.md)")
-      ->required();
-  app.add_flag("--repair", options->repair,
-               "Drop damaged records and rebuild damaged tables; no scheduler may run");
-  app.add_flag("--json", options->json, "Print one JSON object (docs/commands.md)");
-  app.footer(
-      "Changes nothing without --repair. For a scene (a TOML file), `palpate check` prints a "
-      "summary.\n"
-      "Exit codes: 0 whole, 1 damaged, 2 not a state directory.");
-  return [options] { return checkState(*options); };
-}
-
 }  // namespace
 
 const Verb check_state_verb = {"check", "Check a state directory for damage; repair it",
-                               prepareCheckState};
+                               prepareVerb<CheckStateOptions, checkState>};
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <deque>
-#include <memory>
 #include <thread>
 
 #include "common/base/error.hpp"
@@ -21,6 +20,17 @@ struct EventsOptions {
   std::vector<std::string> words;
   std::optional<std::uint32_t> last;
   bool follow = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("STATE", state, "State directory, with or without a running scheduler")
+        ->required();
+    app.add_flag("-f,--follow", follow, "Continue with new events until interrupted");
+    app.add_option("--last", last, "Print the last N events")->type_name("N");
+    app.add_option("--event", words, "Print only these events (docs/commands.md)")
+        ->delimiter(',')
+        ->type_name("WORD,...")
+        ->check(CLI::IsMember(std::vector<std::string>(event_words.begin(), event_words.end())));
+  }
 };
 
 void printLine(std::string_view line) { fmt::print("{}\n", line); }
@@ -55,21 +65,9 @@ ExitCode showEvents(const EventsOptions& options) {
   return ExitCode::interrupted;
 }
 
-std::function<ExitCode()> prepareEvents(CLI::App& app) {
-  auto options = std::make_shared<EventsOptions>();
-  app.add_option("STATE", options->state, "State directory, with or without a running scheduler")
-      ->required();
-  app.add_flag("-f,--follow", options->follow, "Continue with new events until interrupted");
-  app.add_option("--last", options->last, "Print the last N events")->type_name("N");
-  app.add_option("--event", options->words, "Print only these events (docs/commands.md)")
-      ->delimiter(',')
-      ->type_name("WORD,...")
-      ->check(CLI::IsMember(std::vector<std::string>(event_words.begin(), event_words.end())));
-  return [options] { return showEvents(*options); };
-}
-
 }  // namespace
 
-const Verb events_verb = {"events", "Print the events of a build", prepareEvents};
+const Verb events_verb = {"events", "Print the events of a build",
+                          prepareVerb<EventsOptions, showEvents>};
 
 }  // namespace palpate

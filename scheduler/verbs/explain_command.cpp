@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "scheduler/service/status.hpp"
 #include "scheduler/verbs/explanation.hpp"
@@ -16,6 +15,20 @@ struct ExplainOptions {
   std::vector<double> at;                           ///< metres; empty or three
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("WHERE", where, "Dataset (OUT.h5) or state directory")->required();
+    app.add_option("--active", active, "Name of the active node, area or site [the only one]");
+    app.add_option("--at", at, "For an area: use the site nearest to this place, metres")
+        ->expected(3);
+    app.add_option(
+           "I", point[0],
+           "Lattice coordinates of the point, in spacings; those of refined points have fractions")
+        ->required();
+    app.add_option("J", point[1])->required();
+    app.add_option("K", point[2])->required();
+    app.add_flag("--json", json, "Print one JSON object (docs/commands.md)");
+  }
 };
 
 ExitCode explainPoint(const ExplainOptions& options) {
@@ -27,26 +40,9 @@ ExitCode explainPoint(const ExplainOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareExplain(CLI::App& app) {
-  auto options = std::make_shared<ExplainOptions>();
-  app.add_option("WHERE", options->where, "Dataset (OUT.h5) or state directory")->required();
-  app.add_option("--active", options->active,
-                 "Name of the active node, area or site [the only one]");
-  app.add_option("--at", options->at, "For an area: use the site nearest to this place, metres")
-      ->expected(3);
-  app.add_option(
-         "I", options->point[0],
-         "Lattice coordinates of the point, in spacings; those of refined points have fractions")
-      ->required();
-  app.add_option("J", options->point[1])->required();
-  app.add_option("K", options->point[2])->required();
-  app.add_flag("--json", options->json, "Print one JSON object (docs/commands.md)");
-  return [options] { return explainPoint(*options); };
-}
-
 }  // namespace
 
 const Verb explain_verb = {"explain", "Show how a lattice point was solved, or why it failed",
-                           prepareExplain};
+                           prepareVerb<ExplainOptions, explainPoint>};
 
 }  // namespace palpate

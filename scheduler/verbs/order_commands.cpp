@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
@@ -21,12 +20,6 @@ ExitCode stop(const Asked& asked) {
     throw failure("{}: no scheduler is running there", asked.where);
   fmt::print("{}: stopping; the same command continues from the recorded results\n", asked.where);
   return ExitCode::done;
-}
-
-std::function<ExitCode()> prepareStop(CLI::App& app) {
-  auto asked = std::make_shared<Asked>();
-  asked->addTo(app);
-  return [asked] { return stop(*asked); };
 }
 
 // ---- pause, resume ----
@@ -61,6 +54,15 @@ struct PriorityOptions {
   Asked asked;
   std::string space;
   std::int32_t priority = 0;
+
+  void addTo(CLI::App& app) {
+    asked.addTo(app);
+    app.add_option("SPACE", space, "Name of the space, as status prints it")->required();
+    app.add_option("PRIORITY", priority,
+                   "Priority, initially 0; spaces with a higher priority are computed first")
+        ->required();
+    app.footer("Priorities do not change the dataset.");
+  }
 };
 
 /// Sets the priority in a state directory in which no scheduler runs.
@@ -88,22 +90,27 @@ ExitCode setPriority(const PriorityOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> preparePriority(CLI::App& app) {
-  auto options = std::make_shared<PriorityOptions>();
-  options->asked.addTo(app);
-  app.add_option("SPACE", options->space, "Name of the space, as status prints it")->required();
-  app.add_option("PRIORITY", options->priority,
-                 "Priority, initially 0; spaces with a higher priority are computed first")
-      ->required();
-  app.footer("Priorities do not change the dataset.");
-  return [options] { return setPriority(*options); };
-}
-
 // ---- retry ----
+
+std::vector<std::string> namesOfCauses() {
+  std::vector<std::string> names;
+  for (std::uint32_t value = 0; causeOf(value); ++value)
+    if (stopsTransitions(*causeOf(value))) names.emplace_back(name(*causeOf(value)));
+  return names;
+}
 
 struct RetryOptions {
   Asked asked;
   std::string failed;  ///< name of a cause; empty: transitions that are set aside
+
+  void addTo(CLI::App& app) {
+    asked.addTo(app);
+    app.add_option("--failed", failed,
+                   "Repeat attempts that failed with this cause; useful if a machine was at fault")
+        ->check(CLI::IsMember(namesOfCauses()));
+    app.footer(
+        "A solve is set aside after five workers died on it; the build continues without it.");
+  }
 };
 
 /// Retries in a state directory in which no scheduler runs. Returns the number of transitions.
@@ -129,23 +136,6 @@ ExitCode retry(const RetryOptions& options) {
   return ExitCode::done;
 }
 
-std::vector<std::string> namesOfCauses() {
-  std::vector<std::string> names;
-  for (std::uint32_t value = 0; causeOf(value); ++value)
-    if (stopsTransitions(*causeOf(value))) names.emplace_back(name(*causeOf(value)));
-  return names;
-}
-
-std::function<ExitCode()> prepareRetry(CLI::App& app) {
-  auto options = std::make_shared<RetryOptions>();
-  options->asked.addTo(app);
-  app.add_option("--failed", options->failed,
-                 "Repeat attempts that failed with this cause; useful if a machine was at fault")
-      ->check(CLI::IsMember(namesOfCauses()));
-  app.footer("A solve is set aside after five workers died on it; the build continues without it.");
-  return [options] { return retry(*options); };
-}
-
 }  // namespace
 
 const Verb pause_verb = {"pause", "Give workers no work until resume; they stay connected",
@@ -153,13 +143,14 @@ const Verb pause_verb = {"pause", "Give workers no work until resume; they stay 
 
 const Verb resume_verb = {"resume", "Continue a paused build", preparePause<false>};
 
-const Verb priority_verb = {"priority", "Compute one active node before others", preparePriority};
+const Verb priority_verb = {"priority", "Compute one active node before others",
+                            prepareVerb<PriorityOptions, setPriority>};
 
 const Verb retry_verb = {"retry", "Repeat solves that were set aside or failed with a given cause",
-                         prepareRetry};
+                         prepareVerb<RetryOptions, retry>};
 
 const Verb stop_verb = {
     "stop", "Let workers finish their solves, then end the build; it can continue later",
-    prepareStop};
+    prepareVerb<Asked, stop>};
 
 }  // namespace palpate

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "common/base/whole_file.hpp"
 #include "scheduler/builds/recorded_build.hpp"
@@ -23,6 +22,16 @@ const char* whatIsMissing(const SpaceRowsList& spaces) {
 struct SealOptions {
   std::string state, out;
   bool replace = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("STATE", state, "State directory, with or without a running scheduler")
+        ->required();
+    app.add_option("-o,--output", out, "Dataset to write")->required();
+    app.add_flag("--replace", replace, "Replace OUTPUT if it holds something else");
+    app.footer(
+        "Until the build is complete, the dataset is partial, and marked as such: you can touch "
+        "and\nquery it where points are solved. Other workers may still check its results.");
+  }
 };
 
 ExitCode sealNow(const SealOptions& options) {
@@ -39,21 +48,9 @@ ExitCode sealNow(const SealOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareSeal(CLI::App& app) {
-  auto options = std::make_shared<SealOptions>();
-  app.add_option("STATE", options->state, "State directory, with or without a running scheduler")
-      ->required();
-  app.add_option("-o,--output", options->out, "Dataset to write")->required();
-  app.add_flag("--replace", options->replace, "Replace OUTPUT if it holds something else");
-  app.footer(
-      "Until the build is complete, the dataset is partial, and marked as such: you can touch and\n"
-      "query it where points are solved. Other workers may still check its results.");
-  return [options] { return sealNow(*options); };
-}
-
 }  // namespace
 
 const Verb seal_verb = {"seal", "Write a dataset of the results so far, while the build continues",
-                        prepareSeal};
+                        prepareVerb<SealOptions, sealNow>};
 
 }  // namespace palpate

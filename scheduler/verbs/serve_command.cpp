@@ -25,6 +25,26 @@ struct ServeOptions {
   std::string endpoint = default_endpoint;
   KeyOptions keys;
   PageOptions pages;
+
+  void addTo(CLI::App& app) {
+    order.addTo(app);
+    app.get_option("--state")->required()->description("State directory, on a local disk");
+    app.add_option("--listen", endpoint, "Endpoint for workers, tcp://HOST:PORT")
+        ->capture_default_str();
+    order.spot_checks_percent = 100 * SpotCheckSettings{}.share;
+    app.add_option("--spot-checks", order.spot_checks_percent,
+                   "Percentage of the results that another machine solves again")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 100.0));
+    keys.addTo(
+        app, "Require no keys: anyone who reaches the port can deliver results and stop the build");
+    pages.addTo(app);
+    app.footer(
+        "Ends when the dataset is sealed or the build is stopped; the same command then "
+        "continues.\n"
+        "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, 3 done but some points "
+        "failed, 130 interrupted.");
+  }
 };
 
 /// Workers that connect from anywhere. Keeps the service manager and the pages up to date.
@@ -64,46 +84,25 @@ ExitCode serve(const ServeOptions& options) {
   ServedPages pages(options.pages, options.order.state);
   ServiceManager manager;
   manager.mayTake(longest_pause, "reading the recorded results");
-  Serving serving;
-  serving.endpoint = options.endpoint;
-  serving.keys = options.keys.keys();
-  serving.when_stopped = ExitCode::done;
-  serving.anew = [&] { manager.mayTake(longest_pause, going_over); };
-  serving.crew = [&](Server& server, Build& build) {
+  const auto crew = [&](Server& server, Build& build) {
     return std::make_unique<RemoteWorkers>(server, build, manager, pages);
   };
-  const ExitCode code = serveBuild(options.order, std::move(serving));
+  const ExitCode code =
+      serveBuild(options.order, {.endpoint = options.endpoint,
+                                 .keys = options.keys.keys(),
+                                 .crew = crew,
+                                 .anew = [&] { manager.mayTake(longest_pause, going_over); },
+                                 .when_stopped = ExitCode::done});
   // If READY is not sent, the service manager considers a start with nothing to do as failed.
   manager.ready();
   manager.stopping();
   return code;
 }
 
-std::function<ExitCode()> prepareServe(CLI::App& app) {
-  auto options = std::make_shared<ServeOptions>();
-  options->order.addTo(app);
-  app.get_option("--state")->required()->description("State directory, on a local disk");
-  app.add_option("--listen", options->endpoint, "Endpoint for workers, tcp://HOST:PORT")
-      ->capture_default_str();
-  options->order.spot_checks_percent = 100 * SpotCheckSettings{}.share;
-  app.add_option("--spot-checks", options->order.spot_checks_percent,
-                 "Percentage of the results that another machine solves again")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0));
-  options->keys.addTo(
-      app, "Require no keys: anyone who reaches the port can deliver results and stop the build");
-  options->pages.addTo(app);
-  app.footer(
-      "Ends when the dataset is sealed or the build is stopped; the same command then continues.\n"
-      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, 3 done but some points "
-      "failed, 130 interrupted.");
-  return [options] { return serve(*options); };
-}
-
 }  // namespace
 
 const Verb serve_verb = {"serve",
                          "Compute the dataset of a scene with workers that connect from anywhere",
-                         prepareServe};
+                         prepareVerb<ServeOptions, serve>};
 
 }  // namespace palpate

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <thread>
 
 #include "common/base/terminal.hpp"
@@ -21,6 +20,12 @@ struct StatusOptions {
   Asked asked;
   bool watch = false;
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    asked.addTo(app);
+    app.add_flag("--watch", watch, "Repeat every second until the build is complete or stops");
+    app.add_flag("--json", json, "Print one JSON object per line (docs/commands.md)");
+  }
 };
 
 /// Returns the status, and the page of text that shows it.
@@ -54,19 +59,10 @@ ExitCode showStatus(const StatusOptions& options) {
   }
 }
 
-std::function<ExitCode()> prepareStatus(CLI::App& app) {
-  auto options = std::make_shared<StatusOptions>();
-  options->asked.addTo(app);
-  app.add_flag("--watch", options->watch,
-               "Repeat every second until the build is complete or stops");
-  app.add_flag("--json", options->json, "Print one JSON object per line (docs/commands.md)");
-  return [options] { return showStatus(*options); };
-}
-
 }  // namespace
 
 const Verb status_verb = {
     "status", "Show the progress of a build: points, rate, time left, workers, failures by cause",
-    prepareStatus};
+    prepareVerb<StatusOptions, showStatus>};
 
 }  // namespace palpate
