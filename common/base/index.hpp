@@ -2,6 +2,9 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
 
 namespace palpate {
 
@@ -11,6 +14,14 @@ namespace palpate {
 template <std::signed_integral Number>
 constexpr std::size_t at(Number number) noexcept {
   return static_cast<std::size_t>(number);
+}
+
+/// Returns the numbers 0, 1, ..., count - 1.
+template <std::integral Number = std::int32_t>
+std::vector<Number> countUp(std::size_t count) {
+  std::vector<Number> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), Number{0});
+  return numbers;
 }
 
 }  // namespace palpate

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
-#include <numeric>
-#include <vector>
+
+#include "common/base/index.hpp"
 
 namespace palpate {
 
@@ -11,9 +10,7 @@ namespace palpate {
 /// begins in a set of its own.
 class JoinedSets {
  public:
-  explicit JoinedSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
+  explicit JoinedSets(std::size_t size) : parent_(countUp(size)) {}
 
   /// Returns the lowest number in the set that contains n.
   std::int32_t lowest(std::int32_t n) {

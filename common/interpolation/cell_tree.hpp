@@ -39,6 +39,15 @@ struct LeafPlace {
   Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< 0..1 in the leaf
 };
 
+/// Returns whether `is(slot, slot)` holds for the ends of one of a leaf's edges, lower end first.
+template <class Is>
+bool anyEdge(const LeafCorners& corners, Is is) {
+  for (std::size_t c = 0; c < 8; ++c)
+    for (const std::size_t axis : {1, 2, 4})
+      if ((c & axis) == 0 && is(corners[c], corners[c | axis])) return true;
+  return false;
+}
+
 /// Returns whether a place in a leaf (coordinates 0..1) is one of the leaf's corners.
 inline bool isCorner(const Eigen::Vector3d& local) noexcept {
   return (local.array() == 0 || local.array() == 1).all();

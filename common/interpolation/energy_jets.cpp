@@ -75,10 +75,7 @@ class Fitter {
   }
 
  private:
-  bool joined(std::int32_t a, std::int32_t b) const {
-    return !inconsistent_.empty() &&
-           std::ranges::binary_search(inconsistent_, LatticeEdge{std::min(a, b), std::max(a, b)});
-  }
+  bool joined(std::int32_t a, std::int32_t b) const { return contains(inconsistent_, a, b); }
 
   struct Candidate {
     std::int64_t distance;

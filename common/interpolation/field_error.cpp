@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -57,24 +56,15 @@ Eigen::Vector3d placeOf(std::size_t node) {
 
 bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
                     const std::vector<LatticeEdge>& suspect) {
-  const auto numberAt = [&](std::size_t corner) {
-    return tree.slots()[at(tree.corners(leaf)[corner])].number;
-  };
-  for (std::size_t c = 0; c < 8; ++c)
-    for (const std::size_t axis : {1, 2, 4}) {
-      const std::int32_t a = numberAt(c), b = numberAt(c | axis);
-      if ((c & axis) == 0 &&
-          std::ranges::binary_search(suspect, LatticeEdge{std::min(a, b), std::max(a, b)}))
-        return true;
-    }
-  return false;
+  return anyEdge(tree.corners(leaf), [&](std::int32_t a, std::int32_t b) {
+    return contains(suspect, tree.slots()[at(a)].number, tree.slots()[at(b)].number);
+  });
 }
 
 /// Returns the leaves from coarse to fine. In this order, the bound in a coarse leaf is known when
 /// a finer leaf with a hanging corner needs it.
 std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
-  std::vector<std::int32_t> order(tree.leaves().size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order = countUp(tree.leaves().size());
   std::ranges::stable_sort(
       order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
   return order;

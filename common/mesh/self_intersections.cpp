@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <unsupported/Eigen/BVH>
 
 #include "common/base/error.hpp"
@@ -151,8 +150,7 @@ struct CutsOfOne {
 SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points,
                                       const std::vector<Triangle>& triangles) {
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
-  std::vector<std::int32_t> numbers(triangles.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
+  const std::vector<std::int32_t> numbers = countUp(triangles.size());
   // The boxes of the tree are rotated. For axis-aligned ones, the tree might split the triangles of
   // an axis-aligned face along the face's normal into two sets that both extend over the whole
   // face.
@@ -174,8 +172,7 @@ SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points
 }
 
 void refuseOverlaps(const Mesh& mesh, const std::string& source) {
-  std::vector<std::int32_t> place_of(mesh.nodes.size());
-  std::iota(place_of.begin(), place_of.end(), 0);
+  std::vector<std::int32_t> place_of = countUp(mesh.nodes.size());
   const double near = coincident_distance * boundingBox(mesh).diagonal().norm();
   for (const auto& [node, lowest] : coincidentNodes(mesh.nodes, near)) place_of[node] = lowest;
   const auto placesOf = [&](Triangle triangle) {

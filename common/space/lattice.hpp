@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -25,6 +26,11 @@ struct LatticeEdge {
   std::int32_t a = -1, b = -1;  ///< lattice numbers, a < b
   auto operator<=>(const LatticeEdge&) const = default;
 };
+
+/// Returns whether one of the sorted `edges` joins two lattice numbers, in either order.
+inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
+  return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
+}
 
 /// The part of the workspace ball that a contact reaches if it can only push. These are the
 /// displacements p with p . outward <= pull |p| that lie within `width` of the line along

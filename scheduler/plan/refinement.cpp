@@ -48,16 +48,14 @@ class CellInspection {
       : space_(space),
         accuracy_(scene.accuracy),
         max_force_(scene.workspace.max_force),
-        tree_(space) {
-    const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space),
-                                   suspect = suspectEdges(space);
+        tree_(space),
+        jumps_(inconsistentEdges(space)),
+        suspects_(suspectEdges(space)) {
     LocalFits fits(space.lattice.unit(), space.patch.finger ? finger_fit : LocalFits::Kind());
-    const std::vector<LocalPolynomial> polynomials = slotPolynomials(
-        tree_, space, inconsistent, ghostPolynomials(tree_, space, inconsistent, fits), fits);
+    const std::vector<LocalPolynomial> polynomials =
+        slotPolynomials(tree_, space, jumps_, ghostPolynomials(tree_, space, jumps_, fits), fits);
     jets_ = energyJets(tree_, polynomials);
-    jumps_.insert(inconsistent.begin(), inconsistent.end());
-    suspects_.insert(suspect.begin(), suspect.end());
-    const FieldError error(tree_, polynomials, jets_, suspect);
+    const FieldError error(tree_, polynomials, jets_, suspects_);
     for (std::int32_t leaf = 0; leaf < static_cast<std::int32_t>(tree_.leaves().size()); ++leaf)
       inspect(leaf, error);
   }
@@ -151,15 +149,9 @@ class CellInspection {
   bool isAtJump(std::int32_t leaf) const {
     const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
     if (level < first) return false;
-    const std::set<LatticeEdge>& edges = level == first ? jumps_ : suspects_;
-    const LeafCorners& corners = tree_.corners(leaf);
-    for (std::size_t c = 0; c < 8; ++c)
-      for (const std::size_t along : {1, 2, 4}) {
-        if ((c & along) != 0) continue;
-        const std::int32_t a = slot(corners[c]).number, b = slot(corners[c | along]).number;
-        if (edges.contains({std::min(a, b), std::max(a, b)})) return true;
-      }
-    return false;
+    return anyEdge(tree_.corners(leaf), [&](std::int32_t a, std::int32_t b) {
+      return contains(level == first ? jumps_ : suspects_, slot(a).number, slot(b).number);
+    });
   }
 
   /// True if the leaf of a finger has a failed corner and has been halved once. The finger then has
@@ -226,8 +218,8 @@ class CellInspection {
   const Accuracy& accuracy_;
   const double max_force_;
   const CellTree tree_;
+  const std::vector<LatticeEdge> jumps_, suspects_;
   std::vector<EnergyJet> jets_;
-  std::set<LatticeEdge> jumps_, suspects_;
   /// Leaves that are not accurate enough, or for which endsBesideRest() is true, each with its
   /// largest ratio of the likely error to the allowed error.
   std::vector<std::pair<std::int32_t, double>> poor_;

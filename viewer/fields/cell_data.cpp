@@ -3,13 +3,6 @@
 #include <algorithm>
 
 namespace palpate {
-namespace {
-
-bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
-  return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
-}
-
-}  // namespace
 
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LocalPolynomial>& ghosts) {
@@ -71,12 +64,9 @@ std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& e
   std::vector<std::int32_t> found;
   if (edges.empty()) return found;
   for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
-    const LeafCorners& corners = tree.corners(leaf);
-    bool any = false;
-    for (std::size_t c = 0; c < 8; ++c)
-      for (const std::size_t axis : {1, 2, 4})
-        any = any || ((c & axis) == 0 &&
-                      contains(edges, numbers[at(corners[c])], numbers[at(corners[c | axis])]));
+    const bool any = anyEdge(tree.corners(leaf), [&](std::int32_t a, std::int32_t b) {
+      return contains(edges, numbers[at(a)], numbers[at(b)]);
+    });
     if (any) found.push_back(leaf);
   }
   return found;
