@@ -94,12 +94,7 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
   beginAnewWith(wanted_kernels);
 }
 
-/// Returns bytes in hexadecimal, for the command line of a child.
-std::string hexOf(const std::string& bytes) {
-  const std::vector<unsigned char> numbers(bytes.begin(), bytes.end());
-  return fmt::format("{:02x}", fmt::join(numbers, ""));
-}
-
+/// Reverses hexOf(), for the command line of a child.
 std::string bytesOf(const std::string& hex) {
   std::string bytes;
   for (std::size_t at = 0; at + 1 < hex.size(); at += 2)

@@ -17,6 +17,14 @@ crypto_generichash_state* stateIn(std::array<std::byte, 384>& storage) {
 
 }  // namespace
 
+std::string hexOf(std::string_view bytes) {
+  std::string text(2 * bytes.size() + 1, '\0');
+  sodium_bin2hex(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                 bytes.size());
+  text.pop_back();
+  return text;
+}
+
 Bytes32 Bytes32::of(std::string_view bytes) {
   startSodium();
   Bytes32 hash;
@@ -42,12 +50,6 @@ std::optional<Bytes32> Bytes32::fromBytes(std::string_view bytes) {
   if (bytes.size() != read.size()) return std::nullopt;
   std::ranges::copy(bytes, read.data());
   return read;
-}
-
-std::string Bytes32::hex() const {
-  std::array<char, 65> text;
-  sodium_bin2hex(text.data(), text.size(), data(), size());
-  return text.data();
 }
 
 std::string Bytes32::shortHex() const { return hex().substr(0, 12); }

@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// Returns the bytes in hexadecimal, two digits each.
+std::string hexOf(std::string_view bytes);
+
 /// 32 bytes that identify something: a hash or a key.
 class Bytes32 {
  public:
@@ -22,8 +25,8 @@ class Bytes32 {
   /// Copies 32 raw bytes; nullopt for any other length.
   static std::optional<Bytes32> fromBytes(std::string_view bytes);
 
-  std::string hex() const;       ///< 64 digits
-  std::string shortHex() const;  ///< the first 12 digits, for messages
+  std::string hex() const { return hexOf(bytes()); }  ///< 64 digits
+  std::string shortHex() const;                       ///< the first 12 digits, for messages
   /// Returns the bytes as a view, which is valid for the lifetime of this object.
   std::string_view bytes() const { return {reinterpret_cast<const char*>(data()), bytes_.size()}; }
   const std::uint8_t* data() const { return bytes_.data(); }

@@ -4,7 +4,7 @@ namespace palpate {
 namespace {
 
 /// Returns the short id that a status shows.
-std::string shortIdOf(std::string_view id) { return hexOfId(id).substr(0, 8); }
+std::string shortIdOf(std::string_view id) { return hexOf(id).substr(0, 8); }
 
 std::string nameOf(const wire::Provenance& worker) {
   std::string name = "worker " + shortIdOf(worker.worker()) + " on " + worker.host();

@@ -16,7 +16,7 @@ constexpr std::size_t longest_family = 64;
 
 wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
   wire::WorkerStatus row;
-  row.set_worker(hexOfId(worker.id));
+  row.set_worker(hexOf(worker.id));
   row.set_host(worker.host);
   row.set_pid(worker.pid);
   row.set_kernel_family(worker.kernel_family);
@@ -36,11 +36,6 @@ wire::Provenance provenanceOf(const std::string& id, const std::string& host,
 }
 
 }  // namespace
-
-std::string hexOfId(std::string_view id) {
-  const std::vector<unsigned char> bytes(id.begin(), id.end());
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
-}
 
 bool isSameBuild(std::string_view a, std::string_view b) {
   const std::string_view version_a = a.substr(0, a.find(' ')), version_b = b.substr(0, b.find(' '));

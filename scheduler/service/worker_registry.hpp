@@ -43,9 +43,6 @@ struct Worker {
   std::optional<Time> overdue_until;
 };
 
-/// Returns a worker's id in hexadecimal, as users see it.
-std::string hexOfId(std::string_view id);
-
 /// Returns true if two programs, given by their buildName, are the same build: they have the same
 /// version, and the same commit if both know their commit.
 bool isSameBuild(std::string_view a, std::string_view b);

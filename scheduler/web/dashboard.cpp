@@ -11,9 +11,7 @@ extern const char* const dashboard_html;
 
 HttpAnswer dashboardPage() {
   constexpr std::string_view placeholder = "NONCE";
-  std::string nonce;
-  for (const char byte : randomBytes(16))
-    nonce += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+  const std::string nonce = hexOf(randomBytes(16));
   std::string page = dashboard_html;
   for (std::size_t at = 0; (at = page.find(placeholder, at)) != std::string::npos;)
     page.replace(at, placeholder.size(), nonce);
