@@ -57,6 +57,21 @@ std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) 
   return points;
 }
 
+struct Step {
+  int i, j, k;
+};
+
+/// The steps from a point to its 26 neighbours, in lexicographic order.
+constexpr std::array<Step, 26> steps = [] {
+  std::array<Step, 26> all = {};
+  std::size_t n = 0;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k)
+        if (i != 0 || j != 0 || k != 0) all[n++] = {i, j, k};
+  return all;
+}();
+
 }  // namespace
 
 std::int64_t squaredNorm(const LatticePoint& p) {
@@ -153,25 +168,6 @@ Lattice Lattice::first(std::int32_t count) const {
     if (const auto place = placeInCube(points_[n])) part.index_of_[*place] = -1;
   return part;
 }
-
-namespace {
-
-struct Step {
-  int i, j, k;
-};
-
-/// The steps from a point to its 26 neighbours, in lexicographic order.
-constexpr std::array<Step, 26> steps = [] {
-  std::array<Step, 26> all = {};
-  std::size_t n = 0;
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k)
-        if (i != 0 || j != 0 || k != 0) all[n++] = {i, j, k};
-  return all;
-}();
-
-}  // namespace
 
 Neighbours Lattice::neighbours(std::int32_t index) const {
   PALPATE_ASSERT(index >= 0 && index < uniform_size_, "the point must be of the uniform lattice");

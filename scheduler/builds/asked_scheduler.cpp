@@ -24,36 +24,6 @@ std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
   }
 }
 
-}  // namespace
-
-void Asked::addTo(CLI::App& app) {
-  app.add_option("WHERE", where, "Scheduler (tcp://HOST:PORT) or state directory")
-      ->capture_default_str();
-  keys.addTo(app, "Connect without a key, to a scheduler that requires none");
-}
-
-NotListening::NotListening(const std::string& directory, const std::string& process)
-    : Error(ExitCode::failed,
-            fmt::format("{}: process {} is starting there; it is still reading the recorded "
-                        "results and cannot answer yet; ask again later",
-                        directory, process)) {}
-
-std::optional<Reachable> schedulerOf(const Asked& asked) {
-  const std::string& where = asked.where;
-  if (where.starts_with("tcp://") || where.starts_with("ipc://"))
-    return Reachable{where, asked.keys.keys()};
-  if (std::error_code none; !std::filesystem::is_directory(where, none))
-    throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
-  const auto process = StateDirectory::holder(where);
-  if (!process) return std::nullopt;
-  const auto address = StateDirectory::liveAddress(where);
-  if (!address) throw NotListening(where, *process);
-  return Reachable{address->endpoint,
-                   address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
-}
-
-namespace {
-
 /// Sends one question and waits for the answer.
 wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   const std::string& endpoint = scheduler.endpoint;
@@ -128,6 +98,32 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
 }
 
 }  // namespace
+
+void Asked::addTo(CLI::App& app) {
+  app.add_option("WHERE", where, "Scheduler (tcp://HOST:PORT) or state directory")
+      ->capture_default_str();
+  keys.addTo(app, "Connect without a key, to a scheduler that requires none");
+}
+
+NotListening::NotListening(const std::string& directory, const std::string& process)
+    : Error(ExitCode::failed,
+            fmt::format("{}: process {} is starting there; it is still reading the recorded "
+                        "results and cannot answer yet; ask again later",
+                        directory, process)) {}
+
+std::optional<Reachable> schedulerOf(const Asked& asked) {
+  const std::string& where = asked.where;
+  if (where.starts_with("tcp://") || where.starts_with("ipc://"))
+    return Reachable{where, asked.keys.keys()};
+  if (std::error_code none; !std::filesystem::is_directory(where, none))
+    throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
+  const auto process = StateDirectory::holder(where);
+  if (!process) return std::nullopt;
+  const auto address = StateDirectory::liveAddress(where);
+  if (!address) throw NotListening(where, *process);
+  return Reachable{address->endpoint,
+                   address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
+}
 
 wire::Status statusAt(const Asked& asked) {
   if (const auto scheduler = schedulerOf(asked)) {

@@ -37,6 +37,32 @@ double lotOf(const ResultKey& key, const std::string& secret) {
   return static_cast<double>(number >> 11) * 0x1p-53;
 }
 
+KeptOut::Kind kindKeptOut(const wire::Provenance& liar, const SpotChecks::Verdict& verdict,
+                          const std::vector<KeptOut>& before,
+                          const std::optional<PublicKey>& trusted_key) {
+  using Kind = KeptOut::Kind;
+  constexpr std::size_t machines_of_a_key = 2;
+  constexpr std::ptrdiff_t processes_of_a_machine = 2, any_of_a_key = 4;
+  std::set<std::string> machines;
+  for (const KeptOut& other : before)
+    if (other.kind == Kind::machine && other.who.key() == liar.key() &&
+        other.who.host() != liar.host())
+      machines.insert(other.who.host());
+  const auto of_key = std::ranges::count_if(
+      before, [&](const KeptOut& other) { return other.who.key() == liar.key(); });
+  const bool is_trusted = trusted_key && PublicKey::fromBytes(liar.key()) == trusted_key;
+  const bool has_key = !liar.key().empty() && !is_trusted;
+  const bool nobody_is_right = !hasKeyOfOneOf(liar, verdict.right);
+  if (has_key &&
+      (of_key >= any_of_a_key || (machines.size() >= machines_of_a_key && nobody_is_right)))
+    return Kind::key;
+  const bool machine_is_right = std::ranges::any_of(
+      verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
+  const auto processes = std::ranges::count_if(
+      before, [&](const KeptOut& other) { return isOfOneMachine(other.who, liar); });
+  return machine_is_right && processes < processes_of_a_machine ? Kind::process : Kind::machine;
+}
+
 }  // namespace
 
 Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver) {
@@ -172,36 +198,6 @@ bool SpotChecks::isDecided(const Verdict& verdict) const {
   return std::ranges::any_of(right, differ) || std::ranges::any_of(right, isTrusted) ||
          std::ranges::none_of(wrong, differ);
 }
-
-namespace {
-
-KeptOut::Kind kindKeptOut(const wire::Provenance& liar, const SpotChecks::Verdict& verdict,
-                          const std::vector<KeptOut>& before,
-                          const std::optional<PublicKey>& trusted_key) {
-  using Kind = KeptOut::Kind;
-  constexpr std::size_t machines_of_a_key = 2;
-  constexpr std::ptrdiff_t processes_of_a_machine = 2, any_of_a_key = 4;
-  std::set<std::string> machines;
-  for (const KeptOut& other : before)
-    if (other.kind == Kind::machine && other.who.key() == liar.key() &&
-        other.who.host() != liar.host())
-      machines.insert(other.who.host());
-  const auto of_key = std::ranges::count_if(
-      before, [&](const KeptOut& other) { return other.who.key() == liar.key(); });
-  const bool is_trusted = trusted_key && PublicKey::fromBytes(liar.key()) == trusted_key;
-  const bool has_key = !liar.key().empty() && !is_trusted;
-  const bool nobody_is_right = !hasKeyOfOneOf(liar, verdict.right);
-  if (has_key &&
-      (of_key >= any_of_a_key || (machines.size() >= machines_of_a_key && nobody_is_right)))
-    return Kind::key;
-  const bool machine_is_right = std::ranges::any_of(
-      verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
-  const auto processes = std::ranges::count_if(
-      before, [&](const KeptOut& other) { return isOfOneMachine(other.who, liar); });
-  return machine_is_right && processes < processes_of_a_machine ? Kind::process : Kind::machine;
-}
-
-}  // namespace
 
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason,

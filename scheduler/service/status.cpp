@@ -45,6 +45,35 @@ void setStage(wire::SpaceStatus& row, Stage stage) {
   if (row.stage().empty() || stage != Stage::complete) row.set_stage(std::string(name(stage)));
 }
 
+/// Returns true if the counts of all spaces, and their sums, are possible for a build.
+bool countsMakeSense(const wire::Status& status) {
+  std::int64_t sum = 0;
+  for (const wire::SpaceStatus& space : status.spaces()) {
+    std::int64_t points = 0;
+    for (const std::int32_t count :
+         {space.unknown(), space.expandable(), space.terminating(), space.failed()}) {
+      if (count < 0) return false;
+      points += count;
+    }
+    if (points > space.points()) return false;
+    sum += space.points();
+  }
+  return sum <= std::numeric_limits<std::int32_t>::max();
+}
+
+/// Removes the unknown fields in which protobuf's JSON parser keeps parts of an unknown object.
+/// Message::DiscardUnknownFields is not used: it goes through the library to maps, which have
+/// another layout under the thread sanitizer.
+void discardUnknownFields(wire::Status& status) {
+  const auto discard = [](google::protobuf::Message& message) {
+    message.GetReflection()->MutableUnknownFields(&message)->Clear();
+  };
+  discard(status);
+  for (wire::SpaceStatus& row : *status.mutable_spaces()) discard(row);
+  for (wire::WorkerStatus& row : *status.mutable_workers()) discard(row);
+  for (wire::KeptOut& row : *status.mutable_kept_out()) discard(row);
+}
+
 }  // namespace
 
 void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point) {
@@ -127,7 +156,7 @@ void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out) {
   for (const auto& [kind, who, reason] : kept_out) {
     wire::KeptOut& row = *status.add_kept_out();
     row.set_kind(std::string(name(kind)));
-    if (kind == KeptOut::Kind::process) row.set_worker(hexOfId(who.worker()));
+    if (kind == KeptOut::Kind::process) row.set_worker(hexOf(who.worker()));
     if (kind != KeptOut::Kind::key) row.set_host(who.host());
     if (const auto key = PublicKey::fromBytes(who.key())) row.set_key(key->hex());
     row.set_reason(reason);
@@ -153,39 +182,6 @@ std::string toJson(const google::protobuf::Message& message) {
     throw failure("cannot write a {} as JSON: {}", message.GetTypeName(), result.ToString());
   return json;
 }
-
-namespace {
-
-/// Returns true if the counts of all spaces, and their sums, are possible for a build.
-bool countsMakeSense(const wire::Status& status) {
-  std::int64_t sum = 0;
-  for (const wire::SpaceStatus& space : status.spaces()) {
-    std::int64_t points = 0;
-    for (const std::int32_t count :
-         {space.unknown(), space.expandable(), space.terminating(), space.failed()}) {
-      if (count < 0) return false;
-      points += count;
-    }
-    if (points > space.points()) return false;
-    sum += space.points();
-  }
-  return sum <= std::numeric_limits<std::int32_t>::max();
-}
-
-/// Removes the unknown fields in which protobuf's JSON parser keeps parts of an unknown object.
-/// Message::DiscardUnknownFields is not used: it goes through the library to maps, which have
-/// another layout under the thread sanitizer.
-void discardUnknownFields(wire::Status& status) {
-  const auto discard = [](google::protobuf::Message& message) {
-    message.GetReflection()->MutableUnknownFields(&message)->Clear();
-  };
-  discard(status);
-  for (wire::SpaceStatus& row : *status.mutable_spaces()) discard(row);
-  for (wire::WorkerStatus& row : *status.mutable_workers()) discard(row);
-  for (wire::KeptOut& row : *status.mutable_kept_out()) discard(row);
-}
-
-}  // namespace
 
 wire::Status statusFromJson(const std::string& json, const std::string& source) {
   wire::Status status;

@@ -136,6 +136,50 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   return text + '\n';
 }
 
+/// Formats "priority: tip 3, dome -1"; empty if all priorities are 0.
+std::string prioritiesLine(const wire::Status& status) {
+  std::vector<std::string> parts;
+  for (const wire::SpaceStatus& row : status.spaces())
+    if (row.priority() != 0) parts.push_back(fmt::format("{} {}", row.name(), row.priority()));
+  return parts.empty() ? "" : fmt::format("priority: {}\n", fmt::join(parts, ", "));
+}
+
+/// Lists the workers one by one if there are few; otherwise counts them by machine.
+std::string workersOf(const wire::Status& status) {
+  constexpr int most_lines = 8;
+  std::string text;
+  if (status.workers_size() <= most_lines) {
+    for (const wire::WorkerStatus& w : status.workers())
+      text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(),
+                          w.host(), w.state(), w.results(), w.heard_seconds_ago());
+    return text;
+  }
+  struct Machine {
+    std::map<std::string, std::int32_t> workers;  // number of workers in each state
+    std::int64_t results = 0;
+  };
+  std::map<std::string, Machine> machines;
+  for (const wire::WorkerStatus& w : status.workers()) {
+    ++machines[w.host()].workers[w.state()];
+    machines[w.host()].results += w.results();
+  }
+  for (const auto& [host, machine] : machines)
+    text += fmt::format("workers on {}: {}; {} results\n", host, countsText(machine.workers),
+                        machine.results);
+  return text;
+}
+
+/// Returns a line "COUNTER: COUNT" for each alarming counter above 0.
+std::string alarmsOf(const wire::Status& status) {
+  std::string text;
+  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
+                            "unchecked_results", "closed_connections"})
+    if (const auto found = status.counters().find(alarm);
+        found != status.counters().end() && found->second > 0)
+      text += fmt::format("{}: {}\n", alarm, found->second);
+  return text;
+}
+
 }  // namespace
 
 std::string durationText(double seconds) {
@@ -191,54 +235,6 @@ std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool part
   if (!partial) text += probesOf(spaces) + accuracyOf(spaces, scene);
   return text;
 }
-
-namespace {
-
-/// Formats "priority: tip 3, dome -1"; empty if all priorities are 0.
-std::string prioritiesLine(const wire::Status& status) {
-  std::vector<std::string> parts;
-  for (const wire::SpaceStatus& row : status.spaces())
-    if (row.priority() != 0) parts.push_back(fmt::format("{} {}", row.name(), row.priority()));
-  return parts.empty() ? "" : fmt::format("priority: {}\n", fmt::join(parts, ", "));
-}
-
-/// Lists the workers one by one if there are few; otherwise counts them by machine.
-std::string workersOf(const wire::Status& status) {
-  constexpr int most_lines = 8;
-  std::string text;
-  if (status.workers_size() <= most_lines) {
-    for (const wire::WorkerStatus& w : status.workers())
-      text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(),
-                          w.host(), w.state(), w.results(), w.heard_seconds_ago());
-    return text;
-  }
-  struct Machine {
-    std::map<std::string, std::int32_t> workers;  // number of workers in each state
-    std::int64_t results = 0;
-  };
-  std::map<std::string, Machine> machines;
-  for (const wire::WorkerStatus& w : status.workers()) {
-    ++machines[w.host()].workers[w.state()];
-    machines[w.host()].results += w.results();
-  }
-  for (const auto& [host, machine] : machines)
-    text += fmt::format("workers on {}: {}; {} results\n", host, countsText(machine.workers),
-                        machine.results);
-  return text;
-}
-
-/// Returns a line "COUNTER: COUNT" for each alarming counter above 0.
-std::string alarmsOf(const wire::Status& status) {
-  std::string text;
-  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
-                            "unchecked_results", "closed_connections"})
-    if (const auto found = status.counters().find(alarm);
-        found != status.counters().end() && found->second > 0)
-      text += fmt::format("{}: {}\n", alarm, found->second);
-  return text;
-}
-
-}  // namespace
 
 std::string describe(const wire::Status& status) {
   std::string text =
