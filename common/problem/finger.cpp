@@ -1,6 +1,5 @@
 #include "common/problem/finger.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/base/assertion.hpp"

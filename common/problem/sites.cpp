@@ -13,7 +13,6 @@
 #include "common/mesh/near_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
-#include "common/problem/finger.hpp"
 
 namespace palpate {
 namespace {

@@ -39,8 +39,6 @@ struct PeerLimits {
 class Connections {
  public:
   Connections(zmq::context_t& context, zmq::socket_t& router, const PeerLimits& limits);
-  Connections(const Connections&) = delete;
-  Connections& operator=(const Connections&) = delete;
   ~Connections();
 
   /// Must be called for every received message, with its size in bytes and the descriptor of its

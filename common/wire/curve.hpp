@@ -31,8 +31,6 @@ class ZapHandler {
   /// none. Error (bad input) if the keys cannot be read.
   ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys);
   ~ZapHandler();
-  ZapHandler(const ZapHandler&) = delete;
-  ZapHandler& operator=(const ZapHandler&) = delete;
 
   /// Returns the current roles of a sender; Roles::none if its key was withdrawn after it had
   /// connected. Call from the thread of the socket.

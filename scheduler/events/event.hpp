@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <concepts>
-#include <cstdint>
 #include <string>
 #include <string_view>
 

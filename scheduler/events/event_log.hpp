@@ -37,8 +37,6 @@ class EventLog {
   explicit EventLog(std::filesystem::path directory, std::uint64_t file_bytes = usual_file_bytes,
                     std::uint32_t most_files = usual_files);
   ~EventLog() { flush(); }
-  EventLog(const EventLog&) = delete;
-  EventLog& operator=(const EventLog&) = delete;
 
   /// Adds an event with the current time. It is written by the next flush(), or by this call if
   /// many events wait.

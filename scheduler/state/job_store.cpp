@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
 

@@ -33,7 +33,6 @@ class Database {
   ~Database();
   Database(Database&& other) noexcept
       : file_(std::move(other.file_)), handle_(std::exchange(other.handle_, nullptr)) {}
-  Database& operator=(Database&&) = delete;
 
   /// Runs one or more statements without results.
   void execute(const std::string& sql);

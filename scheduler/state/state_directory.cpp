@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <sys/vfs.h>
 
-#include <array>
 #include <fstream>
 #include <map>
 #include <thread>

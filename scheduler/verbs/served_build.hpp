@@ -27,9 +27,6 @@ struct BuildOrder {
 /// The workers of a build, from the time its server listens until it stops.
 class Crew {
  public:
-  Crew() = default;
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
   virtual ~Crew() = default;
 
   /// Called in every turn, at least a few times a second.

@@ -5,13 +5,10 @@
 #include <mutex>
 #include <string>
 
+#include "common/base/program.hpp"
 #include "scheduler/service/coordinator.hpp"
 #include "scheduler/web/http_server.hpp"
 #include "scheduler/web/status_board.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace palpate {
 
@@ -31,8 +28,6 @@ class ServedPages {
  public:
   /// Listens and logs the addresses. Throws Error if it cannot listen.
   ServedPages(const PageOptions& options, std::filesystem::path state);
-  ServedPages(const ServedPages&) = delete;
-  ServedPages& operator=(const ServedPages&) = delete;
 
   /// Offers the current status. Call in every turn, on the coordinator's thread.
   void offer(const Coordinator& coordinator);

@@ -57,8 +57,6 @@ class HttpServer {
              const char* option);
   /// Stops listening, waits for the running handlers, and ends the threads.
   ~HttpServer();
-  HttpServer(const HttpServer&) = delete;
-  HttpServer& operator=(const HttpServer&) = delete;
 
   /// Returns the address, with the port that was chosen.
   const HttpAddress& address() const;
