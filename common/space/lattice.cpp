@@ -74,6 +74,13 @@ constexpr std::array<Step, 26> steps = [] {
 
 }  // namespace
 
+Eigen::Vector3d evenlySpread(std::int64_t n) {
+  constexpr double g = 1.2207440846057596;
+  const Eigen::Array3d step(1 / g, 1 / (g * g), 1 / (g * g * g));
+  const Eigen::Array3d place = 0.5 + static_cast<double>(n) * step;
+  return place - place.floor();
+}
+
 std::int64_t squaredNorm(const LatticePoint& p) {
   return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
 }

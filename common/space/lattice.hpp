@@ -32,6 +32,10 @@ inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std:
   return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
 }
 
+/// Returns point n of the sequence of Roberts (2018), which fills the unit cube evenly at any
+/// length: the fractional parts of 0.5 + n / g^k for k = 1, 2, 3, with g^4 = g + 1.
+Eigen::Vector3d evenlySpread(std::int64_t n);
+
 /// The part of the workspace ball that a contact reaches if it can only push. These are the
 /// displacements p with p . outward <= pull |p| that lie within `width` of the line along
 /// `outward`. The default is the whole ball.

@@ -344,20 +344,14 @@ std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const Resu
 
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part) {
-  // Fractional parts of multiples of 1/g, 1/g^2, 1/g^3 with g^4 = g + 1: the sequence that fills a
-  // cube most evenly (Roberts 2018).
-  constexpr double g = 1.2207440846057596;
-  constexpr std::array<double, 3> strides = {1 / g, 1 / (g * g), 1 / (g * g * g)};
   const double reach = lattice.radius() / lattice.unit();
   std::vector<LatticePoint> positions;
   for (std::int64_t n = 1; static_cast<std::int32_t>(positions.size()) < count; ++n) {
+    const Eigen::Vector3d place = reach * (2 * evenlySpread(n).array() - 1);
     LatticePoint position{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double turns = 0.5 + static_cast<double>(n) * strides[axis];
-      const double coordinate = reach * (2 * (turns - std::floor(turns)) - 1);
-      // Use odd coordinates: the corners of cells larger than one unit have even ones.
-      position[axis] = 2 * static_cast<std::int32_t>(std::floor(coordinate / 2)) + 1;
-    }
+    // Use odd coordinates: the corners of cells larger than one unit have even ones.
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      position[axis] = 2 * static_cast<std::int32_t>(std::floor(place[axis] / 2)) + 1;
     if (static_cast<double>(squaredNorm(position)) <= reach * reach &&
         part.contains(lattice.displacementOf(position)))
       positions.push_back(position);

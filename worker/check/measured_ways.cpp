@@ -14,14 +14,6 @@ namespace {
 /// Returns processor time; wall-clock time would include other programs that keep the cores busy.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Returns point n of a sequence that fills the unit cube evenly at any length (Roberts' R3).
-Eigen::Vector3d evenlySpread(std::size_t n) {
-  constexpr double g = 1.2207440846057596;  // the root of x^4 = x + 1
-  const Eigen::Array3d step(1 / g, 1 / (g * g), 1 / (g * g * g));
-  const Eigen::Array3d place = 0.5 + static_cast<double>(n) * step;
-  return place - place.floor();
-}
-
 /// Maps two numbers from 0 to 1 to the unit sphere, preserving area.
 Eigen::Vector3d directionAt(double height, double turn) {
   const double z = 1 - 2 * height, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
