@@ -178,7 +178,9 @@ Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
   return box;
 }
 
-std::string placeText(const Eigen::Vector3d& x) { return fmt::format("({})", vectorText(x, 6)); }
+std::string placeText(const Eigen::Vector3d& x, int figures) {
+  return fmt::format("({})", vectorText(x, figures));
+}
 
 Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -216,11 +218,7 @@ NodeSet surfaceNodes(const Mesh& mesh) {
   return nodes;
 }
 
-NodeSet allNodes(const Mesh& mesh) {
-  NodeSet nodes(mesh.nodes.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  return nodes;
-}
+NodeSet allNodes(const Mesh& mesh) { return countUp(mesh.nodes.size()); }
 
 std::vector<NodeSet> piecesOf(const Mesh& mesh) {
   JoinedSets joined(mesh.tetrahedra.size());
@@ -293,8 +291,7 @@ void addMidEdgeNodes(Mesh& mesh) {
 std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near) {
   // An oblique direction, along which even the nodes of a regular mesh have different positions.
   const Eigen::Vector3d along = Eigen::Vector3d(0.5129, 0.6427, 0.5691).normalized();
-  std::vector<std::int32_t> order(nodes.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order = countUp(nodes.size());
   std::vector<double> position;
   for (const Eigen::Vector3d& node : nodes) position.push_back(along.dot(node));
   std::ranges::sort(order, {}, [&](std::int32_t n) { return position[n]; });
@@ -329,6 +326,7 @@ MeshQuality measure(const Mesh& mesh) {
     quality.volume += sixVolume(mesh, e) / 6;
     const double shape = shapeOf(mesh, e);
     quality.mean_shape += shape / static_cast<double>(mesh.tetrahedra.size());
+    if (shape < near_flat_shape) ++quality.nearly_flat;
     if (shape < quality.worst_shape) {
       quality.worst_shape = shape;
       quality.worst_element = static_cast<std::int32_t>(e);

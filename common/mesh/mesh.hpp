@@ -56,7 +56,7 @@ Eigen::Vector3d middleOf(const Mesh& mesh, std::size_t element);
 /// Returns "tetrahedron 7 (counted from 0, centre at (X, Y, Z) m)" for errors. The centre helps
 /// users to find the element, because the element numbers of the file are not kept.
 std::string placeOf(const Mesh& mesh, std::size_t element, const char* unit = " m");
-std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
+std::string placeText(const Eigen::Vector3d& x, int figures = 6);  ///< "(X, Y, Z)"
 
 /// Returns the vertices on the surface.
 NodeSet surfaceNodes(const Mesh& mesh);
@@ -101,6 +101,10 @@ std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, dou
 /// nodes can turn around the line.
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh);
 
+/// Shape measure (shapeOf; 1 regular, 0 flat) below which tetrahedra spoil the conditioning and are
+/// the first to invert.
+inline constexpr double near_flat_shape = 0.1;
+
 /// Measurements of a mesh that `palpate check` prints.
 struct MeshQuality {
   double volume = 0;                                          ///< cubic metres
@@ -108,6 +112,7 @@ struct MeshQuality {
   double shortest_edge = 0, mean_edge = 0, longest_edge = 0;  ///< metres
   double worst_shape = 0;                                     ///< smallest shapeOf
   double mean_shape = 0;
+  std::int64_t nearly_flat = 0;  ///< number of tetrahedra with a shape below near_flat_shape
   std::int32_t worst_element = -1;
   std::int32_t pieces = 0;       ///< number of components (piecesOf)
   NodeSet hinges;                ///< nodes of more than one component

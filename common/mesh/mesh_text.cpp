@@ -10,8 +10,6 @@
 namespace palpate {
 namespace {
 
-std::string shortPlace(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
-
 std::string tetrahedraText(std::size_t count) {
   return counted(count, "tetrahedron", "tetrahedra");
 }
@@ -27,8 +25,8 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
                  counted(mesh.vertices(), "node"), middles, tetrahedraText(mesh.tetrahedra.size()),
                  counted(mesh.surface.size(), "surface triangle"),
                  counted(surfaceNodes(mesh).size(), "node"), counted(quality.pieces, "piece"));
-  fmt::format_to(out, "           from {} to {} m, {:.4g} litres\n", shortPlace(quality.lowest),
-                 shortPlace(quality.highest), 1000 * quality.volume);
+  fmt::format_to(out, "           from {} to {} m, {:.4g} litres\n", placeText(quality.lowest, 4),
+                 placeText(quality.highest, 4), 1000 * quality.volume);
   fmt::format_to(
       out,
       "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, "
@@ -58,14 +56,14 @@ std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quali
         "coincident nodes: {}, the first is node {} on node {} at {}: the parts that meet there "
         "are not joined and pass through each other; unless this is a cut, merge the nodes: "
         "palpate mesh {} --weld -o NEW.msh",
-        quality.coincident.size(), node, other, shortPlace(mesh.nodes[node]), shellWord(file)));
+        quality.coincident.size(), node, other, placeText(mesh.nodes[node], 4), shellWord(file)));
   }
   if (!quality.hinges.empty())
     text.push_back(fmt::format(
         "its {} meet in {} without a common face, the first is node {} at {}: they turn there as "
         "on hinges; join them by faces",
         counted(quality.pieces, "piece"), counted(quality.hinges.size(), "node"),
-        quality.hinges.front(), shortPlace(mesh.nodes[quality.hinges.front()])));
+        quality.hinges.front(), placeText(mesh.nodes[quality.hinges.front()], 4)));
   return text;
 }
 

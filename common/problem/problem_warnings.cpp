@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 
@@ -203,13 +202,13 @@ class Warnings {
   }
 
   void warnOfShapes() {
-    if (const std::int64_t flat = nearlyFlat(problem_.mesh); flat > 0)
+    if (quality_.nearly_flat > 0)
       warn(
           "{} of {} tetrahedra are nearly flat (shape < {}, "
           "the worst is element {} with {:.3g}): they invert first; "
           "re-mesh or optimise (gmsh -optimize_netgen)",
-          flat, problem_.mesh.tetrahedra.size(), near_flat_shape, quality_.worst_element,
-          quality_.worst_shape);
+          quality_.nearly_flat, problem_.mesh.tetrahedra.size(), near_flat_shape,
+          quality_.worst_element, quality_.worst_shape);
   }
 
   void warnOfPlaces() {
@@ -331,13 +330,6 @@ std::vector<std::string> warningsOf(const Problem& problem) { return Warnings(pr
 
 void logWarnings(const Problem& problem) {
   for (const std::string& warning : warningsOf(problem)) spdlog::warn(warning);
-}
-
-std::int64_t nearlyFlat(const Mesh& mesh) {
-  std::int64_t count = 0;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
-    count += shapeOf(mesh, e) < near_flat_shape ? 1 : 0;
-  return count;
 }
 
 }  // namespace palpate

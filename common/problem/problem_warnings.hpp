@@ -25,12 +25,6 @@ std::vector<std::string> warningsOf(const Problem& problem);
 /// Logs the warnings, one line each, before a solve.
 void logWarnings(const Problem& problem);
 
-/// Shape measure (shapeOf; 1 regular, 0 flat) below which tetrahedra spoil the conditioning and are
-/// the first to invert.
-inline constexpr double near_flat_shape = 0.1;
-/// Returns the number of tetrahedra with a shape measure below near_flat_shape.
-std::int64_t nearlyFlat(const Mesh& mesh);
-
 /// Number of names that a message lists if there are many; it counts the others.
 inline constexpr std::size_t listed_names = 5;
 

@@ -36,7 +36,7 @@ nlohmann::ordered_json meshJson(const SceneReport& report) {
            {{"worst", quality.worst_shape},
             {"mean", quality.mean_shape},
             {"worst_element", quality.worst_element}}},
-          {"nearly_flat", report.nearly_flat}};
+          {"nearly_flat", report.quality.nearly_flat}};
 }
 
 nlohmann::ordered_json deviceJson(const Scene& scene) {

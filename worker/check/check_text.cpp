@@ -25,8 +25,6 @@ void say(std::string& text, fmt::format_string<Values...> format, Values&&... va
   fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
 }
 
-std::string placeOf(const Eigen::Vector3d& v) { return fmt::format("({})", vectorText(v, 4)); }
-
 /// Writes the scene's lengths in metres, if the scene uses another unit.
 void sayConversion(std::string& text, const Scene& scene) {
   if (scene.metres_per_unit == 1) return;
@@ -36,7 +34,8 @@ void sayConversion(std::string& text, const Scene& scene) {
       scene.metres_per_unit, scene.workspace.radius, scene.workspace.spacing);
   for (const ActiveSelection& active :
        std::span(scene.active).first(std::min(scene.active.size(), listed_names))) {
-    const std::string near = active.near ? fmt::format("near = {}, ", placeOf(*active.near)) : "";
+    const std::string near =
+        active.near ? fmt::format("near = {}, ", placeText(*active.near, 4)) : "";
     say(text, "           active \"{}\": {}radius = {:.6g}\n", active.name, near, active.radius);
   }
 }
@@ -74,7 +73,7 @@ void sayBody(std::string& text, const SceneReport& report) {
   say(text, "solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
   if (d.pressure != PressureSpace::none) say(text, ", constraint {}", word(d.constraint));
   say(text, "\n");
-  if (!scene.gravity.isZero(0)) say(text, "gravity    {} m/s^2\n", placeOf(scene.gravity));
+  if (!scene.gravity.isZero(0)) say(text, "gravity    {} m/s^2\n", placeText(scene.gravity, 4));
 }
 
 void sayActives(std::string& text, const SceneReport& report) {
@@ -85,7 +84,7 @@ void sayActives(std::string& text, const SceneReport& report) {
     const bool finger = space.patch->finger.has_value();
     say(text, "active     \"{}\": {} at {} m, {} of {}, {}\n", space.patch->name,
         finger ? std::string(space.tool) : fmt::format("node {}", space.patch->node),
-        placeOf(space.place), finger ? "the mean" : fmt::format("{} patch", space.tool),
+        placeText(space.place, 4), finger ? "the mean" : fmt::format("{} patch", space.tool),
         counted(space.patch->nodes.size(), "node"), counted(space.unknowns, "unknown"));
   }
   if (shown < n_spaces)

@@ -72,7 +72,6 @@ SceneReport reportOf(const Problem& problem) {
   SceneReport report;
   report.problem = &problem;
   report.quality = measure(problem.mesh);
-  report.nearly_flat = nearlyFlat(problem.mesh);
   report.lattice = uniformLattice(problem.scene);
   report.spaces = spacesOf(problem);
   PALPATE_ASSERT(!report.spaces.empty(), "a scene with probes must have another active node");

@@ -16,7 +16,6 @@ struct SceneReport {
 
   const Problem* problem;
   MeshQuality quality;
-  std::int64_t nearly_flat = 0;  ///< number of nearly flat tetrahedra
   Lattice lattice;
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region

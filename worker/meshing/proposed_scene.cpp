@@ -143,7 +143,8 @@ bool reachesAround(const Problem& problem, double radius) {
 
 /// Returns the number of warnings that every scene of this mesh causes.
 std::size_t warningsOfMesh(const Mesh& mesh) {
-  return unjoinedText(mesh, measure(mesh), "").size() + (nearlyFlat(mesh) > 0 ? 1 : 0);
+  const MeshQuality quality = measure(mesh);
+  return unjoinedText(mesh, quality, "").size() + (quality.nearly_flat > 0 ? 1 : 0);
 }
 
 /// Returns whether a finger of this radius, metres, may be better than the finger of `problem`,
