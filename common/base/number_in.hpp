@@ -16,4 +16,17 @@ std::optional<Number> numberIn(std::string_view text) {
   return number;
 }
 
+/// Returns the number between `prefix` and `suffix`, such as 12 in "press_0012.vtu"; nullopt unless
+/// `text` consists of these three.
+template <class Number>
+std::optional<Number> numberBetween(std::string_view prefix, std::string_view text,
+                                    std::string_view suffix) {
+  if (text.size() < prefix.size() + suffix.size() || !text.starts_with(prefix) ||
+      !text.ends_with(suffix))
+    return std::nullopt;
+  text.remove_prefix(prefix.size());
+  text.remove_suffix(suffix.size());
+  return numberIn<Number>(text);
+}
+
 }  // namespace palpate

@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "common/base/assertion.hpp"
@@ -20,14 +19,6 @@ constexpr std::string_view event_file_prefix = "events-", event_file_suffix = ".
 /// Limit on the bytes that wait for a flush(), however long a turn lasts.
 constexpr std::size_t most_waiting = 64 << 10;
 
-/// Returns the number in the name of an event file; nothing for other files.
-std::optional<std::uint32_t> numberOfFile(std::string_view name) {
-  if (!name.starts_with(event_file_prefix) || !name.ends_with(event_file_suffix)) return {};
-  name.remove_prefix(event_file_prefix.size());
-  name.remove_suffix(event_file_suffix.size());
-  return numberIn<std::uint32_t>(name);
-}
-
 }  // namespace
 
 std::filesystem::path eventFile(const std::filesystem::path& directory, std::uint32_t number) {
@@ -39,7 +30,8 @@ std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory) {
   std::error_code error;
   for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end;
        entry.increment(error))
-    if (const auto number = numberOfFile(entry->path().filename().string()))
+    if (const auto number = numberBetween<std::uint32_t>(
+            event_file_prefix, entry->path().filename().string(), event_file_suffix))
       numbers.push_back(*number);
   std::ranges::sort(numbers);
   return numbers;

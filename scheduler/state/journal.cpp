@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <utility>
 
 #include "common/base/assertion.hpp"
+#include "common/base/number_in.hpp"
 #include "common/base/whole_file.hpp"
 
 namespace palpate {
@@ -186,18 +186,12 @@ std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:0
 /// segmentName() writes them. Another spelling would be a second file with the same number, and a
 /// number with more digits would imply that as many segments are missing.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
-  constexpr std::string_view prefix = "segment-", suffix = ".dat";
   std::vector<std::uint32_t> numbers;
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix) || !name.ends_with(suffix)) continue;
-    const std::string digits =
-        name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-    std::uint32_t number = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (error == std::errc() && end == digits.data() + digits.size() && number > 0 &&
-        number <= most_segments && name == segmentName(number))
-      numbers.push_back(number);
+    const auto number = numberBetween<std::uint32_t>("segment-", name, ".dat");
+    if (number && *number > 0 && *number <= most_segments && name == segmentName(*number))
+      numbers.push_back(*number);
   }
   std::ranges::sort(numbers);
   return numbers;
@@ -298,15 +292,6 @@ std::uint64_t JournalReader::bytesBefore(std::uint32_t segment) const {
 
 std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
   return directory_ / segmentName(segment);
-}
-
-JournalScan JournalReader::scan() const {
-  std::vector<JournalScan::Found> records;
-  JournalScan found = scan([&](const JournalPosition& where, std::string_view header) {
-    records.push_back({where, std::string(header)});
-  });
-  found.records = std::move(records);
-  return found;
 }
 
 JournalScan JournalReader::scan(const Visit& visit) const {

@@ -59,15 +59,8 @@ struct JournalGap {
   std::string text;       ///< message with the name of the file
 };
 
-/// The contents of a journal.
+/// What a journal contains beside its records.
 struct JournalScan {
-  struct Found {
-    JournalPosition where;
-    std::string header;
-  };
-  /// Records with an undamaged header, in the order of appending. Payloads are checked only in the
-  /// last segment. Empty if scan() passed the records to a visitor instead.
-  std::vector<Found> records;
   /// Gaps between the records. The bytes behind the last record are not a gap, because a crash may
   /// leave some there.
   std::vector<JournalGap> gaps;
@@ -98,13 +91,12 @@ class JournalReader {
  public:
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// Finds all records, even between damaged bytes. Reads the header of every record. In the last
-  /// segment, where a crash may leave a partial record, reads the payloads too. Throws (bad input)
-  /// if an older Palpate wrote the journal.
-  JournalScan scan() const;
-  /// Does the same, but passes each record to `visit` instead of storing it, because the records
-  /// may not fit into memory. `header` is valid only during the call of `visit`.
+  /// Receives a record with an undamaged header, which is valid only during the call.
   using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
+  /// Finds all records, even between damaged bytes, and passes them to `visit` in the order of
+  /// appending. Reads the header of every record. In the last segment, where a crash may leave a
+  /// partial record, reads and checks the payloads too. Throws (bad input) if an older Palpate
+  /// wrote the journal.
   JournalScan scan(const Visit& visit) const;
   /// Reads a record. Throws DamagedRecord if the record is missing or is not what was written.
   JournalRecord read(const JournalPosition& position) const;

@@ -1,14 +1,15 @@
 #include "scheduler/state/journal.hpp"
 #include "tests/fuzz/fuzzer.hpp"
+#include "tests/support/scanned_journal.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate::fuzz {
 namespace {
 
 /// The records and the result of a scan; the next scan must find the same.
-std::vector<std::string> headersOf(const JournalScan& scan) {
+std::vector<std::string> headersOf(const test::ScannedJournal& scan) {
   std::vector<std::string> headers;
-  for (const JournalScan::Found& found : scan.records) headers.push_back(found.header);
+  for (const auto& found : scan.records) headers.push_back(found.header);
   return headers;
 }
 
@@ -32,8 +33,8 @@ void readSegments(std::string_view bytes) {
     const std::string_view content = choices.takeBytes();
     if (segment != 2 || !content.empty()) putInto(reader.segmentPath(segment), content);
   }
-  const JournalScan scan = reader.scan();
-  for (const JournalScan::Found& found : scan.records) try {
+  const test::ScannedJournal scan = test::scanned(reader);
+  for (const auto& found : scan.records) try {
       require(reader.read(found.where).header == found.header, "another record lies there");
     } catch (const DamagedRecord&) {
       // Scans of full segments do not read this payload.
@@ -44,7 +45,7 @@ void readSegments(std::string_view bytes) {
       // There is no record, or no complete one.
     }
   mend(directory.path(), scan);
-  const JournalScan mended = reader.scan();
+  const test::ScannedJournal mended = test::scanned(reader);
   require(headersOf(mended) == headersOf(scan), "mending a journal changes what is whole in it");
 }
 

@@ -5,6 +5,7 @@
 #include "scheduler/service/coordinator.hpp"
 #include "scheduler/state/inspection.hpp"
 #include "tests/fuzz/light_sqlite.hpp"
+#include "tests/support/scanned_journal.hpp"
 #include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -178,7 +179,7 @@ class FuzzedState {
         file, std::min<std::uintmax_t>(length, std::filesystem::file_size(file)));
   }
   static void append(std::string_view header, std::string_view payload) {
-    Journal(copy(), JournalReader(copy()).scan().end).append(header, payload);
+    Journal(copy(), test::scanned(JournalReader(copy())).end).append(header, payload);
   }
   static void appendChanged(std::string_view changes) {
     auto [result, payload] = firstResults().front();

@@ -4,6 +4,7 @@
 
 #include "common/wire/wire.hpp"
 #include "scheduler/state/job_store.hpp"
+#include "tests/support/scanned_journal.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -21,7 +22,7 @@ bool isIn(const std::vector<SpacePlan>& plans, const ResultKey& key) {
 
 std::vector<wire::Result> recordedIn(const std::filesystem::path& directory) {
   std::vector<wire::Result> results;
-  for (const JournalScan::Found& found : JournalReader(directory).scan().records)
+  for (const auto& found : test::scanned(JournalReader(directory)).records)
     if (!results.emplace_back().ParseFromString(found.header))
       throw Broken("a record in the journal cannot be read");
   return results;

@@ -8,6 +8,7 @@
 
 #include "common/base/whole_file.hpp"
 #include "scheduler/builds/recorded_build.hpp"
+#include "tests/support/scanned_journal.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -510,9 +511,9 @@ class World {
   void rotJournal(const Event& event) {
     const JournalReader reader(scheduler_.stateDirectory());
     if (!std::filesystem::exists(scheduler_.stateDirectory())) return;
-    const std::vector<JournalScan::Found> records = reader.scan().records;
+    const auto records = test::scanned(reader).records;
     if (records.empty()) return;
-    const JournalScan::Found& hit = records[event.who % records.size()];
+    const auto& hit = records[event.who % records.size()];
     ledger_.spoiled.insert(keyIn(hit.header));
     disk_.flip(scheduler_.stateDirectory() / fmt::format("segment-{:06}.dat", hit.where.segment),
                hit.where.offset + (event.who >> 20) % hit.where.length,

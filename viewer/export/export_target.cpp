@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/number_in.hpp"
 #include "common/base/whole_file.hpp"
 
 namespace palpate {
@@ -32,18 +32,6 @@ ExportFormat formatOf(const std::filesystem::path& file) {
 bool isThere(const std::filesystem::path& file) {
   std::error_code ignored;
   return std::filesystem::exists(std::filesystem::symlink_status(file, ignored));
-}
-
-/// Returns the number in the name of a series file, such as 12 for "press_0012.vtu" with the stem
-/// "press"; nothing for other names.
-std::optional<std::size_t> numberIn(const std::string& name, const std::string& stem) {
-  const std::string begin = stem + "_", end = ".vtu";
-  if (!name.starts_with(begin) || !name.ends_with(end) || name.size() <= begin.size() + end.size())
-    return std::nullopt;
-  std::size_t number = 0;
-  const char *first = name.data() + begin.size(), *last = name.data() + name.size() - end.size();
-  const auto [stop, error] = std::from_chars(first, last, number);
-  return error == std::errc() && stop == last ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace
@@ -103,7 +91,8 @@ void ExportTarget::endSeries(std::size_t count) const {
   std::vector<std::filesystem::path> longer;
   try {
     for (const auto& entry : std::filesystem::directory_iterator(seriesFolder()))
-      if (const auto number = numberIn(entry.path().filename().string(), series_);
+      if (const auto number =
+              numberBetween<std::size_t>(series_ + '_', entry.path().filename().string(), ".vtu");
           number && *number >= count)
         longer.push_back(entry.path());
     for (const std::filesystem::path& file : longer) std::filesystem::remove(file);

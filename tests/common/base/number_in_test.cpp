@@ -17,5 +17,12 @@ TEST(NumberIn, ReadsOnlyCompletelyNumericText) {
   EXPECT_FALSE(numberIn<std::uint16_t>("-1"));
 }
 
+TEST(NumberIn, IsFoundBetweenPrefixAndSuffix) {
+  EXPECT_EQ(numberBetween<int>("a-", "a-0012.b", ".b"), 12);
+  for (const char* none : {"a-.b", "a-1", "1.b", "a-1x.b", "a-+1.b", "xa-1.b", "a-1.bx", ""})
+    EXPECT_FALSE(numberBetween<int>("a-", none, ".b")) << none;
+  EXPECT_FALSE(numberBetween<int>("1.", "1.1", ".1"));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/left_open.hpp"
+#include "tests/support/scanned_journal.hpp"
 
 namespace palpate {
 namespace {
@@ -49,7 +50,7 @@ struct RecordedBuildTest : testing::Test {
   void completeWithDamage() {
     world.join("a", 1);
     solveJobs(7);
-    const JournalPosition last = JournalReader(state).scan().records.back().where;
+    const JournalPosition last = test::scanned(JournalReader(state)).records.back().where;
     world.build().drop(DamagedRecord(last, "a test"));
     world.restart();
     world.join("a", 1);

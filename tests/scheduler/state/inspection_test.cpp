@@ -9,6 +9,7 @@
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/file_bytes.hpp"
+#include "tests/support/scanned_journal.hpp"
 #include "tests/support/unwritable.hpp"
 
 namespace palpate {
@@ -188,7 +189,7 @@ TEST_F(InspectionTest, AMissingSegmentLosesItsRecordsAndIsMarked) {
   {
     std::vector<JournalRecord> records;
     const JournalReader reader(state);
-    for (const JournalScan::Found& found : reader.scan().records)
+    for (const auto& found : test::scanned(reader).records)
       records.push_back(reader.read(found.where));
     fs::remove(segment);
     Journal journal(state, {}, 8000);

@@ -11,6 +11,7 @@
 #include "tests/scheduler/state/synced_files.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/file_bytes.hpp"
+#include "tests/support/scanned_journal.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 std::vector<std::string>* palpate::test::synced_files = nullptr;
@@ -47,10 +48,10 @@ struct JournalTest : testing::Test {
     for (const char* header : records) journal.append(header, payload);
     journal.sync();
   }
-  JournalScan scan() { return JournalReader(directory.path()).scan(); }
+  test::ScannedJournal scan() { return test::scanned(JournalReader(directory.path())); }
   std::vector<std::string> headers() {
     std::vector<std::string> headers;
-    for (const JournalScan::Found& record : scan().records) headers.push_back(record.header);
+    for (const auto& record : scan().records) headers.push_back(record.header);
     return headers;
   }
   std::vector<std::string> gaps() {
@@ -81,7 +82,7 @@ TEST_F(JournalTest, IsReadCompletelyFromItsFilesAlone) {
     journal.sync();
     EXPECT_EQ(journal.end().segment, 3u);
   }
-  const JournalScan found = scan();
+  const test::ScannedJournal found = scan();
   EXPECT_THAT(headers(), ElementsAre("a", "b", "c", "d", "e"));
   EXPECT_EQ(found.records.back().where, last);
   EXPECT_EQ(found.end, (JournalEnd{last.segment, last.offset + last.length}));
