@@ -175,7 +175,7 @@ ExitCode solve(const SolveOptions& options) {
   Solving solving(options, problem);
   bool all_converged = true;
   const double radius = problem.scene.workspace.radius;
-  const bool of_many = options.displacement == std::vector<std::string>{"-"};
+  const bool of_many = options.displacement == from_input;
   forEachTouch(options.at, options.displacement, std::cin, radius, [&](const TouchInput& touch) {
     try {
       if (touch.at) solving.moveTo(*touch.at);

@@ -39,8 +39,6 @@ Eigen::Vector3d vectorIn(const std::vector<std::string>& words, const std::strin
   return Eigen::Vector3d(numbersIn(words, 3, where).data());
 }
 
-const std::vector<std::string> from_input = {"-"};
-
 /// Displacements longer than this number of workspace radii are probably a mistake.
 constexpr double far_beyond = 3;
 

@@ -23,6 +23,9 @@ CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& word
 /// per line.
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words);
 
+/// Words of either option that stand for standard input.
+inline const std::vector<std::string> from_input = {"-"};
+
 /// Place of a finger on the surface and displacement there, metres.
 struct TouchInput {
   std::optional<Eigen::Vector3d> at;  ///< nullopt for the place of the active node

@@ -43,9 +43,13 @@ std::string printable(std::string_view text, std::size_t most) {
 std::string shellWord(std::string_view file) {
   std::string name = (file.starts_with('-') ? "./" : "") + std::string(file);
   if (!name.empty() && std::ranges::all_of(name, isPlain)) return name;
-  std::string quoted = "'";
-  for (const char c : name) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+  return shellQuoted(name);
+}
+
+std::string shellQuoted(std::string_view word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
 }
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {

@@ -20,6 +20,9 @@ std::string printable(std::string_view text, std::size_t most = 64);
 /// word is quoted if necessary and cannot be mistaken for an option.
 std::string shellWord(std::string_view file);
 
+/// Quotes a word for the shell.
+std::string shellQuoted(std::string_view word);
+
 /// Returns the entry of `words` that `word` is probably a misspelling of. This is the entry with
 /// the fewest insertions, deletions, replacements and swaps of adjacent letters. One edit is always
 /// allowed; more are allowed up to a third of the letters of `word`. Returns an empty string if no

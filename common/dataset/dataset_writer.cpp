@@ -75,12 +75,6 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
   return content;
 }
 
-/// Reads the new file and checks it before it replaces an older one.
-void verifySealed(const std::filesystem::path& file, const ContentId& written) {
-  if (verifiedContent(file) != written)
-    throw failure("{}: the data read back differs from the data written", file.string());
-}
-
 }  // namespace
 
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
@@ -94,7 +88,9 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
   checkArguments(file.string(), problem, spaces);
   replaceFile(file, [&](const std::filesystem::path& aside) {
     const ContentId content = writeDataset(aside, problem, spaces, kernel_family, fields, partial);
-    verifySealed(aside, content);
+    // Read the new file and check it before it replaces an older one.
+    if (verifiedContent(aside) != content)
+      throw failure("{}: the data read back differs from the data written", aside.string());
   });
 }
 

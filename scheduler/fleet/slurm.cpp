@@ -44,13 +44,6 @@ std::string orders(const std::vector<std::string>& words, const std::string& inp
               fmt::format("{} failed (exit code {}): {}", words[0], ran.exit_code, said));
 }
 
-/// Quotes a word for the shell.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 // ---- Output of squeue ----
 
 /// A column of squeue's output. squeue cuts off values that are longer than the width.
@@ -187,7 +180,7 @@ std::string Slurm::script(int workers, const std::set<std::string>& but_on) cons
   }
   if (!excluded.empty()) option(fmt::format("--exclude={}", fmt::join(excluded, ",")));
   text += "exec";
-  for (const std::string& word : options_.command) text += ' ' + quoted(word);
+  for (const std::string& word : options_.command) text += ' ' + shellQuoted(word);
   return text + '\n';
 }
 

@@ -8,10 +8,6 @@
 namespace palpate {
 namespace {
 
-bool isFromInput(const std::vector<std::string>& words) {
-  return words.size() == 1 && words[0] == "-";
-}
-
 /// Returns the position of the tool, m; for tools other than fingers, relative to the rest
 /// position.
 Eigen::Vector3d toolAt(const WayStep& step) {
@@ -25,7 +21,7 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
                                  const std::vector<std::string>& words, int steps,
                                  std::istream& input, double workspace_radius) {
   std::vector<TouchInput> touches;
-  if (isFromInput(words)) {
+  if (words == from_input) {
     if (steps != 0)
       throw badInput("omit --steps {}: with \"--displacement -\" each input line is a step", steps);
     forEachTouch(at, words, input, workspace_radius, [&](const TouchInput& touch) {
