@@ -98,7 +98,6 @@ ExitCode buildHere(const BuildOptions& options) {
   };
   return serveBuild(options.order, {.endpoint = "tcp://127.0.0.1:*",
                                     .own_keys = true,
-                                    .keys = {},
                                     .crew = crew,
                                     .drain_limit = std::chrono::seconds(15)});
 }

@@ -140,39 +140,32 @@ ExitCode runSsh(SshFleetOptions& options) {
 
 // ---- Command line ----
 
+/// Adds an option for a number from 1 to `most`. --help shows its default.
+void addCount(CLI::App& app, const char* name, int& count, int most, const char* help) {
+  app.add_option(name, count, help)->check(CLI::Range(1, most))->capture_default_str();
+}
+
 void addTo(CLI::App& app, FleetOptions& options) {
   options.asked.addTo(app);
   app.add_option("--connect", options.endpoint,
                  "Scheduler address for workers, tcp://HOST:PORT [WHERE]");
-  app.add_option("--every", options.every_s, "Seconds between two queries of the scheduler")
-      ->check(CLI::Range(1, 3600))
-      ->capture_default_str();
-  app.add_option("--give-up", options.give_up_s,
-                 "End all workers after this many seconds without an answer")
-      ->check(CLI::Range(1, 7 * 24 * 3600))
-      ->capture_default_str();
+  addCount(app, "--every", options.every_s, 3600, "Seconds between two queries of the scheduler");
+  addCount(app, "--give-up", options.give_up_s, 7 * 24 * 3600,
+           "End all workers after this many seconds without an answer");
   app.add_flag("--dry-run", options.dry_run, "Print what would be done, and do nothing");
 }
 
 void addTo(CLI::App& app, SlurmFleetOptions& options) {
   addTo(app, static_cast<FleetOptions&>(options));
-  app.add_option("--most", options.limits.most, "Maximum number of workers, one core each")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  app.add_option("--backlog", options.limits.most_queued, "Maximum number of queued workers")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  app.add_option("--each", options.limits.transitions_each,
-                 "Request one more worker for every N solves that are ready to start")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  app.add_option("--minutes", options.slurm.minutes, "Time limit of each job, minutes")
-      ->check(CLI::Range(1, 60 * 24 * 30))
-      ->capture_default_str();
-  app.add_option("--leave-idle", options.leave_idle_s,
-                 "Seconds without work after which a worker leaves")
-      ->check(CLI::Range(1, 24 * 3600))
-      ->capture_default_str();
+  addCount(app, "--most", options.limits.most, 100000, "Maximum number of workers, one core each");
+  addCount(app, "--backlog", options.limits.most_queued, 100000,
+           "Maximum number of queued workers");
+  addCount(app, "--each", options.limits.transitions_each, 100000,
+           "Request one more worker for every N solves that are ready to start");
+  addCount(app, "--minutes", options.slurm.minutes, 60 * 24 * 30,
+           "Time limit of each job, minutes");
+  addCount(app, "--leave-idle", options.leave_idle_s, 24 * 3600,
+           "Seconds without work after which a worker leaves");
   app.add_option("--constraint", options.slurm.constraint,
                  "Required features of nodes, as for sbatch");
   app.add_option("--log", options.slurm.log, "Output file of the workers, as for sbatch")

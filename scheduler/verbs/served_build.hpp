@@ -44,7 +44,7 @@ class Crew {
 struct Serving {
   std::string endpoint;   ///< address to listen on
   bool own_keys = false;  ///< use the keys in the state directory, which the local workers use too
-  std::optional<KeyFolder> keys;  ///< keys to use otherwise; nothing: no authentication
+  std::optional<KeyFolder> keys = {};  ///< keys to use otherwise; nothing: no authentication
   std::function<std::unique_ptr<Crew>(Server&, Build&)> crew;
   std::chrono::seconds drain_limit{30};           ///< time for workers to finish and leave
   std::function<void()> anew = [] {};             ///< called before the records are read again

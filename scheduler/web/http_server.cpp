@@ -136,8 +136,7 @@ HttpAnswer httpError(int status, const std::string& what) {
   return {.status = status,
           .type = "application/json",
           .body = nlohmann::json{{"error", what}}.dump(-1, ' ', false,
-                                                       nlohmann::json::error_handler_t::replace),
-          .headers = {}};
+                                                       nlohmann::json::error_handler_t::replace)};
 }
 
 struct HttpServer::Parts {

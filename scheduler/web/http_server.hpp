@@ -26,7 +26,7 @@ struct HttpAnswer {
   int status = 200;
   std::string type;  ///< "application/json"
   std::string body;
-  std::vector<std::pair<std::string, std::string>> headers;
+  std::vector<std::pair<std::string, std::string>> headers = {};
 };
 using HttpQuery = std::map<std::string, std::string>;
 /// Answers a request from its parsed query string. Several threads may call a handler at the same
