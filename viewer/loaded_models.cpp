@@ -7,7 +7,6 @@
 
 #include <algorithm>
 
-#include "common/base/assertion.hpp"
 #include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/fields/field_choice.hpp"

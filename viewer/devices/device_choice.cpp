@@ -12,7 +12,6 @@
 #include "viewer/devices/network_device.hpp"
 #include "viewer/devices/plugin_device.hpp"
 #include "viewer/devices/replay_device.hpp"
-#include "viewer/devices/touch_path.hpp"
 #include "viewer/devices/virtual_hand.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 

@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "common/base/number_text.hpp"
-#include "common/base/program.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/configuration_source.hpp"

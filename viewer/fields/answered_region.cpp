@@ -1,7 +1,6 @@
 #include "viewer/fields/answered_region.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/base/assertion.hpp"
 

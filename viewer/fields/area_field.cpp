@@ -6,11 +6,9 @@
 #include <numeric>
 #include <set>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/machine.hpp"
 #include "common/base/parallel.hpp"
-#include "common/mesh/near_points.hpp"
 #include "viewer/fields/jet_sums.hpp"
 #include "viewer/fields/wendland.hpp"
 

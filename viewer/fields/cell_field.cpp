@@ -1,7 +1,6 @@
 #include "viewer/fields/cell_field.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpate {
 namespace {

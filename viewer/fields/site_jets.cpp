@@ -1,7 +1,5 @@
 #include "viewer/fields/site_jets.hpp"
 
-#include <algorithm>
-
 #include "common/base/assertion.hpp"
 #include "viewer/fields/potential_field.hpp"
 

@@ -1,9 +1,7 @@
 #include "viewer/live/live_link.hpp"
 
 #include <signal.h>
-#include <spdlog/spdlog.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include "common/base/child_process.hpp"
 #include "common/base/error.hpp"

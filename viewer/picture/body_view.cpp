@@ -1,7 +1,5 @@
 #include "viewer/picture/body_view.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "viewer/picture/soft_light.hpp"
 
 #include <array>
-#include <string>
 
 #include "common/base/error.hpp"
 #include "viewer/picture/open_gl.hpp"

@@ -1,7 +1,6 @@
 #include "viewer/picture/tool_view.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "viewer/picture/open_gl.hpp"
 

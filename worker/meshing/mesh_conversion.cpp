@@ -1,6 +1,5 @@
 #include "worker/meshing/mesh_conversion.hpp"
 
-#include <array>
 #include <map>
 #include <sstream>
 

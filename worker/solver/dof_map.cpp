@@ -4,7 +4,6 @@
 
 #include "common/base/index.hpp"
 #include "common/base/joined_sets.hpp"
-#include "common/mesh/node_set.hpp"
 #include "worker/elements/element_kernels.hpp"
 #include "worker/solver/element_geometry.hpp"
 
