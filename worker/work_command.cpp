@@ -51,8 +51,6 @@ class SolverThread {
       solver_left_running = true;
     }
   }
-  SolverThread(const SolverThread&) = delete;
-  SolverThread& operator=(const SolverThread&) = delete;
 
  private:
   std::shared_ptr<Mailbox> mailbox_;

@@ -53,10 +53,8 @@ class HapticLoop {
   /// the rate is not 1 / period of the tick, or if the watchdog is not positive.
   HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options);
   ~HapticLoop();  ///< stops the loop
-  HapticLoop(const HapticLoop&) = delete;
-  HapticLoop& operator=(const HapticLoop&) = delete;
-  void start();  ///< once only; throws Error if a thread cannot be created
-  void stop();   ///< writes zero force last and completes the statistics
+  void start();   ///< once only; throws Error if a thread cannot be created
+  void stop();    ///< writes zero force last and completes the statistics
   /// Returns true from start() until the last tick, by stop() or LoopOptions::ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 

@@ -41,8 +41,6 @@ struct LiveLink::Follower {
       }
     }
   }
-  Follower(const Follower&) = delete;
-  Follower& operator=(const Follower&) = delete;
 
   std::string endpoint() const { return "ipc://" + (folder / "follower").string(); }
   bool ended() {

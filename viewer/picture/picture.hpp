@@ -32,8 +32,6 @@ class Picture {
   explicit Picture(const std::vector<const HapticModel*>& models,
                    const PictureOptions& options = {});
   ~Picture();
-  Picture(const Picture&) = delete;
-  Picture& operator=(const Picture&) = delete;
 
   /// Returns whether the user or the system closed the window. The window stays visible until this
   /// object is destroyed.

@@ -1,7 +1,6 @@
 #include "worker/link/mailbox.hpp"
 
 #include <sys/eventfd.h>
-#include <unistd.h>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -10,14 +9,12 @@ namespace palpate {
 
 Mailbox::Mailbox(std::chrono::milliseconds gathers_for)
     : gathers_for_(gathers_for), event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (event_ < 0) throw failure("eventfd: {}", errnoText());
+  if (!event_) throw failure("eventfd: {}", errnoText());
 }
-
-Mailbox::~Mailbox() { ::close(event_); }
 
 void Mailbox::wakeNetwork() {
   // EAGAIN means that the counter is full, so the reader wakes up anyway.
-  if (eventfd_write(event_, 1) != 0 && errno != EAGAIN)
+  if (eventfd_write(event_.get(), 1) != 0 && errno != EAGAIN)
     throw failure("eventfd write: {}", errnoText());
 }
 
@@ -44,7 +41,7 @@ std::vector<FinishedTarget> Mailbox::takeFinished() {
   eventfd_t count = 0;
   // The counter is read before the results are taken, so that a result which arrives in between
   // wakes the network thread again.
-  if (eventfd_read(event_, &count) != 0 && errno != EAGAIN)
+  if (eventfd_read(event_.get(), &count) != 0 && errno != EAGAIN)
     throw failure("eventfd read: {}", errnoText());
   const std::lock_guard lock(mutex_);
   return std::exchange(finished_, {});

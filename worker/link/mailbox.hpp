@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 
+#include "common/base/file_descriptor.hpp"
 #include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
 #include "proto/palpate.pb.h"
@@ -33,9 +34,6 @@ class Mailbox {
   /// While a job continues, the network thread is woken at most once in `gathers_for`, so that
   /// targets which finish soon after each other are sent together.
   explicit Mailbox(std::chrono::milliseconds gathers_for = std::chrono::milliseconds(10));
-  ~Mailbox();
-  Mailbox(const Mailbox&) = delete;
-  Mailbox& operator=(const Mailbox&) = delete;
 
   // Network side.
   /// Appends a job to the queue.
@@ -60,7 +58,7 @@ class Mailbox {
   /// Returns whether a job is queued or being solved.
   bool hasWork();
   /// Returns a descriptor for poll(). It is readable while there are finished targets.
-  int wakeUpDescriptor() const { return event_; }
+  int wakeUpDescriptor() const { return event_.get(); }
 
   // Solver side.
   /// Returns the next job, and waits for one if `waits` is true. If it returns nothing, the mailbox
@@ -79,7 +77,7 @@ class Mailbox {
   void wakeNetwork();
 
   const std::chrono::milliseconds gathers_for_;
-  const int event_;  ///< eventfd
+  const FileDescriptor event_;  ///< eventfd
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
