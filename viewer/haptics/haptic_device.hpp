@@ -31,16 +31,11 @@ struct HeldForces {
 
 /// One reading of a device. None of its values can be trusted; a device may send NaN.
 struct DeviceReading {
-  DeviceReading() = default;
-  DeviceReading(const Eigen::Vector3d& at, std::uint32_t pressed, DeviceStatus is,
-                const HeldForces& forces = {})
-      : position(at), buttons(pressed), status(is), held(forces) {}
-
   /// m, in the device's frame (HapticDevice)
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 releases (contact.hpp)
   DeviceStatus status = DeviceStatus::lost;
-  HeldForces held;
+  HeldForces held = {};
 };
 
 /// Position of the tool, as the mouse sets it in the picture.
