@@ -1,9 +1,5 @@
 #include "viewer/plot/csv.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
 namespace palpate {
 namespace {
 
@@ -20,10 +16,6 @@ std::string csvLine(const std::vector<std::string>& cells) {
   std::string line;
   for (std::size_t n = 0; n < cells.size(); ++n) line += (n == 0 ? "" : ",") + quoted(cells[n]);
   return line + '\n';
-}
-
-std::string csvNumber(double value, int figures) {
-  return std::isfinite(value) ? fmt::format("{:.{}g}", value, figures) : "";
 }
 
 }  // namespace palpate

@@ -11,7 +11,4 @@ namespace palpate {
 /// Returns one line, including its line feed.
 std::string csvLine(const std::vector<std::string>& cells);
 
-/// Returns the value with `figures` significant digits; an empty string if it is not finite.
-std::string csvNumber(double value, int figures = 8);
-
 }  // namespace palpate
