@@ -236,12 +236,12 @@ class ViewSession {
 
   void startLoop() {
     PALPATE_ASSERT(!loop_, "the haptic loop must not run already");
-    LoopOptions loop_options;
-    loop_options.rate = options_.rate;
-    loop_options.real_time = options_.real_time;
-    loop_options.free_running = options_.fast;
-    loop_options.ticks = ticks_ == 0 ? 0 : std::max<std::uint64_t>(1, ticks_ - statistics_.ticks);
-    loop_options.record = recorder_.has_value();
+    const LoopOptions loop_options = {
+        .rate = options_.rate,
+        .real_time = options_.real_time,
+        .free_running = options_.fast,
+        .ticks = ticks_ == 0 ? 0 : std::max<std::uint64_t>(1, ticks_ - statistics_.ticks),
+        .record = recorder_.has_value()};
     loop_ = std::make_unique<HapticLoop>(*tick_, *device_, loop_options);
     loop_->start();
   }

@@ -73,13 +73,11 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
 }
 
 GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {
-  GuardInput input;
-  input.tool = vectorOf(tool);
-  input.touch = toTouch(touch);
-  input.fresh = (flags & PALPATE_READING_FRESH) != 0;
-  input.lost = (flags & PALPATE_READING_LOST) != 0;
-  input.late = (flags & PALPATE_LOOP_LATE) != 0;
-  return input;
+  return {.tool = vectorOf(tool),
+          .touch = toTouch(touch),
+          .fresh = (flags & PALPATE_READING_FRESH) != 0,
+          .lost = (flags & PALPATE_READING_LOST) != 0,
+          .late = (flags & PALPATE_LOOP_LATE) != 0};
 }
 
 }  // namespace

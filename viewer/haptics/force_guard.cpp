@@ -33,11 +33,7 @@ bool shorten(Eigen::Vector3d& v, double longest) {
 }  // namespace
 
 GuardOptions guardFor(const DeviceProfile& profile, double period) {
-  GuardOptions options;
-  options.period = period;
-  options.max_force = profile.max_force;
-  options.max_stiffness = profile.max_stiffness;
-  return options;
+  return {.period = period, .max_force = profile.max_force, .max_stiffness = profile.max_stiffness};
 }
 
 double slewOf(const GuardOptions& options) {

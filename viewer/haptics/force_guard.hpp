@@ -50,7 +50,7 @@ const char* guardWord(int bit);
 struct GuardInput {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< m, scene frame
   Touch touch;
-  HeldForces held;
+  HeldForces held = {};
   bool fresh = true;  ///< the reading is from this tick
   bool lost = false;  ///< the device is gone
   bool away = false;  ///< no hand is in the scene, so a tool position that is not finite is no

@@ -84,15 +84,14 @@ const HapticState& HapticTick::run(bool late) noexcept {
   if (tool.allFinite()) state_.tool = tool;
 
   if (options_.live != nullptr) options_.live->begin(options_.period);
-  GuardInput input;
-  input.tool = tool;
-  input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
-  input.held = state_.reading.held;
-  input.fresh = away || state_.reading.status == DeviceStatus::fresh;
-  input.lost = lost;
-  input.away = away;
-  // A lost device is halted. The tick in which it returns is late.
-  input.late = late && !lost;
+  const GuardInput input = {.tool = tool,
+                            .touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0),
+                            .held = state_.reading.held,
+                            .fresh = away || state_.reading.status == DeviceStatus::fresh,
+                            .lost = lost,
+                            .away = away,
+                            // A lost device is halted. The tick in which it returns is late.
+                            .late = late && !lost};
   if (options_.live != nullptr)
     options_.live->publish({state_.time, input.touch.touching && touchesLive(),
                             input.touch.anchor_position, input.touch.displacement,

@@ -20,8 +20,8 @@ struct CarriedTouch {
   double finger_radius = 0;          ///< m; 0: no finger
   /// m, rest position of the active node. Unused for a finger, which rests wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d>
-      collocation_points;  ///< m, for a surface: AreaField::collocationPointsOf
+  /// m, for a surface: AreaField::collocationPointsOf
+  std::vector<Eigen::Vector3d> collocation_points = {};
 };
 
 /// Deformed shapes of all solved points, as sums of the same few modes.

@@ -116,11 +116,9 @@ CarriedTouch touchOf(const TouchArea& area, const Dataset& dataset) {
 
 CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
   const ActivePatch& patch = dataset.spaces()[space].patch;
-  CarriedTouch touch;
-  touch.name = patch.name;
-  touch.spaces = {static_cast<std::int32_t>(space)};
-  touch.rest = dataset.mesh().nodes[at(patch.node)];
-  return touch;
+  return {.name = patch.name,
+          .spaces = {static_cast<std::int32_t>(space)},
+          .rest = dataset.mesh().nodes[at(patch.node)]};
 }
 
 /// Returns the index of the space with the largest weight in a triangle.
