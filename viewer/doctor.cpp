@@ -204,8 +204,7 @@ std::string describeJson(const std::vector<Finding>& findings) {
   return text;
 }
 
-Verb doctorVerb() {
-  return {"doctor", "Check whether this machine can run the haptic client", prepareDoctor};
-}
+const Verb doctor_verb = {"doctor", "Check whether this machine can run the haptic client",
+                          prepareDoctor};
 
 }  // namespace palpate

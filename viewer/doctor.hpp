@@ -26,8 +26,8 @@ std::vector<Finding> examineMachine();
 std::string describe(const std::vector<Finding>& findings);
 std::string describeJson(const std::vector<Finding>& findings);
 
-/// Returns the verb `doctor` of palpate-viewer, which prints the findings. Its exit code is 1 if
-/// something does not work, otherwise 0.
-Verb doctorVerb();
+/// The verb `doctor` of palpate-viewer, which prints the findings. Its exit code is 1 if something
+/// does not work, otherwise 0.
+extern const Verb doctor_verb;
 
 }  // namespace palpate

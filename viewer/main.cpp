@@ -10,6 +10,6 @@
 int main(int argc, char** argv) {
   using namespace palpate;
   hdf5::leaveOpenFilesAtExit();
-  const std::array verbs = {viewVerb(), touchVerb(), deviceVerb(), doctorVerb()};
+  const std::array verbs = {view_verb, touch_verb, device_verb, doctor_verb};
   return runProgram(argc, argv, "Palpate's haptic client: lets a hand feel datasets", verbs);
 }

@@ -146,8 +146,7 @@ std::function<ExitCode()> prepareTouch(CLI::App& app) {
 
 }  // namespace
 
-Verb touchVerb() {
-  return {"touch", "Feel an organ at once: make its mesh and scene, and view it", prepareTouch};
-}
+const Verb touch_verb = {"touch", "Feel an organ at once: make its mesh and scene, and view it",
+                         prepareTouch};
 
 }  // namespace palpate

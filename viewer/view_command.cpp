@@ -60,6 +60,29 @@ void addTouchOptions(CLI::App& app, ViewOptions& options, std::string& contact) 
       ->capture_default_str();
 }
 
+std::function<ExitCode()> prepareView(CLI::App& app) {
+  auto options = std::make_shared<ViewOptions>();
+  app.add_option(
+         "DATASET", options->datasets,
+         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
+         "which is solved near the hand")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--live", options->live,
+                 "Scene of the first dataset: solve it near the hand, and correct the forces")
+      ->type_name("SCENE");
+  const std::function<void()> complete = addViewOptions(app, options);
+  app.footer(
+      "Ends when the window is closed, after --duration, at the end of a replay, or on Ctrl-C;\n"
+      "then prints the statistics of the loop. The force never exceeds the limit of the device\n"
+      "(docs/client.md).\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.");
+  return [options, complete] {
+    complete();
+    return view(*options, std::cout);
+  };
+}
+
 }  // namespace
 
 std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOptions>& options) {
@@ -100,33 +123,6 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
   };
 }
 
-namespace {
-
-std::function<ExitCode()> prepareView(CLI::App& app) {
-  auto options = std::make_shared<ViewOptions>();
-  app.add_option(
-         "DATASET", options->datasets,
-         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
-         "which is solved near the hand")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--live", options->live,
-                 "Scene of the first dataset: solve it near the hand, and correct the forces")
-      ->type_name("SCENE");
-  const std::function<void()> complete = addViewOptions(app, options);
-  app.footer(
-      "Ends when the window is closed, after --duration, at the end of a replay, or on Ctrl-C;\n"
-      "then prints the statistics of the loop. The force never exceeds the limit of the device\n"
-      "(docs/client.md).\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.");
-  return [options, complete] {
-    complete();
-    return view(*options, std::cout);
-  };
-}
-
-}  // namespace
-
-Verb viewVerb() { return {"view", "Feel and see a dataset: the haptic client", prepareView}; }
+const Verb view_verb = {"view", "Feel and see a dataset: the haptic client", prepareView};
 
 }  // namespace palpate

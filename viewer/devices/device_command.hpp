@@ -17,7 +17,7 @@ struct DeviceCommandOptions {
 /// until interrupted. Throws Error (bad input) for an invalid word or endpoint, or unreadable keys.
 ExitCode serveDevice(const DeviceCommandOptions& options);
 
-/// Returns the verb `device` of palpate-viewer.
-Verb deviceVerb();
+/// The verb `device` of palpate-viewer.
+extern const Verb device_verb;
 
 }  // namespace palpate

@@ -194,8 +194,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   return exportSeries(dataset, answers, way, target, output);
 }
 
-Verb exportVerb() {
-  return {"export", "Export configurations for ParaView, or force curves as CSV", prepareExport};
-}
+const Verb export_verb = {"export", "Export configurations for ParaView, or force curves as CSV",
+                          prepareExport};
 
 }  // namespace palpate

@@ -36,6 +36,6 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
                               std::ostream& output);
 
 /// The command `export` of palpate-answers, on standard input and output.
-Verb exportVerb();
+extern const Verb export_verb;
 
 }  // namespace palpate

@@ -10,6 +10,6 @@
 int main(int argc, char** argv) {
   using namespace palpate;
   hdf5::leaveOpenFilesAtExit();
-  const std::array verbs = {queryVerb(), reportVerb(), exportVerb(), shareVerb()};
+  const std::array verbs = {query_verb, report_verb, export_verb, share_verb};
   return runProgram(argc, argv, "Answers from datasets: forces, reports, files and pages", verbs);
 }

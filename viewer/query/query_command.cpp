@@ -183,9 +183,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
   return code;
 }
 
-Verb queryVerb() {
-  return {"query", "Interpolated force and stiffness at displacements of an active node",
-          prepareQuery};
-}
+const Verb query_verb = {
+    "query", "Interpolated force and stiffness at displacements of an active node", prepareQuery};
 
 }  // namespace palpate

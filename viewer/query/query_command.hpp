@@ -26,6 +26,6 @@ struct QueryOptions {
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output);
 
 /// The command `query` of palpate-answers, on standard input and output.
-Verb queryVerb();
+extern const Verb query_verb;
 
 }  // namespace palpate

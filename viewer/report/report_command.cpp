@@ -78,8 +78,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   return ExitCode::done;
 }
 
-Verb reportVerb() {
-  return {"report", "Accuracy and speed of the interpolation methods on a dataset", prepareReport};
-}
+const Verb report_verb = {"report", "Accuracy and speed of the interpolation methods on a dataset",
+                          prepareReport};
 
 }  // namespace palpate

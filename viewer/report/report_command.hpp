@@ -21,7 +21,7 @@ struct ReportCommandOptions {
 /// a dataset. Throws Error if the page cannot be written; no file is left then.
 ExitCode report(const ReportCommandOptions& options, std::ostream& output);
 
-/// Returns the verb `report` of palpate-answers, which writes to standard output.
-Verb reportVerb();
+/// The verb `report` of palpate-answers, which writes to standard output.
+extern const Verb report_verb;
 
 }  // namespace palpate

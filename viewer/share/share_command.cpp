@@ -42,8 +42,7 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
   return ExitCode::done;
 }
 
-Verb shareVerb() {
-  return {"share", "Write a dataset as an HTML page to touch by mouse or finger", prepareShare};
-}
+const Verb share_verb = {"share", "Write a dataset as an HTML page to touch by mouse or finger",
+                         prepareShare};
 
 }  // namespace palpate

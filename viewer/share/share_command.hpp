@@ -18,6 +18,6 @@ struct ShareOptions {
 ExitCode share(const ShareOptions& options, std::ostream& output);
 
 /// The command `share` of palpate-answers, on standard output.
-Verb shareVerb();
+extern const Verb share_verb;
 
 }  // namespace palpate
