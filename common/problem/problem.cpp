@@ -14,6 +14,7 @@
 #include "common/base/text.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/mesh_reader.hpp"
+#include "common/mesh/tetrahedron.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"
 #include "common/scene/key_lines.hpp"
@@ -163,15 +164,6 @@ void checkRegions(const Problem& problem) {
         throw badInput("a fibre of length {} is not a direction", fiber.norm());
 }
 
-/// Returns the nodes of a tetrahedron, corners first.
-std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
-  std::vector<std::int32_t> nodes(mesh.tetrahedra[element].begin(), mesh.tetrahedra[element].end());
-  if (!mesh.mid_edge_nodes.empty())
-    nodes.insert(nodes.end(), mesh.mid_edge_nodes[element].begin(),
-                 mesh.mid_edge_nodes[element].end());
-  return nodes;
-}
-
 /// Refuses a patch with which some elements cannot keep their volume. The pressure at a node keeps
 /// the volume of the elements around the node constant. If all nodes of these elements are fixed or
 /// move with the tool, a displacement changes their volume, and no free node can compensate for
@@ -189,7 +181,7 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
     const Material& material = problem.scene.regions[problem.region_of[element]].material;
     if (!isMixed(material)) continue;
-    const std::vector<std::int32_t> nodes = allNodesOf(mesh, element);
+    const std::vector<std::int32_t> nodes = nodesOf(mesh, element);
     const auto heldBy = [&](Holder who) {
       return std::ranges::count(nodes, who, [&](std::int32_t node) { return holder[node]; });
     };
@@ -199,7 +191,7 @@ void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
       if (can_move) keeps[node] = 1;
   }
   for (const std::size_t element : squeezed)
-    for (const std::int32_t node : allNodesOf(mesh, element))
+    for (const std::int32_t node : nodesOf(mesh, element))
       if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
         throw badInput(
             "active \"{}\": every node around node {} at {} is fixed or moves with the tool, so {} "

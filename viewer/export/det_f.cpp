@@ -1,11 +1,11 @@
 #include "viewer/export/det_f.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "common/mesh/tetrahedron.hpp"
 
 namespace palpate {
 namespace {
@@ -39,20 +39,9 @@ Eigen::Vector3d displacementOf(std::span<const float> displacement, std::int32_t
   return Eigen::Map<const Eigen::Vector3f>(displacement.data() + 3 * at(node)).cast<double>();
 }
 
-/// Returns the gradients of the barycentric coordinates, 1/m, one per column.
-Eigen::Matrix<double, 3, 4> gradientsOf(const Mesh& mesh, const Tetrahedron& t) {
-  Eigen::Matrix3d edges;
-  for (std::size_t n = 0; n < 3; ++n)
-    edges.row(static_cast<Eigen::Index>(n)) = mesh.nodes[at(t[n])] - mesh.nodes[at(t[3])];
-  Eigen::Matrix<double, 3, 4> gradients;
-  gradients.leftCols<3>() = edges.inverse();
-  gradients.col(3) = -gradients.leftCols<3>().rowwise().sum();
-  return gradients;
-}
-
 double linearDetF(const Mesh& mesh, std::size_t element, std::span<const float> displacement) {
   const Tetrahedron& t = mesh.tetrahedra[element];
-  const auto gradients = gradientsOf(mesh, t);
+  const auto gradients = barycentricGradients(mesh, element);
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   for (std::size_t n = 0; n < 4; ++n)
     F += displacementOf(displacement, t[n]) *
@@ -62,7 +51,7 @@ double linearDetF(const Mesh& mesh, std::size_t element, std::span<const float> 
 
 double smallestDetF(const Mesh& mesh, std::size_t element, std::span<const float> displacement) {
   const Tetrahedron& t = mesh.tetrahedra[element];
-  const auto gradients = gradientsOf(mesh, t);
+  const auto gradients = barycentricGradients(mesh, element);
   Eigen::Matrix<double, 3, 4> at_vertices;
   Eigen::Matrix<double, 3, 6> at_edges;
   for (int n = 0; n < 4; ++n) at_vertices.col(n) = displacementOf(displacement, t[at(n)]);

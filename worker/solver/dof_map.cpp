@@ -4,8 +4,8 @@
 
 #include "common/base/index.hpp"
 #include "common/base/joined_sets.hpp"
+#include "common/mesh/tetrahedron.hpp"
 #include "worker/elements/element_kernels.hpp"
-#include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
 namespace {

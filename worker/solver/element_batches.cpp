@@ -2,7 +2,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
-#include "worker/solver/element_geometry.hpp"
+#include "common/mesh/tetrahedron.hpp"
 
 namespace palpate {
 namespace {

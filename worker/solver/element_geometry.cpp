@@ -1,7 +1,6 @@
 #include "worker/solver/element_geometry.hpp"
 
-#include <Eigen/LU>
-
+#include "common/mesh/tetrahedron.hpp"
 #include "worker/elements/shape_functions.hpp"
 #include "worker/solver/body_model.hpp"
 
@@ -27,25 +26,6 @@ Eigen::Matrix3d deformationAt(const int (&ends)[P2::ends], const std::vector<std
 }
 
 }  // namespace
-
-std::vector<std::int32_t> nodesOf(const Mesh& mesh, std::size_t element) {
-  std::vector<std::int32_t> nodes(mesh.tetrahedra[element].begin(), mesh.tetrahedra[element].end());
-  if (!mesh.mid_edge_nodes.empty())
-    nodes.insert(nodes.end(), mesh.mid_edge_nodes[element].begin(),
-                 mesh.mid_edge_nodes[element].end());
-  return nodes;
-}
-
-Eigen::Matrix<double, 3, 4> barycentricGradients(const Mesh& mesh, std::size_t element) {
-  const Tetrahedron& tetrahedron = mesh.tetrahedra[element];
-  Eigen::Matrix3d edges;
-  for (int b = 0; b < 3; ++b)
-    edges.row(b) = mesh.nodes[tetrahedron[b]] - mesh.nodes[tetrahedron[3]];
-  Eigen::Matrix<double, 3, 4> gradients;
-  gradients.leftCols<3>() = edges.inverse();
-  gradients.col(3) = -gradients.leftCols<3>().rowwise().sum();
-  return gradients;
-}
 
 SmallestDetF smallestDetFAtNodes(const Mesh& mesh, const std::vector<double>& u) {
   SmallestDetF smallest;

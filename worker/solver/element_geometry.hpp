@@ -1,17 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <limits>
 
 #include "common/mesh/mesh.hpp"
 
 namespace palpate {
-
-/// Returns the nodes of an element: its vertices, then on a quadratic mesh its mid-edge nodes.
-std::vector<std::int32_t> nodesOf(const Mesh& mesh, std::size_t element);
-
-/// Returns the gradients of an element's barycentric coordinates as columns, 1/m.
-Eigen::Matrix<double, 3, 4> barycentricGradients(const Mesh& mesh, std::size_t element);
 
 /// The smallest det F of a body, and the element in which it occurs.
 struct SmallestDetF {

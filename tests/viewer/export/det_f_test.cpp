@@ -7,10 +7,10 @@
 #include <random>
 
 #include "common/base/index.hpp"
+#include "common/mesh/tetrahedron.hpp"
 #include "common/scene/formulation.hpp"
 #include "tests/support/meshes.hpp"
 #include "worker/elements/shape_functions.hpp"
-#include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
 namespace {
