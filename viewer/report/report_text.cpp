@@ -5,13 +5,19 @@
 #include <algorithm>
 
 #include "common/base/number_text.hpp"
+#include "common/base/terminal.hpp"
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t most_nodes = 20;
+constexpr std::size_t most_nodes = 20, text_width = 100;
+
+/// Wraps a text that begins in column `indent`, to which the other lines are indented.
+std::string wrapped(const std::string& text, std::size_t indent = 0) {
+  return palpate::wrapped(std::string(indent, ' ') + text, text_width, indent).substr(indent);
+}
 
 std::string header(const Report& report) {
   std::string text;

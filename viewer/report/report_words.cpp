@@ -4,16 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "common/base/number_text.hpp"
 
 namespace palpate {
-namespace {
-
-constexpr std::size_t text_width = 100;
-
-}  // namespace
 
 std::string describeHeldOut(const Report& report) {
   if (report.held_out.kind == HeldOutKind::probes)
@@ -129,20 +123,6 @@ std::string formatShare(double share) {
   // "100.0 %" would claim that there is no exception.
   if (share < 1 && share > 0.9995) return ">99.9 %";
   return fmt::format("{:.1f} %", 100 * share);
-}
-
-std::string wrapped(const std::string& text, std::size_t indent) {
-  std::string result, line;
-  std::istringstream words(text);
-  // A word that is wider than a line, such as a path, is not split.
-  for (std::string word; words >> word;) {
-    if (!line.empty() && indent + line.size() + 1 + word.size() > text_width) {
-      result += line + '\n' + std::string(indent, ' ');
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return result + line + '\n';
 }
 
 }  // namespace palpate

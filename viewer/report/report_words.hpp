@@ -39,8 +39,4 @@ std::string formatCount(double count);
 /// Returns a fraction as "99.5 %", or "-" for NaN. Never rounds up to 100 %.
 std::string formatShare(double share);
 
-/// Wraps a text at spaces into lines of at most 100 columns. The first line begins in column
-/// `indent`, and the others are indented to it.
-std::string wrapped(const std::string& text, std::size_t indent = 0);
-
 }  // namespace palpate
