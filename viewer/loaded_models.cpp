@@ -77,7 +77,7 @@ void LoadedModels::prepareTheRest() {
       }
     for (const auto& model : models_)
       for (std::size_t method = 1; method < model->methods().size(); ++method) try {
-          model->prepareAlone(method, stop);
+          model->prepare(method, stop, /*alone=*/true);
         } catch (const std::exception& error) {
           spdlog::warn("{}: cannot prepare method {}: {}", model->file(), model->methods()[method],
                        error.what());

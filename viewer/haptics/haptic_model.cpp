@@ -104,20 +104,15 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
   return true;
 }
 
-void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
+void HapticModel::prepare(std::size_t method, const std::stop_token& stop, bool alone) {
   PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
   // Make the areas before the spaces, because they use all cores themselves.
   if (!makeAreas(stop)) return;
-  inParallel(spaces_.size(), [&](std::size_t space) {
+  const auto makeNext = [&](std::size_t space) {
     if (!stop.stop_requested()) make(method, space);
-  });
-}
-
-void HapticModel::prepareAlone(std::size_t method, const std::stop_token& stop) {
-  PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
-  if (!makeAreas(stop)) return;
-  for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
-    make(method, space);
+  };
+  if (!alone) return inParallel(spaces_.size(), makeNext);
+  for (std::size_t space = 0; space < spaces_.size(); ++space) makeNext(space);
 }
 
 void HapticModel::make(std::size_t method, std::size_t space) {

@@ -47,9 +47,8 @@ class HapticModel {
   /// points each. Does nothing if the method is prepared. Do not prepare one method in two threads
   /// at the same time. If `stop` is requested, the preparation stops; the next call continues with
   /// the remaining spaces, but prepares all areas again. Throws Error for an unknown method.
-  void prepare(std::size_t method, const std::stop_token& stop = {});
-  /// As prepare(), but prepares the spaces in this thread alone; areas still use all cores.
-  void prepareAlone(std::size_t method, const std::stop_token& stop);
+  /// alone: prepare the spaces in this thread alone; areas still use all cores.
+  void prepare(std::size_t method, const std::stop_token& stop = {}, bool alone = false);
   /// Returns the progress of a method, 0 to 1: the fraction of its spaces or the fraction of the
   /// work on the areas, whichever is larger. The areas are shared by all methods. The progress is 1
   /// only if the method isPrepared(), and 0 for a number beyond methods(). Any thread; does not

@@ -41,7 +41,8 @@ TEST(HapticModel, PreparesAMethodWhileAnotherIsRead) {
   ASSERT_TRUE(model.isPrepared(0));
   EXPECT_FALSE(model.isPrepared(1));
 
-  const std::jthread background([&](const std::stop_token& stop) { model.prepareAlone(1, stop); });
+  const std::jthread background(
+      [&](const std::stop_token& stop) { model.prepare(1, stop, /*alone=*/true); });
   const Eigen::Vector3d p(0.004, 0.002, -0.003);
   const Eigen::Vector3d before = model.field(0, 1).evaluate(p).force;
   while (!model.isPrepared(1)) EXPECT_EQ(model.field(0, 1).evaluate(p).force, before);
@@ -70,7 +71,7 @@ TEST(HapticModel, RestartsAStoppedAreaPreparation) {
   stopped.request_stop();
   model.prepare(0, stopped.get_token());
   EXPECT_EQ(model.preparedShare(0), 0);
-  model.prepareAlone(0, std::stop_token());
+  model.prepare(0, std::stop_token(), /*alone=*/true);
   EXPECT_TRUE(model.isPrepared(0));
   EXPECT_EQ(model.preparedShare(0), 1);
 }
