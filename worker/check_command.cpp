@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "common/base/terminal.hpp"
 #include "worker/check/scene_report.hpp"
@@ -13,6 +12,16 @@ namespace {
 struct CheckOptions {
   std::string scene;
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("SCENE", scene, "The scene, a TOML file (docs/scene.md)")
+        ->required()
+        ->type_name("FILE");
+    app.add_flag("--json", json, "Print one JSON object, lengths in metres");
+    app.footer(
+        "palpate check DIRECTORY checks a state directory for damage, and repairs it with "
+        "--repair:\nsee palpate-scheduler check --help.");
+  }
 };
 
 ExitCode check(const CheckOptions& options) {
@@ -27,22 +36,10 @@ ExitCode check(const CheckOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareCheck(CLI::App& app) {
-  auto options = std::make_shared<CheckOptions>();
-  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_flag("--json", options->json, "Print one JSON object, lengths in metres");
-  app.footer(
-      "palpate check DIRECTORY checks a state directory for damage, and repairs it with --repair:\n"
-      "see palpate-scheduler check --help.");
-  return [options] { return check(*options); };
-}
-
 }  // namespace
 
 const Verb check_verb = {
     "check", "Validate a scene; print sizes, mesh quality, warnings and the cost of a build",
-    prepareCheck};
+    prepareVerb<CheckOptions, check>};
 
 }  // namespace palpate

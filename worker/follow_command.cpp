@@ -15,6 +15,17 @@ constexpr std::chrono::milliseconds turn_time{50};
 struct FollowOptions {
   std::string endpoint;
   KeyOptions keys;
+
+  void addTo(CLI::App& app) {
+    app.add_option("--listen", endpoint,
+                   "Endpoint for `palpate view --live`: tcp://HOST:PORT or ipc://PATH")
+        ->required()
+        ->type_name("ENDPOINT");
+    keys.addTo(app, "Serve clients without a key");
+    app.footer(
+        "Solves configurations near the hand of one haptic client at a time, so that this client\n"
+        "needs no solver. Ends with Ctrl-C. Exit codes: 0 done, 1 failed, 2 wrong usage.");
+  }
 };
 
 ExitCode follow(const FollowOptions& options) {
@@ -26,22 +37,9 @@ ExitCode follow(const FollowOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareFollow(CLI::App& app) {
-  auto options = std::make_shared<FollowOptions>();
-  app.add_option("--listen", options->endpoint,
-                 "Endpoint for `palpate view --live`: tcp://HOST:PORT or ipc://PATH")
-      ->required()
-      ->type_name("ENDPOINT");
-  options->keys.addTo(app, "Serve clients without a key");
-  app.footer(
-      "Solves configurations near the hand of one haptic client at a time, so that this client\n"
-      "needs no solver. Ends with Ctrl-C. Exit codes: 0 done, 1 failed, 2 wrong usage.");
-  return [options] { return follow(*options); };
-}
-
 }  // namespace
 
 const Verb follow_verb = {"follow", "Live solver: solve near a client's hand (palpate view --live)",
-                          prepareFollow};
+                          prepareVerb<FollowOptions, follow>};
 
 }  // namespace palpate

@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "common/base/scratch_folder.hpp"
 #include "common/base/text.hpp"
@@ -26,6 +25,39 @@ struct MeshOptions {
   std::optional<double> size = {};
   std::string mesher = "auto", unit;
   bool largest = false, straight = false, weld = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option(
+           "INPUT", input,
+           "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, .inp, "
+           ".feb, .node, .msh, or another format that meshio reads)")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("-o,--output", output, "The mesh to write")->required()->type_name("FILE.msh");
+    app.add_option("--nodes", nodes, "Approximate number of nodes for a surface [1000]")
+        ->check(CLI::Range(4, most_nodes))
+        ->type_name("N");
+    app.add_option("--size", size, "Edge length in the unit of the file, instead of --nodes")
+        ->check(CLI::PositiveNumber)
+        ->excludes("--nodes")
+        ->type_name("L");
+    app.add_option(
+           "--mesher", mesher,
+           "gmsh makes new triangles of even size, tetgen keeps those of the file; auto tries "
+           "gmsh, then tetgen [auto]")
+        ->check(CLI::IsMember({"auto", "gmsh", "tetgen"}))
+        ->type_name("WORD");
+    app.add_flag("--largest", largest, "Keep only the largest of several bodies");
+    app.add_flag("--weld", weld,
+                 "Merge coincident nodes of tetrahedra, so that parts hold together");
+    app.add_flag("--straight", straight, "Straighten curved edges of tetrahedra");
+    app.add_option("--unit", unit, "Length unit of the file, for the report: m, cm or mm [guessed]")
+        ->type_name("UNIT");
+    app.footer(
+        "The mesh has the unit of INPUT; give it in the scene (length_unit). Groups and sets keep\n"
+        "their names. This command runs gmsh, tetgen and Python (Debian: gmsh, tetgen,\n"
+        "python3-meshio). docs/meshes.md lists what is repaired and what is refused.");
+  }
 };
 
 Mesher mesherNamed(const std::string& word) {
@@ -137,47 +169,9 @@ ExitCode mesh(const MeshOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareMesh(CLI::App& app) {
-  auto options = std::make_shared<MeshOptions>();
-  app.add_option(
-         "INPUT", options->input,
-         "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, .inp, "
-         ".feb, .node, .msh, or another format that meshio reads)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("-o,--output", options->output, "The mesh to write")
-      ->required()
-      ->type_name("FILE.msh");
-  app.add_option("--nodes", options->nodes, "Approximate number of nodes for a surface [1000]")
-      ->check(CLI::Range(4, most_nodes))
-      ->type_name("N");
-  app.add_option("--size", options->size, "Edge length in the unit of the file, instead of --nodes")
-      ->check(CLI::PositiveNumber)
-      ->excludes("--nodes")
-      ->type_name("L");
-  app.add_option(
-         "--mesher", options->mesher,
-         "gmsh makes new triangles of even size, tetgen keeps those of the file; auto tries "
-         "gmsh, then tetgen [auto]")
-      ->check(CLI::IsMember({"auto", "gmsh", "tetgen"}))
-      ->type_name("WORD");
-  app.add_flag("--largest", options->largest, "Keep only the largest of several bodies");
-  app.add_flag("--weld", options->weld,
-               "Merge coincident nodes of tetrahedra, so that parts hold together");
-  app.add_flag("--straight", options->straight, "Straighten curved edges of tetrahedra");
-  app.add_option("--unit", options->unit,
-                 "Length unit of the file, for the report: m, cm or mm [guessed]")
-      ->type_name("UNIT");
-  app.footer(
-      "The mesh has the unit of INPUT; give it in the scene (length_unit). Groups and sets keep\n"
-      "their names. This command runs gmsh, tetgen and Python (Debian: gmsh, tetgen,\n"
-      "python3-meshio). docs/meshes.md lists what is repaired and what is refused.");
-  return [options] { return mesh(*options); };
-}
-
 }  // namespace
 
 const Verb mesh_verb = {"mesh", "Make a mesh from a closed surface or a mesh of another format",
-                        prepareMesh};
+                        prepareVerb<MeshOptions, mesh>};
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <cctype>
-#include <memory>
 
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
@@ -14,6 +13,21 @@ namespace {
 
 struct NewOptions {
   std::string place, mesh, unit;
+
+  void addTo(CLI::App& app) {
+    app.add_option("PLACE", place,
+                   "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml")
+        ->required()
+        ->type_name("FOLDER|FILE");
+    app.add_option("--mesh", mesh, "Mesh, written by palpate mesh or Gmsh")
+        ->required()
+        ->type_name("FILE.msh");
+    app.add_option("--unit", unit, "Length unit of the mesh: m, cm or mm [guessed]")
+        ->type_name("UNIT");
+    app.footer(
+        "Proposes fixed nodes, a finger that touches the rest of the surface, and its depth. Edit\n"
+        "the marked lines of the file (docs/meshes.md, docs/scene.md).");
+  }
 };
 
 bool namesScene(const std::filesystem::path& place) { return place.extension() == ".toml"; }
@@ -105,25 +119,9 @@ ExitCode writeScene(const NewOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepareNew(CLI::App& app) {
-  auto options = std::make_shared<NewOptions>();
-  app.add_option("PLACE", options->place,
-                 "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml")
-      ->required()
-      ->type_name("FOLDER|FILE");
-  app.add_option("--mesh", options->mesh, "Mesh, written by palpate mesh or Gmsh")
-      ->required()
-      ->type_name("FILE.msh");
-  app.add_option("--unit", options->unit, "Length unit of the mesh: m, cm or mm [guessed]")
-      ->type_name("UNIT");
-  app.footer(
-      "Proposes fixed nodes, a finger that touches the rest of the surface, and its depth. Edit\n"
-      "the marked lines of the file (docs/meshes.md, docs/scene.md).");
-  return [options] { return writeScene(*options); };
-}
-
 }  // namespace
 
-const Verb new_verb = {"new", "Write a first, commented scene around a mesh", prepareNew};
+const Verb new_verb = {"new", "Write a first, commented scene around a mesh",
+                       prepareVerb<NewOptions, writeScene>};
 
 }  // namespace palpate

@@ -23,6 +23,26 @@ struct SolveOptions {
   std::vector<std::string> at, displacement;
   std::optional<int> steps;
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("SCENE", scene, "The scene, a TOML file (docs/scene.md)")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("--active", active,
+                   "Active node, or surface that a finger touches; not needed if there is only one")
+        ->type_name("NAME");
+    addPlaceOption(app, at);
+    addDisplacementOption(app, displacement);
+    app.add_option("--steps", steps, "Number of equal steps from rest [one per lattice spacing]")
+        ->check(CLI::Range(1, 100000));
+    app.add_flag("--json", json, "One JSON object per line (docs/commands.md)");
+    app.footer(
+        "Prints the force on the tool in N, the stiffness d force / d displacement in N/m and the\n"
+        "energy in J.\n"
+        "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 a displacement was not reached "
+        "(the\n"
+        "output gives the reason), 130 interrupted.");
+  }
 };
 
 /// Refuses displacements so large that the tool would leave the body. The user has probably used
@@ -193,32 +213,9 @@ ExitCode solve(const SolveOptions& options) {
   return all_converged ? ExitCode::done : ExitCode::partly_failed;
 }
 
-std::function<ExitCode()> prepareSolve(CLI::App& app) {
-  auto options = std::make_shared<SolveOptions>();
-  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches; not needed if there is only one")
-      ->type_name("NAME");
-  addPlaceOption(app, options->at);
-  addDisplacementOption(app, options->displacement);
-  app.add_option("--steps", options->steps,
-                 "Number of equal steps from rest [one per lattice spacing]")
-      ->check(CLI::Range(1, 100000));
-  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
-  app.footer(
-      "Prints the force on the tool in N, the stiffness d force / d displacement in N/m and the\n"
-      "energy in J.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 a displacement was not reached "
-      "(the\n"
-      "output gives the reason), 130 interrupted.");
-  return [options] { return solve(*options); };
-}
-
 }  // namespace
 
 const Verb solve_verb = {"solve", "Exact solutions at given displacements, without a scheduler",
-                         prepareSolve};
+                         prepareVerb<SolveOptions, solve>};
 
 }  // namespace palpate

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/base/assertion.hpp"
@@ -139,30 +138,27 @@ std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
   return describeForPerson(answers.firstSpace(), p, answer.sample, answers.method());
 }
 
-std::function<ExitCode()> prepareQuery(CLI::App& app) {
-  auto options = std::make_shared<QueryOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
+}  // namespace
+
+void QueryOptions::addTo(CLI::App& app) {
+  app.add_option("DATASET", dataset, "Sealed dataset from palpate build, OUT.h5")
       ->required()
       ->type_name("FILE");
-  app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches [the only one]")
+  app.add_option("--active", active, "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");
-  addPlaceOption(app, options->at);
-  addDisplacementOption(app, options->displacement);
-  app.add_option("--method", options->method,
+  addPlaceOption(app, at);
+  addDisplacementOption(app, displacement);
+  app.add_option("--method", method,
                  fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
       ->capture_default_str();
-  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  app.add_flag("--json", json, "One JSON object per line (docs/commands.md)");
   app.footer(
       "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
       "coverage (--json): share of the force based on solved lattice points of one branch.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some force is not reliable: it is beyond\n"
       "the workspace or the solved points, or its place is away from the surface, has no site\n"
       "nearby, or rests on fixed nodes (printed as not inside), 130 interrupted.");
-  return [options] { return query(*options, std::cin, std::cout); };
 }
-
-}  // namespace
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
   const Dataset dataset(options.dataset);
@@ -183,7 +179,8 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
   return code;
 }
 
-const Verb query_verb = {
-    "query", "Interpolated force and stiffness at displacements of an active node", prepareQuery};
+const Verb query_verb = {"query",
+                         "Interpolated force and stiffness at displacements of an active node",
+                         prepareVerb<QueryOptions, query, std::cin, std::cout>};
 
 }  // namespace palpate

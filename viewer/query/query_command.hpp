@@ -17,6 +17,8 @@ struct QueryOptions {
   /// Place of the finger: three numbers, metres; "-" to read the place before each displacement;
   /// empty if there is none.
   std::vector<std::string> at = {};
+
+  void addTo(CLI::App& app);  ///< declares the options of the verb
 };
 
 /// Runs `palpate query`: prints the interpolated force at each displacement, as one JSON object per

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
-#include <memory>
 
 #include "common/base/error.hpp"
 #include "common/base/whole_file.hpp"
@@ -17,25 +16,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t pictured_nodes = 6;
-
-std::function<ExitCode()> prepareReport(CLI::App& app) {
-  auto options = std::make_shared<ReportCommandOptions>();
-  app.add_option(
-         "DATASET", options->report.datasets,
-         "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
-         "points to the curves; two of different organs or materials are compared")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--methods", options->report.methods,
-                 fmt::format("Methods to measure, separated by commas [all]: {}",
-                             fmt::join(forceFieldMethods(), ", ")))
-      ->delimiter(',')
-      ->type_name("LIST");
-  app.add_option("-o,--html", options->html, "Also write a self-contained page with plots to FILE")
-      ->type_name("FILE");
-  app.add_flag("--json", options->json, "One JSON object instead of the table (docs/commands.md)");
-  return [options] { return report(*options, std::cout); };
-}
 
 /// Returns the method that draws the curves of a comparison: the requested one, or the default.
 std::string methodOf(const std::vector<std::string>& asked) {
@@ -60,6 +40,23 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
 
 }  // namespace
 
+void ReportCommandOptions::addTo(CLI::App& app) {
+  app.add_option(
+         "DATASET", report.datasets,
+         "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
+         "points to the curves; two of different organs or materials are compared")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--methods", report.methods,
+                 fmt::format("Methods to measure, separated by commas [all]: {}",
+                             fmt::join(forceFieldMethods(), ", ")))
+      ->delimiter(',')
+      ->type_name("LIST");
+  app.add_option("-o,--html", html, "Also write a self-contained page with plots to FILE")
+      ->type_name("FILE");
+  app.add_flag("--json", json, "One JSON object instead of the table (docs/commands.md)");
+}
+
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   // Check this before the measurements, which take minutes.
   if (!options.html.empty()) {
@@ -79,6 +76,6 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
 }
 
 const Verb report_verb = {"report", "Accuracy and speed of the interpolation methods on a dataset",
-                          prepareReport};
+                          prepareVerb<ReportCommandOptions, report, std::cout>};
 
 }  // namespace palpate

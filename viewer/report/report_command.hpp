@@ -11,6 +11,8 @@ struct ReportCommandOptions {
   ReportOptions report;
   std::filesystem::path html;  ///< empty: no page
   bool json = false;
+
+  void addTo(CLI::App& app);  ///< declares the options of the verb
 };
 
 /// Runs `palpate report`. Measures every interpolation method on a dataset, and prints a table or

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 
 #include "common/base/error.hpp"
 #include "common/base/whole_file.hpp"
@@ -11,23 +10,16 @@
 #include "viewer/share/organ_page.hpp"
 
 namespace palpate {
-namespace {
 
-std::function<ExitCode()> prepareShare(CLI::App& app) {
-  auto options = std::make_shared<ShareOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
+void ShareOptions::addTo(CLI::App& app) {
+  app.add_option("DATASET", dataset, "Sealed dataset from palpate build, OUT.h5")
       ->required()
       ->type_name("FILE");
-  app.add_option("-o,--output", options->output, "Page to write")
-      ->required()
-      ->type_name("FILE.html");
+  app.add_option("-o,--output", output, "Page to write")->required()->type_name("FILE.html");
   app.footer(
       "The page needs no other file, no server and no network: send it, open it, press the organ\n"
       "with the mouse or a finger. Its forces are those of palpate query (docs/sharing.md).");
-  return [options] { return share(*options, std::cout); };
 }
-
-}  // namespace
 
 ExitCode share(const ShareOptions& options, std::ostream& output) {
   refuseUnwritable(options.output, "-o");
@@ -43,6 +35,6 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
 }
 
 const Verb share_verb = {"share", "Write a dataset as an HTML page to touch by mouse or finger",
-                         prepareShare};
+                         prepareVerb<ShareOptions, share, std::cout>};
 
 }  // namespace palpate

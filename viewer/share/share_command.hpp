@@ -9,6 +9,8 @@ namespace palpate {
 
 struct ShareOptions {
   std::filesystem::path dataset, output;
+
+  void addTo(CLI::App& app);  ///< declares the options of the verb
 };
 
 /// Runs `palpate share`: writes a dataset as one HTML file that can be touched, and prints its

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/base/program.hpp"
@@ -18,6 +17,13 @@ struct VerifyOptions {
   std::vector<std::string> names;
   bool all = false, hard = false;
   bool json = false;
+
+  void addTo(CLI::App& app) {
+    app.add_option("NAME", names, "Run only problems with this in their name")->type_name("NAME");
+    app.add_flag("--all", all, "Also run problems that take longer than seconds");
+    app.add_flag("--hard", hard, "Run the hard cases of the solver instead");
+    app.add_flag("--json", json, "One JSON object per row");
+  }
 };
 
 /// Returns the cases to run. Error if a name matches no case.
@@ -86,21 +92,11 @@ ExitCode verify(const VerifyOptions& options) {
   return bad == 0 ? ExitCode::done : ExitCode::failed;
 }
 
-std::function<ExitCode()> prepareVerify(CLI::App& app) {
-  auto options = std::make_shared<VerifyOptions>();
-  app.add_option("NAME", options->names, "Run only problems with this in their name")
-      ->type_name("NAME");
-  app.add_flag("--all", options->all, "Also run problems that take longer than seconds");
-  app.add_flag("--hard", options->hard, "Run the hard cases of the solver instead");
-  app.add_flag("--json", options->json, "One JSON object per row");
-  return [options] { return verify(*options); };
-}
-
 /// `palpate verify [NAME...] [--all | --hard] [--json]`: exit 0 if all rows are within their
 /// tolerance, else 1.
 const Verb verify_verb = {
     "verify", "Solve problems with known solutions; print computed, reference and deviation",
-    prepareVerify};
+    prepareVerb<VerifyOptions, verify>};
 
 }  // namespace
 }  // namespace palpate
