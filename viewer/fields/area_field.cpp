@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "common/base/error.hpp"
@@ -55,8 +54,7 @@ constexpr std::size_t most_levels = 6;
 std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
                                    const Eigen::Vector3d& place, std::size_t count,
                                    std::size_t except) {
-  std::vector<std::size_t> numbers(points.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
+  std::vector<std::size_t> numbers = countUp<std::size_t>(points.size());
   if (except < numbers.size()) numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(except));
   count = std::min(count, numbers.size());
   std::ranges::partial_sort(
@@ -226,13 +224,11 @@ AreaField::CollocationPoints AreaField::collocationPointsOf(
 void AreaField::prepareAll(const std::function<void(double)>& progress) {
   std::atomic<std::size_t> work_done = 0;
   const std::size_t work = (work_of_site + 1) * siteCount() + collocationPointCount();
-  std::vector<std::size_t> collocation_points(collocationPointCount()), judged(siteCount());
-  std::iota(collocation_points.begin(), collocation_points.end(), 0);
-  std::iota(judged.begin(), judged.end(), 0);
-  prepare(collocation_points, judged, [&](std::size_t more) {
+  const auto did = [&](std::size_t more) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
-  });
+  };
+  prepare(countUp<std::size_t>(collocationPointCount()), countUp<std::size_t>(siteCount()), did);
   PALPATE_ASSERT(made_count_ == siteCount(), "sites must be prepared before errors are estimated");
   is_whole_ = true;
   fits_ = {};
@@ -317,8 +313,7 @@ bool AreaField::prepareNext(const Eigen::Vector3d& s) {
 
 bool AreaField::prepareSite(const Eigen::Vector3d& s) {
   if (made_count_ == siteCount()) return false;
-  std::vector<std::size_t> nearest(siteCount());
-  std::iota(nearest.begin(), nearest.end(), 0);
+  std::vector<std::size_t> nearest = countUp<std::size_t>(siteCount());
   std::ranges::stable_sort(nearest, {},
                            [&](std::size_t site) { return (siteCenter(site) - s).squaredNorm(); });
   return makeOneOf(nearest);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "common/base/assertion.hpp"
@@ -97,8 +96,7 @@ class ShearedSegment {
 SurfaceTree::SurfaceTree(const std::vector<Eigen::Vector3d>& vertices,
                          const std::vector<Triangle>& triangles) {
   setFaces(vertices, triangles);
-  order_.resize(triangles.size());
-  std::iota(order_.begin(), order_.end(), 0);
+  order_ = countUp(triangles.size());
   if (!order_.empty()) build(0, static_cast<std::int32_t>(order_.size()));
 }
 

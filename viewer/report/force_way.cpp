@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -53,8 +54,7 @@ AxisForces sampledOnWay(const std::function<Eigen::Vector3d(const Eigen::Vector3
 }
 
 std::vector<std::pair<std::size_t, const char*>> tellingOnes(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::size_t> order = countUp<std::size_t>(values.size());
   std::erase_if(order, [&](std::size_t n) { return !std::isfinite(values[n]); });
   std::ranges::stable_sort(order, {}, [&](std::size_t n) { return values[n]; });
   std::vector<std::pair<std::size_t, const char*>> chosen;

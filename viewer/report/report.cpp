@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -301,8 +301,7 @@ const LatticeMeasures& shownLattice(const Report& report) {
 }
 
 std::vector<std::size_t> worstFirst(const Report& report) {
-  std::vector<std::size_t> nodes(report.nodes.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
+  std::vector<std::size_t> nodes = countUp<std::size_t>(report.nodes.size());
   const auto error = [&](std::size_t node) {
     const double mean = report.nodes[node].methods.front().error.mean;
     // nodes without a measurement last

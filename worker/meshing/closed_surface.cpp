@@ -5,7 +5,6 @@
 #include <cstring>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -29,12 +28,6 @@ constexpr std::size_t listed_bodies = 5;
 /// millimetre for an organ) are closed. If most open edges belong to gaps up to told_gap, the error
 /// says so and does not speak of holes.
 constexpr double closed_gap = 1e-4, told_gap = 1e-2;
-
-std::vector<std::int32_t> countUp(std::size_t count) {
-  std::vector<std::int32_t> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
-}
 
 /// One edge of one triangle. The edge is identified by its end with the lower number and its end
 /// with the higher number.

@@ -107,9 +107,8 @@ Eigen::MatrixXd TangentSolver::multiply(const Tangent& tangent, const Eigen::Mat
 
 std::optional<TangentSolver::Refined> TangentSolver::solveWith(
     const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides, double tolerance) {
-  Refined refined;
-  refined.solution = Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols());
-  refined.residual = -right_hand_sides;
+  Refined refined = {Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols()),
+                     -right_hand_sides};
   // The right-hand sides of a weighted tool are displacements, but their residuals are forces. So
   // the tolerance is relative to a stiffness at least.
   const double stiffness = system_.forceScale() / system_.meanEdge();
