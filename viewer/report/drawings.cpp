@@ -26,32 +26,29 @@ double rounded(double value, int figures) {
                               : value;
 }
 
+/// Returns the array of what `draw` returns for each value.
+template <class Values, class Draw>
+DrawingJson each(const Values& values, Draw draw) {
+  DrawingJson array = DrawingJson::array();
+  for (const auto& value : values) array.push_back(draw(value));
+  return array;
+}
+
 template <class Values>
 DrawingJson numbers(const Values& values, int figures) {
-  DrawingJson array = DrawingJson::array();
-  for (const double value : values) array.push_back(rounded(value, figures));
-  return array;
+  return each(values, [&](double value) { return rounded(value, figures); });
 }
 
 DrawingJson forcesOf(const AxisForces& along) {
   return DrawingJson::array({numbers(along.displacements, 6), numbers(along.forces, 6)});
 }
 
-DrawingJson drawn(const ForceWay& way) {
-  DrawingJson sampled = DrawingJson::array();
-  for (const AxisForces& forces : way.sampled) sampled.push_back(forcesOf(forces));
+DrawingJson drawnWay(const ForceWay& way) {
   return {{"name", way.name},
           {"direction", numbers(way.direction, 4)},
           {"solved", forcesOf(way.solved)},
           {"held_out", forcesOf(way.held_out)},
-          {"sampled", sampled}};
-}
-
-template <class Ways>
-DrawingJson drawnWays(const Ways& ways) {
-  DrawingJson array = DrawingJson::array();
-  for (const ForceWay& way : ways) array.push_back(drawn(way));
-  return array;
+          {"sampled", each(way.sampled, forcesOf)}};
 }
 
 /// The surface of a body. Its nodes are renumbered, so that interior nodes have no numbers.
@@ -145,10 +142,10 @@ DrawingJson drawn(const AreaMeasures& area, const Report& report, const Surface&
           {"median", numbers(area.on_triangles, 4)},
           {"largest", numbers(area.worst_on_triangles, 4)},
           {"probes", probes},
-          {"ways", drawnWays(area.ways)}};
+          {"ways", each(area.ways, drawnWay)}};
 }
 
-DrawingJson drawn(const SliceMap& slice) {
+DrawingJson drawnSlice(const SliceMap& slice) {
   PALPATE_ASSERT(slice.bound.size() == slice.covered.size(),
                  "each place must have a bound and a coverage");
   const auto flat = [](const Eigen::Vector2d& p) {
@@ -175,13 +172,11 @@ DrawingJson drawn(const SliceMap& slice) {
           {"errors", errors}};
 }
 
-DrawingJson drawn(const NodePictures& pictures) {
-  DrawingJson slices = DrawingJson::array();
-  for (const SliceMap& slice : pictures.slices) slices.push_back(drawn(slice));
+DrawingJson drawnPictures(const NodePictures& pictures) {
   return {{"node", pictures.node},
-          {"slices", slices},
-          {"axes", drawnWays(pictures.axes)},
-          {"ways", drawnWays(pictures.ways)}};
+          {"slices", each(pictures.slices, drawnSlice)},
+          {"axes", each(pictures.axes, drawnWay)},
+          {"ways", each(pictures.ways, drawnWay)}};
 }
 
 /// Returns the places of the active nodes, and the error bounds of their spaces.
@@ -207,13 +202,11 @@ DrawingJson drawnNodes(const Report& report, const Surface& surface) {
 DrawingJson drawingsOf(const Report& report) {
   const Dataset& first = report.open.front();
   const Surface surface(first);
-  DrawingJson areas = DrawingJson::array(), lattices = DrawingJson::array(),
-              pictures = DrawingJson::array();
-  for (const AreaMeasures& area : report.areas) areas.push_back(drawn(area, report, surface));
+  const auto drawnArea = [&](const AreaMeasures& area) { return drawn(area, report, surface); };
+  DrawingJson lattices = DrawingJson::array();
   for (const LatticeMeasures& lattice : report.lattices)
     lattices.push_back({{"node_configurations", lattice.node_configurations},
                         {"node_errors", lattice.node_errors}});
-  for (const NodePictures& node : report.pictures) pictures.push_back(drawn(node));
   return {{"version", version()},
           {"mesh", first.scene().mesh.filename().string()},
           {"max_force", first.scene().workspace.max_force},
@@ -224,10 +217,10 @@ DrawingJson drawingsOf(const Report& report) {
             {"target", describeTarget(report)},
             {"gaps", describeGaps(report)}}},
           {"body", surface.body()},
-          {"areas", areas},
+          {"areas", each(report.areas, drawnArea)},
           {"lattices", lattices},
           {"nodes", report.areas_alone ? DrawingJson::array() : drawnNodes(report, surface)},
-          {"pictures", pictures},
+          {"pictures", each(report.pictures, drawnPictures)},
           {"provenance", provenanceOf(report.open, report.datasets)}};
 }
 
@@ -245,7 +238,7 @@ DrawingJson drawingsOf(const Comparison& comparison) {
                           {"relative", rounded(one.relative, 6)}});
   for (const ComparedPlace& place : comparison.places) {
     DrawingJson axes = DrawingJson::array(), distances = DrawingJson::array();
-    for (const auto& both : place.axes) axes.push_back(drawnWays(both));
+    for (const auto& both : place.axes) axes.push_back(each(both, drawnWay));
     for (const ForceAtDistance& one : place.distances)
       distances.push_back(
           numbers(std::array{one.distance, one.first, one.second, one.difference}, 6));
