@@ -49,8 +49,9 @@ ExitCode view(const ViewOptions& options, std::ostream& output);
 /// that completes and checks `options` after parsing; it throws Error (bad input).
 std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOptions>& options);
 
-/// The verb `view` of palpate-viewer, the haptic client. The verb throws Error (bad input) for wrong
-/// options before it opens the device, and Error if a picture is needed but there is no display.
+/// The verb `view` of palpate-viewer, the haptic client. The verb throws Error (bad input) for
+/// wrong options before it opens the device, and Error if a picture is needed but there is no
+/// display.
 extern const Verb view_verb;
 
 }  // namespace palpate
