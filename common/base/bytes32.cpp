@@ -25,6 +25,14 @@ std::string hexOf(std::string_view bytes) {
   return text;
 }
 
+std::string base64Of(std::string_view bytes) {
+  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
+  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                    bytes.size(), sodium_base64_VARIANT_ORIGINAL);
+  text.pop_back();  // the terminating zero
+  return text;
+}
+
 Bytes32 Bytes32::of(std::string_view bytes) {
   startSodium();
   Bytes32 hash;

@@ -13,6 +13,8 @@ namespace palpate {
 
 /// Returns the bytes in hexadecimal, two digits each.
 std::string hexOf(std::string_view bytes);
+/// Returns the bytes in base64 (RFC 4648), with padding.
+std::string base64Of(std::string_view bytes);
 
 /// 32 bytes that identify something: a hash or a key.
 class Bytes32 {

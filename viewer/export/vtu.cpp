@@ -17,51 +17,40 @@ const char* vtkName(const std::vector<double>&) { return "Float64"; }
 const char* vtkName(const std::vector<std::int32_t>&) { return "Int32"; }
 const char* vtkName(const std::vector<std::uint8_t>&) { return "UInt8"; }
 
-/// Writes the XML elements that describe arrays, and collects the bytes of the arrays, which follow
-/// the text of the file.
-class Arrays {
- public:
-  /// Returns the element of one array. attributes: further attributes, each with a blank before it.
-  template <class Number>
-  std::string element(const std::string& attributes, const std::vector<Number>& values) {
-    const std::string_view bytes = bytesOf(std::span(values));
-    const std::uint64_t size = bytes.size();
-    const std::size_t offset = appended_.size();
-    appended_ += bytesOf(std::span(&size, 1));
-    appended_ += bytes;
-    return fmt::format("<DataArray type=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
-                       vtkName(values), attributes, offset);
-  }
+/// Returns the XML element of one array. attributes: further attributes, each with a blank before
+/// it.
+template <class Number>
+std::string element(const std::string& attributes, const std::vector<Number>& values) {
+  std::string bytes(bytesOf(std::span(values)));
+  const std::uint64_t size = bytes.size();
+  bytes.insert(0, bytesOf(std::span(&size, 1)));
+  return fmt::format("<DataArray type=\"{}\"{} format=\"binary\">{}</DataArray>\n", vtkName(values),
+                     attributes, base64Of(bytes));
+}
 
-  /// Returns a section with the elements of all its arrays. with_tuples: adds the numbers of
-  /// tuples, which VTK needs only for field data.
-  std::string section(const char* name, const std::vector<GridArray>& arrays,
-                      bool with_tuples = false) {
-    std::string text = fmt::format("<{}>\n", name);
-    for (const GridArray& array : arrays)
-      text += std::visit(
-          [&](const auto& values) {
-            return element(attributesOf(array, with_tuples ? values.size() : 0), values);
-          },
-          array.values);
-    return text + fmt::format("</{}>\n", name);
-  }
+std::string attributesOf(const GridArray& array, std::size_t values) {
+  std::string text =
+      fmt::format(" Name=\"{}\" unit=\"{}\"", xmlText(array.name), xmlText(array.unit));
+  if (array.components > 1) text += fmt::format(" NumberOfComponents=\"{}\"", array.components);
+  if (values > 0)
+    text +=
+        fmt::format(" NumberOfTuples=\"{}\"", values / static_cast<std::size_t>(array.components));
+  return text;
+}
 
-  const std::string& appended() const { return appended_; }
-
- private:
-  static std::string attributesOf(const GridArray& array, std::size_t values) {
-    std::string text =
-        fmt::format(" Name=\"{}\" unit=\"{}\"", xmlText(array.name), xmlText(array.unit));
-    if (array.components > 1) text += fmt::format(" NumberOfComponents=\"{}\"", array.components);
-    if (values > 0)
-      text += fmt::format(" NumberOfTuples=\"{}\"",
-                          values / static_cast<std::size_t>(array.components));
-    return text;
-  }
-
-  std::string appended_;
-};
+/// Returns a section with the elements of all its arrays. with_tuples: adds the numbers of tuples,
+/// which VTK needs only for field data.
+std::string section(const char* name, const std::vector<GridArray>& arrays,
+                    bool with_tuples = false) {
+  std::string text = fmt::format("<{}>\n", name);
+  for (const GridArray& array : arrays)
+    text += std::visit(
+        [&](const auto& values) {
+          return element(attributesOf(array, with_tuples ? values.size() : 0), values);
+        },
+        array.values);
+  return text + fmt::format("</{}>\n", name);
+}
 
 /// Returns whether each array has `count` tuples, one per point or cell.
 bool areOf(std::size_t count, const std::vector<GridArray>& arrays) {
@@ -71,14 +60,14 @@ bool areOf(std::size_t count, const std::vector<GridArray>& arrays) {
   });
 }
 
-std::string cellsOf(const Grid& grid, Arrays& arrays) {
+std::string cellsOf(const Grid& grid) {
   std::vector<std::int32_t> ends;
   for (std::size_t n = 1; n <= grid.cellCount(); ++n)
     ends.push_back(static_cast<std::int32_t>(n) * pointsOf(grid.kind));
   const std::vector<std::uint8_t> types(grid.cellCount(), static_cast<std::uint8_t>(grid.kind));
-  std::string text = "<Cells>\n" + arrays.element(" Name=\"connectivity\"", grid.cells);
-  text += arrays.element(" Name=\"offsets\"", ends);
-  return text + arrays.element(" Name=\"types\"", types) + "</Cells>\n";
+  std::string text = "<Cells>\n" + element(" Name=\"connectivity\"", grid.cells);
+  text += element(" Name=\"offsets\"", ends);
+  return text + element(" Name=\"types\"", types) + "</Cells>\n";
 }
 
 }  // namespace
@@ -94,24 +83,20 @@ std::string vtuBytes(const Grid& grid) {
   PALPATE_ASSERT(
       areOf(grid.pointCount(), grid.point_data) && areOf(grid.cellCount(), grid.cell_data),
       "a grid must have a value for every point and cell");
-  Arrays arrays;
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\"";
   for (const auto& [name, value] : grid.texts)
     text += fmt::format(" {}=\"{}\"", name, xmlText(value));
-  text += ">\n<UnstructuredGrid>\n" + arrays.section("FieldData", grid.field_data, true);
+  text += ">\n<UnstructuredGrid>\n" + section("FieldData", grid.field_data, true);
   text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.pointCount(),
                       grid.cellCount());
-  text += arrays.section("PointData", grid.point_data);
-  text += arrays.section("CellData", grid.cell_data);
+  text += section("PointData", grid.point_data);
+  text += section("CellData", grid.cell_data);
   text += "<Points>\n";
-  text += arrays.element(" Name=\"Points\" unit=\"m\" NumberOfComponents=\"3\"", grid.points);
-  text += "</Points>\n" + cellsOf(grid, arrays) + "</Piece>\n</UnstructuredGrid>\n";
-  // No line break may separate the mark `_` and the bytes.
-  return text + "<AppendedData encoding=\"raw\">_" + arrays.appended() +
-         "\n</AppendedData>\n</VTKFile>\n";
+  text += element(" Name=\"Points\" unit=\"m\" NumberOfComponents=\"3\"", grid.points);
+  return text + "</Points>\n" + cellsOf(grid) + "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
 }
 
 std::string pvdText(const std::vector<SeriesFile>& series) {

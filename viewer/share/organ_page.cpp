@@ -1,10 +1,10 @@
 #include "viewer/share/organ_page.hpp"
 
-#include <sodium.h>
 #include <zlib.h>
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/bytes32.hpp"
 #include "common/base/error.hpp"
 #include "common/base/markup.hpp"
 #include "viewer/fields/relative_error.hpp"
@@ -25,15 +25,7 @@ std::string deflated(std::string_view bytes) {
   return out;
 }
 
-std::string base64(std::string_view bytes) {
-  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
-  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
-                    bytes.size(), sodium_base64_VARIANT_ORIGINAL);
-  text.pop_back();  // the terminating zero
-  return text;
-}
-
-std::string packedText(std::string_view bytes) { return base64(deflated(bytes)); }
+std::string packedText(std::string_view bytes) { return base64Of(deflated(bytes)); }
 
 nlohmann::json pageFacts(const CarriedOrgan& organ) {
   nlohmann::json facts = {{"name", organ.name},

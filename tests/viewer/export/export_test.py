@@ -35,8 +35,6 @@ try:
     import meshio
 except ImportError:
     meshio = None
-if sys.version_info >= (3, 13):
-    meshio = None  # 5.3 cannot read appended arrays with this Python; VTK reads them here too
 
 PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sodium.h>
 
 #include <cstring>
 
@@ -24,7 +25,7 @@ Grid smallGrid() {
   return grid;
 }
 
-/// The numbers of an array: they follow the underscore of the appended data, at the array's offset.
+/// The numbers of an array, which follow their size in base64.
 template <class Number>
 std::vector<Number> valuesOf(const std::string& file, const std::string& element) {
   const std::size_t begin = file.find(element);
@@ -32,13 +33,18 @@ std::vector<Number> valuesOf(const std::string& file, const std::string& element
     ADD_FAILURE() << "there is no " << element;
     return {};
   }
-  const std::string mark = "<AppendedData encoding=\"raw\">_", word = " offset=\"";
-  const std::size_t offset = std::stoul(file.substr(file.find(word, begin) + word.size()));
-  const char* bytes = file.data() + file.find(mark) + mark.size() + offset;
+  const std::size_t text = file.find('>', begin) + 1, end = file.find('<', text);
+  std::string bytes(file.size(), '\0');
+  std::size_t length = 0;
+  EXPECT_EQ(sodium_base642bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(),
+                              file.data() + text, end - text, nullptr, &length, nullptr,
+                              sodium_base64_VARIANT_ORIGINAL),
+            0);
   std::uint64_t size = 0;
-  std::memcpy(&size, bytes, sizeof size);
+  std::memcpy(&size, bytes.data(), sizeof size);
+  EXPECT_EQ(length, sizeof size + size);
   std::vector<Number> values(size / sizeof(Number));
-  std::memcpy(values.data(), bytes + sizeof size, size);
+  std::memcpy(values.data(), bytes.data() + sizeof size, size);
   return values;
 }
 
@@ -47,7 +53,7 @@ TEST(Vtu, HoldsEveryArrayWithItsTypeShapeAndUnit) {
   EXPECT_THAT(file, HasSubstr("<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">"));
   EXPECT_EQ(valuesOf<float>(file,
                             "type=\"Float32\" Name=\"displacement\" unit=\"m\" "
-                            "NumberOfComponents=\"3\" format=\"appended\""),
+                            "NumberOfComponents=\"3\" format=\"binary\""),
             std::vector<float>(12, 0.25F));
   EXPECT_EQ(valuesOf<std::uint8_t>(file, "type=\"UInt8\" Name=\"fixed\" unit=\"1\""),
             (std::vector<std::uint8_t>{1, 0, 0, 1}));
