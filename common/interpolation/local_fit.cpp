@@ -5,7 +5,6 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
-#include "common/space/expansion.hpp"
 
 namespace palpate {
 namespace {
@@ -84,6 +83,16 @@ constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e
 /// Even such a slope is useful in the middle of a coarse cell. Near a point with singular
 /// stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
+
+/// Returns the symmetric matrix with these components, in the order of symmetric_axes.
+Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
+  Eigen::Matrix3d matrix;
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto [a, b] = symmetric_axes[c];
+    matrix(a, b) = matrix(b, a) = components[static_cast<Eigen::Index>(c)];
+  }
+  return matrix;
+}
 
 KnownOrders oneLess(KnownOrders known) {
   return static_cast<KnownOrders>(static_cast<int>(known) - 1);
@@ -202,7 +211,8 @@ KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource
     } else if (kind_.known == KnownOrders::curvature) {
       add(Eigen::Vector3d(source.data->force - own.force), Eigen::Vector3d(own.stiffness * step));
     } else {
-      add(Eigen::Matrix3d(source.data->stiffness - own.stiffness), along(own.stiffness_by_p, step));
+      add(Eigen::Matrix3d(source.data->stiffness - own.stiffness),
+          symmetricOf(own.stiffness_by_p * step));
     }
   }
   const double farther = kind_.known == KnownOrders::slope ? farther_slopes : 1;
@@ -214,22 +224,6 @@ int LocalFits::degreeFor(std::size_t sources) const {
   return std::min(of_sources, kind_.highest_extrapolated);
 }
 
-Eigen::VectorXd LocalFits::solve(const Factors& factors, const std::vector<FitSource>& sources,
-                                 const LocalPolynomial& known) const {
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
-  Eigen::Index row = 0;
-  for (const FitSource& source : sources) {
-    const LatticePoint& o = source.offset;
-    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
-    right.segment(row, numbers) =
-        dataOf(*source.data, known.scale, kind_.known).head(numbers) -
-        known.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
-    row += numbers;
-  }
-  right.head(factors.weights.size()).array() *= factors.weights.array();
-  return factors.qr.solve(right);
-}
-
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
                                        int degree) {
   PALPATE_ASSERT(!sources.empty() && 2 <= degree && degree <= LocalPolynomial::degree,
@@ -237,7 +231,15 @@ LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, st
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const Factors& factors = factorsOf(sources, edge, 0, degree);
-  result.derivatives.head(factors.qr.cols()) = solve(factors, sources, result);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
+  Eigen::Index row = 0;
+  for (const FitSource& source : sources) {
+    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
+    right.segment(row, numbers) = dataOf(*source.data, result.scale, kind_.known).head(numbers);
+    row += numbers;
+  }
+  right.head(factors.weights.size()).array() *= factors.weights.array();
+  result.derivatives.head(factors.qr.cols()) = factors.qr.solve(right);
   return result;
 }
 
@@ -252,7 +254,18 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   if (sources.empty()) return result;
   const Factors& factors =
       factorsOf(sources, edge, static_cast<int>(known) + 1, kind_.highest_completed);
-  result.derivatives.segment(n_known, factors.qr.cols()) = solve(factors, sources, result);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
+  Eigen::Index row = 0;
+  for (const FitSource& source : sources) {
+    const LatticePoint& o = source.offset;
+    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
+    right.segment(row, numbers) =
+        dataOf(*source.data, result.scale, kind_.known).head(numbers) -
+        result.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
+    row += numbers;
+  }
+  right.head(factors.weights.size()).array() *= factors.weights.array();
+  result.derivatives.segment(n_known, factors.qr.cols()) = factors.qr.solve(right);
   return result;
 }
 

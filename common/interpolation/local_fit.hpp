@@ -102,10 +102,6 @@ class LocalFits {
   };
   const Factors& factorsOf(const std::vector<FitSource>& sources, std::int32_t edge, int from,
                            int degree);
-  /// Returns the derivatives that, added to those of `known`, fit the sources' data best.
-  Eigen::VectorXd solve(const Factors& factors, const std::vector<FitSource>& sources,
-                        const LocalPolynomial& known) const;
-
   double unit_;
   Kind kind_;
   std::map<Key, Factors> factors_;  ///< by the offsets and known orders of the sources

@@ -3,6 +3,14 @@
 namespace palpate {
 namespace {
 
+/// Returns the sum over k of slope_k * v_k as a symmetric matrix.
+Eigen::Matrix3d along(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
+  const Eigen::Matrix<double, 6, 1> c = slope * v;
+  Eigen::Matrix3d m;
+  m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return m;
+}
+
 /// Returns v^T slope_k v for each axis k.
 Eigen::Vector3d twice(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
   Eigen::Matrix<double, 6, 1> products;
@@ -12,13 +20,6 @@ Eigen::Vector3d twice(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
 }
 
 }  // namespace
-
-Eigen::Matrix3d along(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
-  const Eigen::Matrix<double, 6, 1> c = slope * v;
-  Eigen::Matrix3d m;
-  m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return m;
-}
 
 Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
   const Equilibrium& e = equilibrium;

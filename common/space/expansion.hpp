@@ -4,9 +4,6 @@
 
 namespace palpate {
 
-/// Returns the sum over k of slope_k * v_k as a symmetric matrix.
-Eigen::Matrix3d along(const SymmetricSlope& slope, const Eigen::Vector3d& v);
-
 /// Taylor polynomial of a finger's energy E(s, p) at one of its equilibria. It is complete to
 /// second order in the place s and the displacement p, and to third order except for d3E/ds3. Force
 /// and drive are exact derivatives of this polynomial, so their work around a closed loop is zero.
