@@ -45,7 +45,8 @@ const auto& entryNamed(const Named& named, const std::string& name, std::string_
 const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, std::string_view key) {
   const NodeSet& group = entryNamed(
       mesh.node_groups, name, fmt::format("{}: there is no \"{}\"", key, name), "physical groups");
-  if (group.empty()) throw badInput("{}: \"{}\" touches no tetrahedron; name another", key, name);
+  if (group.empty())
+    throw badInput("{}: group \"{}\" has no node of a tetrahedron; name another", key, name);
   return group;
 }
 

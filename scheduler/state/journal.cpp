@@ -403,7 +403,7 @@ void Journal::sync() {
   // would see them too and rely on them, so they are cut off.
   const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
   throw failure(
-      "{}: cannot flush to the disk ({}): results since the last acknowledgement are lost{}",
+      "{}: cannot flush to the disk ({}): workers must deliver the latest results again{}",
       segmentPath(end_.segment).string(), reason,
       cut_off ? "" : fmt::format(" (cut the file to {} bytes before you start again)", synced_));
 }
