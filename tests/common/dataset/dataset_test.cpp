@@ -428,7 +428,7 @@ TEST_F(SealedDataset, IsNotSealedFromInconsistentTables) {
   refused([](SpaceTable& t) { t.splits.erase(t.splits.begin()); }, "in a cell that is not split");
   refused([](SpaceTable& t) { t.splits[1].lowest[0] += 1; }, "split cell 1 is not a cell");
   refused([](SpaceTable& t) { t.splits[0].lowest[2] = 1024 * 5; }, "split cell 0 is not a cell");
-  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "split cell 1 has level 10");
+  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "split cell 1");
   refused([](SpaceTable& t) { t.probes[0].displacement[1] = NAN; }, "probe 0 lies outside");
   refused([](SpaceTable& t) { t.probes[1].displacement[1] = 0.0201; }, "probe 1 lies outside");
   refused([&](SpaceTable& t) { t.probes[1].record.parent = size; },

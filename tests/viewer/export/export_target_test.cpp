@@ -65,7 +65,7 @@ TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
   target.refuseWhatIsThere(dataset, true);
   const ExportTarget other(directory / "file.pvd");
   touch(directory / "file");
-  test::expectError(ExitCode::failed, [&] { other.beginSeries(); }, {"file", "series"});
+  test::expectError(ExitCode::failed, [&] { other.beginSeries(); }, {"file", "folder"});
 }
 
 TEST_F(ExportTargetTest, AShorterSeriesRemovesOnlyTheFilesOfALongerOne) {
