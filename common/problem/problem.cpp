@@ -245,7 +245,7 @@ void checkActive(const Problem& problem, std::size_t i, const NodeSet& surface) 
   checkPatch(problem, i, surface);
   checkProbe(problem, i);
   if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
-    throw badInput("active \"{}\": comes after a probe place, but probe places must be last",
+    throw badInput("active \"{}\" comes after a probe place, but probe places must be last",
                    problem.active[i].name);
 }
 

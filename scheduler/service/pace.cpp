@@ -18,8 +18,8 @@ constexpr double compared_from = 0.15, compared_to = 0.4;
 constexpr double between_estimates = 1.02;
 constexpr double largest_factor = 4;
 /// Errors up to this factor are not corrected. Some forecasts turn from right to too large near the
-/// end of a build, and the correction would make them worse. Of six builds, five keep their
-/// estimates; the sixth, of a flap, was 2 to 10 times too short all the time.
+/// end of a build, and the correction would make them worse. With this factor it changes little in
+/// five of six builds; the estimates of the sixth, of a flap, were always 2 to 10 times too short.
 constexpr double usual_error = 1.6;
 
 }  // namespace

@@ -30,7 +30,8 @@ class Pace {
 /// come last.
 class Hindsight {
  public:
-  /// worked: seconds in which workers solved, up to now. left: the estimate without correction, s.
+  /// worked: seconds in which workers were connected and the build was not paused, up to now.
+  /// left: the estimate without correction, s.
   void note(double worked, double left);
   /// Returns a factor for `left`, 1 to 4. It follows from the estimates between 15 and 40 % of the
   /// time worked, each compared with the time since then plus `left`.

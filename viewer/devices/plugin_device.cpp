@@ -35,7 +35,7 @@ class Plugin {
       throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
     void* const symbol = dlsym(library_.get(), entry_point);
     if (symbol == nullptr)
-      throw badInput("{}: is not a device plug-in of this version: {}", file.string(),
+      throw badInput("{} is not a device plug-in of this version: {}", file.string(),
                      lastDlError());
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
