@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 struct SshFleetOptions : FleetOptions {
   SshOptions ssh;
   std::vector<std::string> hosts;
-  std::string program = "palpate-worker";  ///< as the remote shell finds it
+  std::string program = "palpate";  ///< as the remote shell finds it
 };
 
 /// Time for a worker to deliver its results. Slurm kills a cancelled job after 30 s (KillWait) by
@@ -46,9 +46,9 @@ wire::Status meet(FleetOptions& options) {
   return *status;
 }
 
-/// Returns the command that a node runs.
+/// Returns the command that a node runs. palpate checks the memory limit before it starts a worker.
 std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
-  std::vector<std::string> words = {programBeside("palpate-worker").string(),
+  std::vector<std::string> words = {programBeside("palpate").string(),
                                     "work",
                                     "--connect",
                                     options.endpoint,
@@ -183,7 +183,7 @@ void addTo(CLI::App& app, SshFleetOptions& options) {
   app.add_option("--hosts", options.hosts,
                  "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]")
       ->required();
-  app.add_option("--program", options.program, "Path or name of palpate-worker on the machines")
+  app.add_option("--program", options.program, "Path or name of palpate on the machines")
       ->capture_default_str();
   app.add_option("SSH", options.ssh.more, "Options for ssh, after --: -- -p 2222 -i KEY");
   app.footer(

@@ -131,7 +131,8 @@ struct SlurmTest : test::SmallBuild {
   std::string installElsewhere() const {
     const std::filesystem::path program = directory / "bin" / "palpate-scheduler";
     std::filesystem::create_directory(directory / "bin");
-    std::filesystem::copy_file(PALPATE_BIN_DIR "/palpate-scheduler", program);
+    for (const char* each : {"palpate", "palpate-scheduler"})
+      std::filesystem::copy_file(PALPATE_BIN_DIR "/" + std::string(each), directory / "bin" / each);
     return program.string();
   }
 };

@@ -46,7 +46,7 @@ struct SshTest : test::SmallBuild {
   }
   std::unique_ptr<test::Process> startFleet(const std::string& known,
                                             const std::string& program = PALPATE_BIN_DIR
-                                            "/palpate-worker") {
+                                            "/palpate") {
     return start("palpate-scheduler", {"fleet", "ssh", "state", "--hosts", "127.0.0.1:2",
                                        "--program", program, "--every", "1", "--", "-p", "2222",
                                        "-i", path("user"), "-o", "UserKnownHostsFile=" + known});
@@ -93,7 +93,7 @@ TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilInstalled) {
   auto fleet = startFleet(path("known"), path("worker"));
   EXPECT_TRUE(test::says(*fleet, "exit code 127 (--program or one of its libraries is missing"))
       << fleet->output();
-  std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", path("worker"));
+  std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate", path("worker"));
   expectFinished(*scheduler);
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();
   EXPECT_TRUE(workers().empty());
