@@ -155,12 +155,8 @@ class Warnings {
                                                : fmt::format("poisson = {}", *material.poisson);
       warn(
           "law \"{}\" with {} is nearly incompressible, and {} displacement without a pressure "
-          "locks: the body is {} too stiff; {}",
-          word(material.law), number, word(d.displacement), linear ? "much" : "at least 20 %",
-          isMixed(material)
-              ? "remove pressure = \"none\""
-              : "use a law that has a pressure: neo-hookean with mu and bulk is the same at small "
-                "strains");
+          "locks: the body is {} too stiff; remove pressure = \"none\"",
+          word(material.law), number, word(d.displacement), linear ? "much" : "at least 20 %");
     }
   }
 

@@ -8,11 +8,17 @@
 
 namespace palpate {
 
-bool isMixed(const Material& material) {
-  return material.law != LawName::linear && material.law != LawName::st_venant_kirchhoff;
+bool isCompressible(LawName law) {
+  return law == LawName::linear || law == LawName::st_venant_kirchhoff;
 }
 
-bool isIncompressible(const Material& material) { return isMixed(material) && !material.bulk; }
+bool isMixed(const Material& material) {
+  return !isCompressible(material.law) || isNearlyIncompressible(material);
+}
+
+bool isIncompressible(const Material& material) {
+  return !isCompressible(material.law) && !material.bulk;
+}
 
 double shearModulus(const Material& m) {
   switch (m.law) {

@@ -46,10 +46,12 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+/// Returns whether the law is linear or st-venant-kirchhoff. The other laws are isochoric energies.
+bool isCompressible(LawName law);
 /// Returns whether the material requires det F = 1 exactly, and therefore a pressure.
 bool isIncompressible(const Material& material);
 /// Returns whether the material has a pressure unknown if the discretisation has a pressure space.
-/// True for all laws but linear and st-venant-kirchhoff.
+/// False for the laws linear and st-venant-kirchhoff unless the material is nearly incompressible.
 bool isMixed(const Material& material);
 /// Returns the shear modulus at rest, Pa. Pressures and residuals are scaled by it.
 double shearModulus(const Material& material);

@@ -59,8 +59,7 @@ std::vector<NumberKey> numbersOf(LawName law) {
 }
 
 bool takesYoung(LawName law) {
-  return law == LawName::linear || law == LawName::st_venant_kirchhoff ||
-         law == LawName::modified_st_venant_kirchhoff;
+  return isCompressible(law) || law == LawName::modified_st_venant_kirchhoff;
 }
 
 /// Keys that a law requires, and further keys that it accepts.

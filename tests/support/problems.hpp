@@ -22,8 +22,7 @@ inline Scene mooneyRivlinScene() {
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material = {.law = law, .young = 15480, .poisson = poisson};
-  if (!isIncompressible(scene.regions[0].material))
-    scene.discretization.pressure = PressureSpace::none;
+  if (!isMixed(scene.regions[0].material)) scene.discretization.pressure = PressureSpace::none;
   return scene;
 }
 

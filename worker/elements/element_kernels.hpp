@@ -57,7 +57,9 @@ struct ElementParameters {
   Constraint constraint = Constraint::ln_det_F;
   double pressure_scale = 1;  ///< Pa per unit of q
   double stabilization = 0;   ///< alpha / mu, 1/Pa
-  double bulk = 0;            ///< Pa; zero for an exactly incompressible material
+  /// Pa; zero for an exactly incompressible material. With a pressure, the laws linear and
+  /// st-venant-kirchhoff have lambda here.
+  double bulk = 0;
 
   LawName law = LawName::mooney_rivlin;
   double lambda = 0, mu = 0;                     ///< Pa; as in the formula of the law

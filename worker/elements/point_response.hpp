@@ -71,6 +71,17 @@ PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Voigt& Ci, Resp
       }
 }
 
+/// Adds the energy -p c with the constraint c = tr gamma, which replaces lambda/2 (tr gamma)^2. The
+/// stress of c is the identity, and its tangent is zero.
+PALPATE_INLINE void addTraceConstraint(Pack p, Strain<Pack>& strain, Response& response) {
+  const Pack trace = strain.e[0] + strain.e[1] + strain.e[2];
+  response.constraint = {trace, Pack{} + 1.0, Pack{}};
+  response.energy -= p * trace;
+  for (int v = 0; v < 3; ++v) response.S[v] -= p;
+  // Stands for the factor C^-1 in the stress of the other constraints.
+  for (int v = 0; v < 6; ++v) strain.C_inverse[v] = Pack{} + (v < 3 ? 1.0 : 0.0);
+}
+
 /// `mixed`: a pressure or a volumetric energy is added to the energy of the law.
 template <bool with_tangent, bool mixed, class Law>
 PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameters,
@@ -106,7 +117,10 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
   };
   switch (m.law) {
     case LawName::linear:  // strain.e is then the small strain
-    case LawName::st_venant_kirchhoff: return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
+    case LawName::st_venant_kirchhoff:
+      displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
+      if (m.pressure != PressureSpace::none) addTraceConstraint(p, strain, response);
+      return;
     case LawName::modified_st_venant_kirchhoff: return mixed(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::mooney_rivlin: return mixed(MooneyRivlin{{m.c10, m.c01}});
     case LawName::neo_hookean: return mixed(NeoHookean{{m.mu}});

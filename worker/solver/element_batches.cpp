@@ -1,5 +1,7 @@
 #include "worker/solver/element_batches.hpp"
 
+#include <utility>
+
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/mesh/tetrahedron.hpp"
@@ -35,6 +37,8 @@ std::vector<ElementParameters> elementParameters(const BodyModel& model, double 
     p.law = m.law;
     p.mu = shearModulus(m);
     if (m.poisson) p.lambda = 2 * p.mu * *m.poisson / (1 - 2 * *m.poisson);
+    // The pressure replaces the term with lambda (addTraceConstraint()).
+    if (isCompressible(m.law) && p.pressure != PressureSpace::none) p.bulk = std::exchange(p.lambda, 0);
     p.c10 = m.c10;
     p.c01 = m.c01;
     p.c20 = m.c20;

@@ -167,6 +167,13 @@ Push compression() {
   return push;
 }
 
+/// A cube of a law with Poisson's ratio, nearly incompressible.
+Push nearlyIncompressible(LawName law) {
+  Push push = soft(fmt::format("{}, nu = 0.499", word(law)), cubeMesh(cube_edge, 4), 0.0101, 1e-3);
+  push.regions[0].material = {.law = law, .young = 9000, .poisson = 0.499};
+  return push;
+}
+
 /// A pyramid with a tip a tenth as wide as its base, pressed down at the tip by almost a third of
 /// its height.
 Push tip() {
@@ -234,7 +241,9 @@ std::vector<Case> hardCases() {
           {"hard-shapes", false, [] {
              const Eigen::Vector3d cube(cube_edge, cube_edge, cube_edge);
              return joined(
-                 {rowsOfPush(compression(), 3.27098, 1e-4), rowsOfPush(tip(), 0.207386, 1e-4),
+                 {rowsOfPush(nearlyIncompressible(LawName::linear), 0.24539, 1e-4),
+                  rowsOfPush(nearlyIncompressible(LawName::st_venant_kirchhoff), 0.229295, 1e-4),
+                  rowsOfPush(compression(), 3.27098, 1e-4), rowsOfPush(tip(), 0.207386, 1e-4),
                   rowsOfPush(soft("one layer on bone",
                                   boxMesh({cube_edge, cube_edge, 0.01}, {4, 4, 1}), 0.0075, 2e-3),
                              3.86135, 1e-4),

@@ -69,8 +69,8 @@ TEST_F(ProblemWarnings, ReportLockingOfTetrahedraWithoutPressure) {
   for (const LawName law : {LawName::linear, LawName::st_venant_kirchhoff}) {
     scene = test::youngScene(law, 0.495);
     scene.workspace.radius = 0.05;
-    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("poisson = 0.495"), HasSubstr("locks"),
-                                              HasSubstr("neo-hookean"))));
+    scene.discretization.pressure = PressureSpace::none;
+    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("poisson = 0.495"), HasSubstr("locks"))));
     scene.discretization.displacement = DisplacementSpace::p2;
     EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("P2 displacement"), HasSubstr("locks"))));
     scene = test::youngScene(law, 0.48);
@@ -164,8 +164,8 @@ TEST(ReportedScenes, HaveTheWarningsOfTheirMistakes) {
                                              {"F4_density_gcc", "looks like g/cm^3"},
                                              {"F4_density_si", ""},
                                              {"F4_k1_kPa", "looks like kPa"},
-                                             {"F8_linear_0499_P1", "much too stiff"},
-                                             {"F8_linear_0499_P2", "neo-hookean with mu and bulk"},
+                                             {"F8_linear_0499_P1", ""},
+                                             {"F8_linear_0499_P2", ""},
                                              {"F8_penalty_P2_1e6", "remove pressure"},
                                              {"F8_penalty_P2_1e7", "remove pressure"},
                                              {"F8_penalty_P2_1e8", "remove pressure"},

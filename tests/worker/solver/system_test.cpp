@@ -33,9 +33,10 @@ std::vector<Formulation> everyFormulation() {
         all.push_back({name, element, material});
         continue;
       }
-      if (!isMixed(material)) continue;
       Formulation formulation{name, element, material};
+      if (isCompressible(material.law)) formulation.material.poisson = 0.499;
       all.push_back(formulation);
+      if (isCompressible(material.law)) continue;
       formulation.discretization.constraint = Constraint::det_F_minus_1;
       formulation.name += ", det F - 1";
       all.push_back(formulation);

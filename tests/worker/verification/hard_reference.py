@@ -61,7 +61,7 @@ class Push:
         model.add_macro("F", "(Id(3)+Grad_u)")
         model.add_macro("E", "((F'*F-Id(3))/2)")
 
-    def material(self, region, energy, pressure, *residuals, bulk=None, **numbers):
+    def material(self, region, energy, pressure, *residuals, bulk=None, volume="log(Det(F))", **numbers):
         for name, value in numbers.items():
             self.model.add_initialized_data(name, value)
         self.model.add_nonlinear_term(self.integration, energy, region)
@@ -74,7 +74,7 @@ class Push:
             self.kept += [field, part]  # the model does not own them
             self.model.add_fem_variable(pressure, part)
             give = f"-sqr({pressure})/(2*{bulk})" if bulk else ""
-            self.model.add_nonlinear_term(self.integration, f"-{pressure}*log(Det(F)){give}", region)
+            self.model.add_nonlinear_term(self.integration, f"-{pressure}*{volume}{give}", region)
 
     def bump_weights(self, near, radius):
         """Returns, per node, its share of the weighted mean that a soft finger on the plane z = near[2] prescribes."""
@@ -141,6 +141,15 @@ def press(size, cells, depth, near=MIDDLE, radius=0.0101, taper=1, bulk=None, st
     return push.solve(near, radius, (0, 0, -depth), max(1, round(depth / step)))
 
 
+def nearly_incompressible(strain, young=9000, poisson=0.499):
+    """A cube of the law linear (strain e) or st-venant-kirchhoff (E)."""
+    push = Push(*box((0.04,) * 3, (4, 4, 4)))
+    G = young / (2 * (1 + poisson))
+    push.model.add_macro("e", "Sym(Grad_u)")
+    push.material(-1, f"G*Norm_sqr({strain})", "p", bulk=2 * G * poisson / (1 - 2 * poisson), volume=f"Trace({strain})", G=G)
+    return push.solve(MIDDLE, 0.0101, (0, 0, -1e-3), 2)
+
+
 def fibres(mu, k1, k2, depth, kappa=0, angle=None, step=STEP):
     """One family along x, or two at plus and minus `angle` degrees from x."""
     push = Push(*box((0.04,) * 3, (4, 4, 4)))
@@ -199,6 +208,7 @@ CASES |= {f"skin {contrast} times stiffer, n = {n}": (skin, contrast, n) for con
 CASES |= {f"column, {1e3 * depth:g} mm": (column, depth) for depth in (5e-3, 10e-3)}
 CASES |= {f"bone of {young:g} Pa, P2": (bone, young) for young in (1e8, 1e10)}
 CASES |= {f"capsule with fibres, {1e3 * depth:g} mm": (capsule, depth) for depth in (2e-3, 6e-3)}
+CASES |= {f"{law}, nu = 0.499": (nearly_incompressible, strain) for law, strain in (("linear", "e"), ("st-venant-kirchhoff", "E"))}
 CASES |= {"pressed in by 12 of 40 mm, nu = 0.49": (press, (0.04,) * 3, (4, 4, 4), 12e-3, MIDDLE, 0.0101, 1, 149e3),
           "tip pushed into itself": (press, (0.04,) * 3, (4, 4, 8), 4e-3, MIDDLE, 0.003, 0.1),
           "one layer on bone": (press, (0.04, 0.04, 0.01), (4, 4, 1), 2e-3, (0.02, 0.02, 0.01), 0.0075),
