@@ -18,7 +18,7 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& task)
   std::size_t first = count;
   std::exception_ptr error;
   const auto work = [&] {
-    // Every number that is taken is run. Otherwise a task of a lower number than a failed one could
+    // Run every number that was taken. Otherwise a task with a lower number than a failed one could
     // be left out.
     while (!failed) {
       const std::size_t n = next++;

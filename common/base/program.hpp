@@ -49,8 +49,8 @@ const char* version();
 /// Returns the commit of the build, such as "1a2b3c4", or "1a2b3c4+changed" for edited sources;
 /// "unknown" outside a git repository.
 const char* commit();
-/// Returns the version and, if known, the commit: "0.1.0 (1a2b3c4)". It identifies the build,
-/// because two builds may compute results that differ by rounding.
+/// Returns the version and, if known, the commit: "0.1.0 (1a2b3c4)". Two builds of one version may
+/// compute results that differ by rounding; the commit tells them apart.
 std::string buildName();
 
 /// Returns the path of the program `name` ("palpate-worker") in the folder of the running program.
@@ -58,7 +58,7 @@ std::string buildName();
 std::filesystem::path programBeside(const std::string& name);
 
 /// Returns whether SIGINT, SIGTERM or SIGHUP has arrived since catchInterrupts() was called. SIGHUP
-/// does not count if it was ignored at start. A second signal ends the process at once with code
+/// stays ignored if it was ignored at the start. A second signal ends the process at once with code
 /// 130, unless it arrives within a second of the first. Two signals within a second usually have
 /// one cause. For example, timeout(1) signals a process and then its group, and after Ctrl-C a
 /// child gets a signal from the terminal and another one from its parent.

@@ -47,8 +47,8 @@ FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view wh
       if (interrupted())
         throw Error(ExitCode::interrupted,
                     fmt::format("interrupted while another process writes {}", aside.string()));
-    // Try again if the path now has another file, or none: the process that held the lock before
-    // has renamed or removed the locked one.
+    // Try again if the locked file is no longer at the path: the process that held the lock before
+    // has renamed or removed it.
     if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;
     if ((held.st_mode & 077 & ~mode) != 0 && fchmod(taken.get(), mode) != 0)
       throw unwritable(aside, what);

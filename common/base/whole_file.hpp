@@ -35,13 +35,13 @@ void replaceFile(const std::filesystem::path& file,
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
 
 /// Replaces `file` by the result of `bytes`. That function may read the old content, because no
-/// other process can replace the file in the meantime. With `mode` 0600 the file is never
-/// accessible to other users, not even while it is written.
+/// other process can replace the file in the meantime. If `mode` is 0600, other users can never
+/// access the file, not even while it is written.
 void replaceFile(const std::filesystem::path& file, const std::function<std::string()>& bytes,
                  std::string_view what, mode_t mode);
 
 /// Writes all of `bytes` at `offset` of an open file, in several calls if necessary. Returns false,
-/// with errno set, if the system takes no more.
+/// with errno set, if the system accepts no more bytes.
 bool writeAt(int descriptor, std::uint64_t offset, std::string_view bytes);
 
 /// Flushes a folder (empty: the current one), so that files made, renamed or removed in it survive

@@ -58,8 +58,8 @@ Scene sceneIn(const Reader& in, const std::string& text, const std::string& file
 }
 
 /// Checks the format and the content hash, which covers the hashes of all arrays, and returns the
-/// scene as text. Every array that is read later and matches its hash is therefore as it was
-/// sealed.
+/// scene as text. Every array that is read later and matches its hash is therefore unchanged since
+/// the dataset was sealed.
 std::string openedText(Reader& in, const std::string& file) {
   refuseOtherFormats(in, file);
   // The attributes checked so far identify the file as a dataset; only now look at its arrays.

@@ -28,7 +28,7 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 /// of them is stored. Fields of probes are not stored. `partial` marks an unfinished build
 /// (Dataset::isPartial).
 ///
-/// Sealing takes some MB of memory, and 36 bytes per point. Error on any HDF5 or system failure;
+/// Sealing takes a few MB of memory, and 36 bytes per point. Error on any HDF5 or system failure;
 /// FILE.tmp is then removed. One thread at a time (HDF5 is not thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,

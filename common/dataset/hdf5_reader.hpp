@@ -31,7 +31,7 @@ class Reader : public NamedFile {
 
   bool hasAttribute(const char* attribute) const;  ///< of the root group
   std::string text(const char* attribute) const;   ///< of the root group, fixed-length string
-  std::vector<std::int32_t> integers(const char* attribute) const;  ///< of the root group, <= 1024
+  std::vector<std::int32_t> integers(const char* attribute) const;  ///< root group, at most 1024
   double number(const char* attribute) const;                       ///< of the root group
 
   /// Finds all arrays of the file. Must be called once, before any of the functions below.

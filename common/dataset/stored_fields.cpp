@@ -99,7 +99,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
         continue;
       }
       const NodalFields given = fields(s, n);
-      // Check the fields again: since they were solved they may have been on a disk for weeks.
+      // Check the fields again, because they may have been on a disk for weeks.
       if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
           given.pressure.size() != problem.pressures.count())

@@ -30,7 +30,7 @@ std::vector<std::array<std::int32_t, n>> readElements(const Reader& in, const ch
   return elements;
 }
 
-/// Makes the mid-edge nodes of the mesh again and checks that the stored ones are the same.
+/// Computes the mid-edge nodes of the mesh and checks that the stored ones are the same.
 void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
   const auto edges = readElements<2>(in, edges_path, mesh.nodes.size());
   const std::vector<Eigen::Vector3d> points = mesh.nodes;

@@ -96,8 +96,8 @@ void forEachAttemptColumn(const Visit& visit) {
 }
 
 /// Visits the columns of the PointRecord recordOf(row), which /points and /probes (`group`) both
-/// have. The tag is the first column, because whether a row has values in other columns depends on
-/// it. `with_drive` says whether some space belongs to a finger. If not, the columns of
+/// have. The tag is the first column, because it decides whether a row has values in the other
+/// columns. `with_drive` says whether some space belongs to a finger. If not, the columns of
 /// FingerSlopes are left out, as in older files.
 template <class RecordOf, class Visit>
 void forEachRecordColumn(const std::string& group, const RecordOf& recordOf, bool with_drive,
@@ -191,7 +191,7 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
 
 // ---- columns --------------------------------------------------------------------------------
 
-/// Type as which a member of type T is stored: matrices are stored row by row.
+/// Type in which a member of type T is stored: matrices are stored row by row.
 template <class T>
 using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
 

@@ -95,8 +95,8 @@ constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.cons
 }  // namespace
 
 bool EdgeCheck::consistent() const {
-  // The constant terms only keep round-off, and edges along which the force is linear, from
-  // counting as inconsistent.
+  // Without the constant terms, round-off could make an edge inconsistent, even one along which the
+  // force is linear.
   return force_mismatch <= 2e-3 * scale + 0.1 * change + bend &&
          energy_mismatch <= 5e-4 * scale + 0.02 * change + 0.25 * bend;
 }

@@ -27,13 +27,13 @@ struct EdgeCheck {
   /// bend are allowed, because the stiffness may have an extremum between a and b.
   bool consistent() const;
   /// Returns true if the stiffnesses explain so little of the change that a jump between branches
-  /// could go unnoticed. True for every edge that is not consistent, and for edges that are too
-  /// long for the curvature along them. It is then worth solving the ends again along another path,
-  /// but the order of interpolation is not reduced.
+  /// could go unnoticed. True for every edge that is not consistent, and for long edges along which
+  /// the stiffness changes much. It is worth solving the ends of a suspect edge again along another
+  /// path, but the order of interpolation is not reduced.
   bool suspect() const;
 };
 /// Checks the step from a to b. `largest_force` is the largest force in the configuration space, N.
-/// The thresholds in newtons are reduced with it, so that jumps are also found in soft bodies.
+/// The thresholds in newtons shrink with this force, so that jumps are also found in soft bodies.
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force);
 

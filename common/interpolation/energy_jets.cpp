@@ -44,8 +44,8 @@ class Fitter {
     findKnown();
   }
 
-  /// Fits the polynomial of a solved slot: the slot's own data exactly, higher derivatives to the
-  /// solved points around it.
+  /// Fits the polynomial of a solved slot. It reproduces the slot's own data exactly; its higher
+  /// derivatives are fitted to the solved points around the slot.
   LocalPolynomial complete(std::size_t slot) {
     const std::int32_t number = tree_.slots()[slot].number;
     return fits_.complete(space_.points[number].equilibrium, neighbours(slot, number), edge_[slot],

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// Factors of the bound, chosen by 18000 exact solutions on liver-493 (Mooney-Rivlin, three active
+// Factors of the bound, chosen with 18000 exact solutions on liver-493 (Mooney-Rivlin, three active
 // nodes, balls of 60 and 100 mm, spacings from 10 to 33 mm). They include the rim of the ball and
 // the neighbourhood of jumps between branches. The bound holds at 99 % of these solutions, where it
 // is 6 to 10 times the error in the median.

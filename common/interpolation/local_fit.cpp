@@ -70,9 +70,9 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   return data;
 }
 
-// Weights and penalties, chosen by the errors at 1000 exact solutions in balls of 60 and 100 mm,
-// with spacings from 15 to 33 mm. Penalties ten times as large or small change the errors by some
-// 10 %. Without a penalty on the fifth degree, however, the errors at the rim double.
+// Weights and penalties, chosen to reduce the errors at 1000 exact solutions in balls of 60 and 100
+// mm, with spacings from 15 to 33 mm. Penalties ten times as large or small change the errors by
+// about 10 %. Without a penalty on the fifth degree, however, the errors at the rim double.
 // smallest_penalty makes derivatives zero that the sources together do not determine.
 constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
@@ -132,8 +132,8 @@ struct WeightedSystem {
     int known_of_all = from > 0 ? from - 1 : static_cast<int>(known);
     for (const FitSource& source : sources)
       known_of_all = std::min(known_of_all, static_cast<int>(source.known));
-    // Add a penalty row for each unknown (ridge regression). Derivatives that not every source has
-    // as data always get a penalty, because few sources may leave them undetermined.
+    // Add a penalty row for each unknown (ridge regression). A derivative that some source lacks
+    // always gets a penalty, because few sources may leave it undetermined.
     for (int t = 0; t < unknowns; ++t) {
       const int order = total(term(t));
       matrix(weights.size() + t, t) = order > known_of_all

@@ -11,7 +11,7 @@ namespace palpate {
 using Orders = std::array<int, 3>;
 
 /// The derivatives of the first terms of a LocalPolynomial, at most up to third order (20 terms),
-/// scaled as there.
+/// scaled like LocalPolynomial::derivatives.
 using KnownDerivatives = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 20, 1>;
 
 /// Taylor polynomial of the energy around a position, with total degree <= 5.

@@ -146,8 +146,8 @@ KeyPair KeyFolder::own() const {
 
 KeyPair KeyFolder::ownOrNew() const {
   if (hasOwn()) return own();
-  // Another process may make one in the meantime. link() keeps the first, also on file systems
-  // without locks.
+  // Another process may make a key at the same time. link() keeps the first key, even on file
+  // systems without locks.
   const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
   writePrivate(aside, [] { return lineOf(KeyPair::make()); });
   const bool first = link(aside.c_str(), ownFile(folder_).c_str()) == 0;

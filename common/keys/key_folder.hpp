@@ -91,8 +91,8 @@ class KeyFolder {
 };
 
 /// The keys that a running server admits: its own key with every role, and the list in its key
-/// folder. The list is read again after a second, so that keys can be added and withdrawn during a
-/// build. Any thread.
+/// folder. rolesOf() reads the list again if the last reading is at least one second old, so that
+/// keys can be added and withdrawn during a build. Any thread.
 class Admission {
  public:
   /// Makes this user's key if there is none. Error (bad input) if the list cannot be read. If the

@@ -71,7 +71,7 @@ bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t)
                                      sideOf(p, q, t[2], t[0])};
   const auto [least, most] = std::ranges::minmax(around);
   // The segment passes through the triangle or its boundary if the signs do not differ. If all are
-  // zero, it is in line with all three edges and does not count.
+  // zero, the segment is in line with all three edges, which is not an intersection.
   return least * most >= 0 && (least != 0 || most != 0);
 }
 
@@ -151,8 +151,8 @@ SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points
                                       const std::vector<Triangle>& triangles) {
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());
   const std::vector<std::int32_t> numbers = countUp(triangles.size());
-  // The boxes of the tree are rotated. For axis-aligned ones, the tree might split the triangles of
-  // an axis-aligned face along the face's normal into two sets that both extend over the whole
+  // The boxes of the tree are rotated. With axis-aligned boxes, the tree might split the triangles
+  // of an axis-aligned face along the face's normal into two sets that both extend over the whole
   // face.
   const Eigen::Matrix3d oblique(Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()));
   for (const std::int32_t t : numbers)

@@ -100,9 +100,9 @@ Problem loadProblem(const std::filesystem::path& scene_file);
 ///
 /// In the decoded scene, the mesh path is reduced to its file name, and metres_per_unit is 1. Node
 /// sets, weights, regions and fibres are not selected again, but taken from the bytes and checked
-/// by checkProblem(). Mid-edge nodes are made again. Element groups and vectors are not encoded,
-/// because nothing needs them after resolve(). Error (failure) if the bytes are damaged, or if
-/// encodeProblem() would encode the decoded problem differently.
+/// by checkProblem(). Mid-edge nodes are computed again. Element groups and vectors are not
+/// encoded, because nothing needs them after resolve(). Error (failure) if the bytes are damaged,
+/// or if encodeProblem() would encode the decoded problem differently.
 std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 
@@ -112,9 +112,9 @@ Problem decodeProblem(std::string_view bytes);
 /// patches.
 ///
 /// The id leaves out everything that does not influence configurations, so that results stay valid
-/// if it changes. It leaves out the scene's name, file paths, selectors (only the selected nodes
-/// count), names of groups, the unit of the files, [storage], and the device (only its effect on
-/// the workspace counts).
+/// if it changes. It leaves out the scene's name, file paths, selectors (but not the selected
+/// nodes), names of groups, the unit of the files, [storage], and the device (but not its effect on
+/// the workspace).
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

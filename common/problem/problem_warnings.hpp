@@ -25,7 +25,7 @@ std::vector<std::string> warningsOf(const Problem& problem);
 /// Logs the warnings, one line each, before a solve.
 void logWarnings(const Problem& problem);
 
-/// Number of names that a message lists if there are many; it counts the others.
+/// Number of names that a message lists before "and N more".
 inline constexpr std::size_t listed_names = 5;
 
 }  // namespace palpate

@@ -59,7 +59,7 @@ wire::Problem toMessage(const Problem& problem) {
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
     group.set_name(name);
-    // Leave out mid-edge nodes, which come last: the decoder makes them again from the vertices.
+    // Leave out mid-edge nodes, which come last: the decoder computes them from the vertices.
     const auto end = std::lower_bound(nodes.begin(), nodes.end(), problem.mesh.vertices());
     group.set_nodes(bytesOfArray(std::span(nodes.begin(), end)));
   }
@@ -133,7 +133,7 @@ Problem decodeProblem(std::string_view bytes) {
   wire::Problem message;
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
       !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw failure("a problem description of {} bytes is damaged: it is no Protobuf message",
+    throw failure("a problem description of {} bytes is damaged: it is not a Protobuf message",
                   bytes.size());
   try {
     Problem problem = fromMessage(message);
@@ -150,8 +150,8 @@ Problem decodeProblem(std::string_view bytes) {
 
 ContentId problemId(const Problem& problem) {
   Problem bare = problem;
-  // Name and path do not count for the id. Set them to a fixed text that is not empty, because the
-  // scene reader refuses empty ones.
+  // The id does not depend on name and path. Set them to a fixed text that is not empty, because
+  // the scene reader refuses empty ones.
   bare.scene.name = "any";
   bare.scene.mesh = "any";
   bare.scene.fixed = {};

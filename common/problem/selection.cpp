@@ -248,7 +248,7 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
   std::vector<double> weights;
   for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node].value);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-  // With quadratic shape functions single weights may be negative, and thus also their sum.
+  // With quadratic shape functions, single weights and even their sum may be negative.
   if (!(sum > 0))
     throw badInput(
         "active \"{}\": the weights of its {} nodes do not have a positive sum; make radius larger",

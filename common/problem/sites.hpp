@@ -13,9 +13,9 @@ inline constexpr std::size_t max_sites = 5000;
 
 /// Returns the largest distance from a place to its nearest site, in radii, for a finger of
 /// `radius` (metres). It is site_distance if the finger is pressed in by at most 0.75 radii, falls
-/// to 0.7 of this value at 1.25 radii, and stays there. The depth is that at max_force, but at most
-/// the workspace radius. It is estimated with the smallest shear modulus at rest of all regions,
-/// without fibres. readScene has already limited max_force to the largest force of the device.
+/// to 0.7 of this value at 1.25 radii, and stays there. The depth is estimated at max_force, with
+/// the smallest shear modulus at rest of all regions, without fibres, and is at most the workspace
+/// radius. readScene has already limited max_force to the largest force of the device.
 double siteDistance(const Scene& scene, double radius);
 
 /// Returns the sites of a finger of `radius` (metres) that cover these triangles of the mesh's
@@ -23,7 +23,7 @@ double siteDistance(const Scene& scene, double radius);
 /// farther than `distance` radii from its nearest site. At rims and tips the distance is reduced,
 /// by up to 40 %, because the energy changes faster along the surface there. Distances are along
 /// straight lines, because a finger's energy is a function of its position in space
-/// (finger_weights.hpp). One site may therefore serve both sides of a thin lobe.
+/// (finger_weights.hpp). One site may therefore cover both sides of a thin lobe.
 ///
 /// A place is left out if nearly half or more of the finger would rest on `fixed` (sorted), or if
 /// its triangle is fixed. Such places are covered only as far as neighbouring sites reach. The

@@ -16,7 +16,7 @@ struct OgdenTerm {
   bool operator==(const OgdenTerm&) const = default;
 };
 
-/// A material from [material] or [[region]]. Keys that the law does not take are refused.
+/// A material from [material] or [[region]]. Keys that the law does not use are refused.
 /// docs/solver.md and worker/laws/laws.hpp give the energies. All laws but `linear` and
 /// `st-venant-kirchhoff` are isochoric energies. They are used with the constraint det F = 1, or,
 /// if `bulk` is given, together with a volumetric energy.
@@ -40,7 +40,7 @@ struct Material {
   std::string fiber_field = {};
   /// Pa, > 0. If given, the material is compressible with the volumetric energy U of
   /// docs/solver.md. If absent, it is exactly incompressible. linear and the St. Venant-Kirchhoff
-  /// laws do not take it.
+  /// laws do not use it.
   std::optional<double> bulk = {};
   std::optional<double> density = {};  ///< kg/m^3, > 0; required with gravity
   bool operator==(const Material&) const = default;

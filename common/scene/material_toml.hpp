@@ -10,12 +10,12 @@ namespace palpate {
 
 class TomlSection;
 
-/// Returns the keys that any law takes, and `group`.
+/// Returns the keys that at least one law accepts, and `group`, `box` and `sphere`.
 std::span<const std::string_view> materialKeys();
 
 /// Reads and checks a material. Fibre directions are normalised. Error (bad input) for a key that
-/// the law does not take (the message lists the law's keys), and for every value that material.hpp
-/// excludes.
+/// the law does not accept (the message lists the law's keys), and for every value that
+/// material.hpp excludes.
 Material readMaterial(const TomlSection& section);
 
 /// Returns the TOML lines of a material, `law` first. readMaterial() reads them back as the same

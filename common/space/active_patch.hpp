@@ -16,8 +16,8 @@ namespace palpate {
 /// lie closer together where the surface bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
 /// Forces can be interpolated at a place of the surface if its nearest site is within this
-/// distance, in finger radii. It exceeds site_distance, because sites were chosen among discrete
-/// places, and only these are sure to lie within site_distance.
+/// distance, in finger radii. It exceeds site_distance, because sites are chosen among discrete
+/// places, and only these places are sure to have a site within site_distance.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
 /// The contact of a soft finger with the surface at rest. Lengths in metres.

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// A finger that a hand presses, and how it moves.
+/// Position and velocity of a finger that a hand moves.
 struct HandMotion {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< of the finger on the surface, m
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
@@ -12,7 +12,7 @@ struct HandMotion {
   Eigen::Vector3d displacement_speed = Eigen::Vector3d::Zero();  ///< m/s
 };
 
-/// The equilibrium near a hand, or why there is none, and the work of the solve.
+/// The equilibrium near a hand, or a Failure if there is none, and the cost of the solve.
 struct Followed {
   std::variant<Failure, Expansion> end;
   Cost cost;

@@ -27,8 +27,8 @@ class Bundler {
  public:
   /// Adds a message. `payload` must have the length that the message gives.
   void add(wire::Message message, std::string_view payload = {});
-  /// Returns the messages added since the last call, in bundles. A message without others to bundle
-  /// it with is returned as it is.
+  /// Returns the messages added since the last call, in bundles. A message that would be alone in
+  /// its bundle is returned without a bundle.
   std::vector<Letter> take();
 
  private:

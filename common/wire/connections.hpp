@@ -21,7 +21,7 @@ struct PeerLimits {
   /// in two seconds.
   double messages_per_second = 20000;
   /// Largest number of simultaneous connections. The default is the process's limit on file
-  /// descriptors, less some for its own use.
+  /// descriptors minus a reserve for the process itself.
   std::optional<std::size_t> connections = std::nullopt;
   /// Largest number of silent connections, from which no message was received. For each of them,
   /// libzmq may have an incomplete frame of 128 kB in memory.
@@ -42,8 +42,8 @@ class Connections {
   ~Connections();
 
   /// Must be called for every received message, with its size in bytes and the descriptor of its
-  /// connection (Incoming::connection). Returns false if the connection is, or is now, closed; the
-  /// caller must then ignore the message.
+  /// connection (Incoming::connection). Returns false if the connection was already closed, or if
+  /// this call closes it; the caller must then ignore the message.
   bool received(int connection, std::size_t bytes);
   /// Number of connections closed since the last call, with reasons for the first few.
   struct Closed {

@@ -160,7 +160,7 @@ void refuseTakenPath(const std::string& endpoint) {
   constexpr std::string_view ipc = "ipc://";
   if (!endpoint.starts_with(ipc)) return;
   const std::string path = endpoint.substr(ipc.size());
-  // A name that begins with @ is not a file, and with * libzmq chooses a file.
+  // A path that begins with @ is not a file. For the path *, libzmq chooses a new file.
   if (path.starts_with('@') || path == "*") return;
   if (path.size() >= sizeof(sockaddr_un::sun_path))
     throw badInput("{}: the path is too long for a socket; it may have at most {} bytes", endpoint,
@@ -225,7 +225,7 @@ void toWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
   driveToWire(equilibrium, message);
 }
 
-/// Returns nothing if the message is invalid or has numbers that cannot be used.
+/// Returns nullopt if the message is invalid or has numbers that cannot be used.
 std::optional<Equilibrium> fromWire(const wire::Equilibrium& message) {
   Equilibrium equilibrium;
   equilibrium.energy = message.energy();
@@ -248,7 +248,7 @@ void toWire(const Failure& failure, wire::Failure& message) {
   message.set_mumps_infog2(failure.mumps_infog2);
 }
 
-/// Returns nothing if the cause is unknown.
+/// Returns nullopt if the cause is unknown.
 std::optional<Failure> fromWire(const wire::Failure& message) {
   const std::optional<Cause> cause = causeOf(message.cause());
   if (!cause) return std::nullopt;

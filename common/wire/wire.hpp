@@ -91,8 +91,8 @@ std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// Returns whether this program knows all fields of the message, and removes unknown fields. Hello
 /// and Refused are always readable and keep unknown fields, because programs of other versions send
-/// them. Of a bundle, only the bundle's own fields are checked; unbundled() checks each of its
-/// messages.
+/// them. If the message is a bundle, only the bundle's own fields are checked; unbundled() checks
+/// the messages in it.
 bool isReadable(wire::Message& message);
 
 /// Returns the next message without blocking, or nullopt. The message may be a bundle; Inbox splits

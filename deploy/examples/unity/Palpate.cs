@@ -153,7 +153,7 @@ public static class Native {
   }
 }
 
-/// Queries of a dataset for the picture and the simulation. Any thread.
+/// Queries of a dataset for rendering and simulation. Any thread.
 public static class Datasets {
   /// Returns the vertices of the surface at rest, in Unity's frame.
   public static UnityEngine.Vector3[] UnityVertices(this DatasetHandle dataset) {
@@ -165,7 +165,7 @@ public static class Datasets {
     return vertices;
   }
 
-  /// Returns three vertices per triangle, clockwise seen from outside: Palpate's order is reversed.
+  /// Returns three vertices per triangle, clockwise seen from outside (Palpate's order reversed).
   public static int[] UnityTriangles(this DatasetHandle dataset) {
     var corners = new int[3 * InfoOf(dataset).TriangleCount];
     Native.Check(Native.palpate_dataset_triangles(dataset, corners, (UIntPtr)corners.Length));
@@ -179,7 +179,7 @@ public static class Datasets {
     return count;
   }
 
-  /// Returns the force on a finger at a place of such a surface, and the force that drives it along the surface, without a contact.
+  /// Returns the force on a finger at a place of an area and the force that drives it along the surface. Needs no contact.
   /// Metres and newtons, frame of the scene.
   public static AreaSample AskArea(this DatasetHandle dataset, int area, Vector3d at, Vector3d displacement) {
     var sample = AreaSample.Create();
@@ -201,7 +201,7 @@ public interface IHapticDevice {
   void Write(Vector3d force);        ///< newtons
 }
 
-/// Haptic loop on a thread of its own; the picture reads LastTouch.
+/// Haptic loop on a thread of its own. Update() reads LastTouch.
 public sealed class HapticLoop : IDisposable {
   private const double Period = 1e-3;
   private readonly DatasetHandle dataset;
@@ -225,7 +225,7 @@ public sealed class HapticLoop : IDisposable {
     thread.Start();
   }
 
-  /// Dataset for the picture and the simulation; closed by Dispose().
+  /// Dataset for rendering and simulation; closed by Dispose().
   public DatasetHandle Dataset => dataset;
   public Touch LastTouch { get { lock (seenLock) return seen; } }
 
@@ -257,7 +257,7 @@ public sealed class HapticLoop : IDisposable {
       bool done = Native.palpate_contact_update(contact, ref tool, 1, ref touch) == Status.Ok &&
                   Native.palpate_guard_limit(guard, ref tool, ref touch, flags, ref force) == Status.Ok;
       device.Write(done ? force.Force : new Vector3d());
-      if (Monitor.TryEnter(seenLock)) {  // the picture may miss a tick, but a tick never waits
+      if (Monitor.TryEnter(seenLock)) {  // a frame may miss a tick, but a tick never waits
         seen = touch;
         Monitor.Exit(seenLock);
       }

@@ -216,7 +216,7 @@ def version() -> str:
 
 
 class _Owned:
-    """A handle of the library, freed with the last reference to it. A call that runs in another thread holds one."""
+    """A handle of the library, freed with the last reference to it. A call in another thread holds a reference while it runs."""
 
     def __init__(self, handle: c_void_p, destroy: str) -> None:
         self._as_parameter_, self._destroy = handle, functions[destroy]  # the value that ctypes passes to C

@@ -20,7 +20,7 @@ _majors = (2, 3)
 
 
 def _is_open_for_writing(name: str) -> bool:
-    """Returns whether the version and consistency flags of the superblock say so."""
+    """Returns whether the version and consistency flags of the superblock mark the file as open for writing."""
     with open(name, "rb") as file:
         head = file.read(12)
     return len(head) == 12 and head[8] >= 3 and head[11] & 5 != 0
@@ -147,7 +147,7 @@ class Space:
 
 
 def _space_of(file: str, name: str) -> Space:
-    """Opens a space again, to unpickle it."""
+    """Opens a pickled space again."""
     return Arrays(file)[name]
 
 

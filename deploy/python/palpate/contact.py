@@ -33,7 +33,7 @@ class ContactOptions:
     friction: float  #: Coulomb friction coefficient, for unilateral contact
     grab_distance: float  #: m; glued contact: distance at which the tool sticks to the surface
     most_slide: float  #: m; longest slide of the point of contact per update
-    most_relaxation: float  #: largest relative change of the force by sliding per update, added to that by the tool's motion
+    most_relaxation: float  #: largest relative change of the force per update by sliding, on top of that by the tool's motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Touch(ByValue):
     normal: Numbers  #: (3,), unit outward normal of the surface at rest, at the anchor
     displacement: Numbers  #: (3,), m: tool - anchor
     gap: float  #: m, without contact: distance to the body, negative inside
-    beyond: float  #: m, along the displacement, beyond the computed data, where a continuation pushes back; 0: inside
+    beyond: float  #: m, length of the displacement beyond the computed data, where an extrapolated force pushes back; 0: inside
     _given: _library.Touch  #: for ``Contact.shape``
 
 
@@ -157,7 +157,7 @@ class GuardOptions:
     max_slew: float  #: N/s; 0: max_force in 10 ms
     ramp: float  #: s, time to fade in a jump of the force
     stall: float  #: s, time without a fresh reading after which the force goes to zero
-    max_stiffness: float  #: N/m, of the device; limits nothing today
+    max_stiffness: float  #: N/m, of the device; has no effect at present
     energy_credit: float  #: J, largest credit for dissipated energy
     delay: float = 0.0  #: s, from a position to its force, beyond the period
 

@@ -89,7 +89,7 @@ def _hdf5_alone() -> Iterator[None]:
 
 
 def _opened_again(file: str, methods: tuple[str, ...], reach: float, content_id: str) -> Dataset:
-    """Opens a dataset again, to unpickle it. Raises Error if the file now holds other results."""
+    """Opens a pickled dataset again. Raises Error if the file now holds other results."""
     dataset = Dataset(file, methods, reach)
     if dataset.content_id != content_id:
         raise _library.Error(1, f"{file}: was replaced since this dataset was pickled; open the new file and pickle it")
@@ -101,8 +101,8 @@ class Dataset(_library.Handle):
 
     Opening takes from a second to a minute (for a whole surface), and several times the size of the file in memory. Afterwards
     the file may be replaced or removed. Immutable: any number of threads may query at once, and run in parallel, since the global
-    interpreter lock is released. ``close`` frees the memory, as does leaving a ``with``. A pickle stores the path of the file, and
-    loads it again.
+    interpreter lock is released. ``close`` frees the memory, as does leaving a ``with``. A pickle stores only the path of the
+    file; unpickling loads the file again.
     """
 
     _destroy = "dataset_close"
@@ -129,7 +129,7 @@ class Dataset(_library.Handle):
         self.name: str = self._info.name.decode()  #: name of the scene
         self.file: str = os.fsdecode(self._info.file)  #: path as given
         self.content_id: str = self._info.content_id.decode()  #: 64 hexadecimal digits, equal for equal results
-        self.max_force: float = self._info.max_force  #: N, limit of the scene: nothing was solved beyond it
+        self.max_force: float = self._info.max_force  #: N, force limit of the scene, beyond which solving stops
         #: prepared methods, the first is the default
         self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
                                               for m in range(self._info.method_count))
