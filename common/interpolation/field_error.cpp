@@ -13,8 +13,8 @@ namespace {
 // nodes, balls of 60 and 100 mm, spacings from 10 to 33 mm). They include the rim of the ball and
 // the neighbourhood of jumps between branches. The bound holds at 99 % of these solutions, where it
 // is 6 to 10 times the error in the median.
-constexpr double share_of_spread = 0.75;  ///< factor of the disagreement if all corners are solved
-/// This number times the weight of the ghost corners is added to the factor.
+constexpr double share_of_spread = 0.75;  ///< factor of the mean difference, without ghosts
+/// This number times the weight of the ghost corners is added to share_of_spread.
 constexpr double share_at_ghosts = 2.5;
 constexpr double at_suspect_edges = 3;  ///< factor of the bound in leaves with a suspect edge
 

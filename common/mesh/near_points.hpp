@@ -32,7 +32,7 @@ class NearPoints {
   double reach_ = 0, edge_ = 0;  ///< m; edge_ is the edge of a grid cube
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
   std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< number along each axis
-  /// first_ holds the first entry of each cube in listed_, x fastest.
+  /// The entries of cube n begin at listed_[first_[n]]; cubes are numbered with x fastest.
   std::vector<std::int32_t> first_, listed_;
 };
 

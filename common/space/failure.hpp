@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Why a transition ended without an accepted configuration, or why no transition was tried. Never
 /// change or reuse a value; new causes are only appended. The values are part of messages, the
-/// state directory and the dataset. Every cause has a word in name().
+/// state directory and the dataset. name() returns the word of a cause.
 enum class Cause : std::uint8_t {
   none = 0,                 ///< no failure
   iteration_limit = 1,      ///< Newton used up its iterations while still descending

@@ -154,12 +154,12 @@ class GuardOptions:
 
     period: float  #: s, loop period
     max_force: float  #: N
-    max_slew: float  #: N/s; 0: max_force in 10 ms
+    max_slew: float  #: N/s; 0: the force can reach max_force in 10 ms
     ramp: float  #: s, time to fade in a jump of the force
     stall: float  #: s, time without a fresh reading after which the force goes to zero
     max_stiffness: float  #: N/m, of the device; has no effect at present
     energy_credit: float  #: J, largest credit for dissipated energy
-    delay: float = 0.0  #: s, from a position to its force, beyond the period
+    delay: float = 0.0  #: s, from the reading of a position until its force acts; 0: within the period
 
 
 @dataclass(frozen=True, eq=False)
