@@ -20,7 +20,7 @@ constexpr double waiting = 1.2;
 
 /// Ratio of two errors. The first is the likely error at the worst place of a cell, which decides
 /// whether the cell is halved (nextRefinement). The second is measured half-way along a step of a
-/// way.
+/// path.
 constexpr double worst_in_cell = 5;
 /// Number of points that a halved cell adds if its neighbours are halved too.
 constexpr double points_of_cell = 7;
@@ -28,18 +28,18 @@ constexpr double points_of_cell = 7;
 /// Estimates for the lattice points between n and n + 1 spacings from rest.
 struct Shell {
   double points = 0;
-  double seconds = 0;  ///< average per point; nothing for points that are not tried
+  double seconds = 0;  ///< average over all points; zero for points that are not tried
   double reached = 0;  ///< share of the points that are reached
   double more = 0;     ///< average number of points that halving adds per point
 };
 
 /// Returns how many points halving adds per lattice point, for lattice points like the end of step
-/// n of `way`. The cells at a reached point are halved as often as its error demands. The cells at
+/// n of `path`. The cells at a reached point are halved as often as its error demands. The cells at
 /// an unreached point are halved at every level. For a finger, however, they are halved only once;
 /// if they touch the rest position (n = 0), their part at rest is halved at every level
 /// (nextRefinement).
-double added(const Way& way, std::size_t n, bool finger, std::int32_t levels) {
-  const WayStep& step = way.steps[n];
+double added(const Path& path, std::size_t n, bool finger, std::int32_t levels) {
+  const PathStep& step = path.steps[n];
   if (step.reached) return points_of_cell * cellsHalved(worst_in_cell * step.error, levels);
   if (finger) return points_of_cell * (n == 0 ? levels : std::min(1, levels));
   return points_of_cell * cellsHalved(std::numeric_limits<double>::infinity(), levels);
@@ -56,26 +56,25 @@ void add(const Lattice& lattice, std::vector<Shell>& shells) {
   }
 }
 
-/// Estimates time and reach of each shell with the estimator of Kaplan and Meier. It estimates the
-/// survival of patients of whom some leave the study; here these are the ways that were cut. The
-/// share of ways that end in a shell is taken among the ways that got to it, so ways that were cut
-/// earlier do not matter. A shell to which no way got costs as much per point as the shell before
-/// it.
-void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
+/// Estimates time and reach of each shell with the Kaplan-Meier estimator. It was made for studies
+/// that some patients leave early; here the paths that were cut play this role. The share of paths
+/// that end in a shell is taken among the paths that reached it, so paths that were cut earlier do
+/// not matter. A shell that no path reached costs as much per point as the shell before it.
+void fill(std::vector<Shell>& shells, const std::vector<Path>& paths, bool finger,
           std::int32_t levels) {
-  double going_on = ways.empty() ? 0 : 1;  // share of the ways that have not ended
+  double going_on = paths.empty() ? 0 : 1;  // share of the paths that have not ended
   double seconds_each = 0;
   for (std::size_t n = 0; n < shells.size(); ++n) {
     double tried = 0, stopped = 0, too_strong = 0, seconds = 0, more = 0;
-    for (const Way& way : ways) {
-      if (n >= way.steps.size()) continue;
-      const WayStep& step = way.steps[n];
-      const bool last = n + 1 == way.steps.size();
+    for (const Path& path : paths) {
+      if (n >= path.steps.size()) continue;
+      const PathStep& step = path.steps[n];
+      const bool last = n + 1 == path.steps.size();
       ++tried;
-      more += added(way, n, finger, levels);
+      more += added(path, n, finger, levels);
       seconds += step.seconds * (step.reached ? 1 : tries_after_failure);
       stopped += step.reached ? 0 : 1;
-      too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
+      too_strong += last && path.end == PathEnd::max_force ? 1 : 0;
     }
     // A point can be reached from another neighbour only if that neighbour is reached itself.
     const double failed =
@@ -90,7 +89,7 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways, bool finger,
 
 }  // namespace
 
-BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
+BuildCost buildCost(const Problem& problem, const MeasuredPaths& measured) {
   const Lattice lattice = uniformLattice(problem.scene);
   PALPATE_ASSERT(lattice.size() > 0, "a lattice must contain the origin");
   double probes = 0, points = 0;
@@ -102,7 +101,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   }
   for (const Shell& shell : shells) points += shell.points;
   const Accuracy& accuracy = problem.scene.accuracy;
-  fill(shells, measured.ways, problem.active[0].finger.has_value(),
+  fill(shells, measured.paths, problem.active[0].finger.has_value(),
        accuracy.adaptive() ? accuracy.levels : 0);
   BuildCost cost;
   double seconds = 0, reached = 0, more = 0;

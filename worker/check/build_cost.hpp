@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/check/measured_ways.hpp"
+#include "worker/check/measured_paths.hpp"
 
 namespace palpate {
 
@@ -11,27 +11,25 @@ struct Estimate {
   double bytes = 0;                 ///< size of the nodal fields, before compression
 };
 
-/// The estimated cost of a build and its reach, from measured ways. A way is a straight path of
-/// tool displacements that starts at rest (measured_ways.hpp).
+/// The estimated cost of a build and its reach, from measured paths (measured_paths.hpp).
 struct BuildCost {
   /// The cost of the uniform lattices and the probes. A build without a required accuracy computes
   /// nothing else.
   Estimate least;
   /// The cost with the points that an adaptive build adds when it halves cells. The errors measured
-  /// along the ways predict how many cells are halved (WayStep::error).
+  /// along the paths predict how many cells are halved (PathStep::error).
   Estimate likely;
   /// Expected share of the lattice points that are reached; the others fail or lie beyond
   /// max_force.
   double reached = 1;
-  /// At least half of the ways got to this distance from rest, m, rounded to whole lattice
-  /// spacings.
+  /// Distance from rest, m, that at least half of the paths reached, in whole lattice spacings.
   double usual_reach = 0;
 };
 
-/// Estimates the cost of a build from measured ways. The cost of a lattice point is the average
-/// cost of the steps that the ways took at the same distance from rest. It is zero at distances
-/// that no way reached because all ways had ended. If there are no ways, because the body has no
-/// rest state, no point counts as reached and the cost is zero.
-BuildCost buildCost(const Problem& problem, const MeasuredWays& measured);
+/// Estimates the cost of a build from measured paths. The cost of a lattice point is the average
+/// cost of the steps that the paths took at the same distance from rest. It is zero at distances
+/// that no path reached because all paths had ended. If there are no paths, because the body has no
+/// rest state, the cost and the share of reached points are zero.
+BuildCost buildCost(const Problem& problem, const MeasuredPaths& measured);
 
 }  // namespace palpate

@@ -106,7 +106,7 @@ std::string sceneReportJson(const SceneReport& report) {
                                 {"likely_dataset_bytes", likely.bytes},
                                 {"measured",
                                  {{"transitions", report.measured.transitions},
-                                  {"ways", report.measured.ways.size()},
+                                  {"ways", report.measured.paths.size()},
                                   {"seconds", report.measured.seconds},
                                   {"reached", report.cost.reached},
                                   {"arithmetic", report.arithmetic}}},

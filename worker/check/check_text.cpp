@@ -137,7 +137,7 @@ bool isOfFingersThatPush(const Problem& problem) {
 }
 
 void sayCost(std::string& text, const SceneReport& report) {
-  const MeasuredWays& measured = report.measured;
+  const MeasuredPaths& measured = report.measured;
   if (!measured.no_rest.empty()) return;  // a warning says so, and there is no estimate
   const Estimate &least = report.cost.least, &likely = report.cost.likely;
   const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
@@ -147,12 +147,12 @@ void sayCost(std::string& text, const SceneReport& report) {
   if (report.problem->scene.accuracy.adaptive())
     say(text,
         "           with refinement of the cells that are too coarse along the trial paths: about "
-        "{} configurations; {} on one core without it\n",
+        "{} configurations; {} on one core without refinement\n",
         likely.configurations, duration(least.seconds));
   say(text,
       "           estimated from {} transitions on {} trial paths from rest, solved in {} with {}; "
       "about {:.0f} % of the lattice points are reached\n",
-      measured.transitions, measured.ways.size(), duration(measured.seconds), report.arithmetic,
+      measured.transitions, measured.paths.size(), duration(measured.seconds), report.arithmetic,
       100 * report.cost.reached);
 }
 

@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-/// With fewer ways than this, it is not clear where most ways end.
-constexpr std::size_t fewest_telling_ways = 4;
+/// With fewer paths than this, it is not clear where most paths end.
+constexpr std::size_t fewest_telling_paths = 4;
 
 std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = problem.pressures.count();
@@ -30,40 +30,40 @@ std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   return spaces;
 }
 
-/// Adds the warnings that are based on the measured ways.
-void warnOfWays(SceneReport& report) {
-  const std::vector<Way>& ways = report.measured.ways;
+/// Adds the warnings that are based on the measured paths.
+void warnOfPaths(SceneReport& report) {
+  const std::vector<Path>& paths = report.measured.paths;
   if (!report.measured.no_rest.empty()) {
     report.warnings.push_back("no rest state was found, so no configuration can be solved: " +
                               report.measured.no_rest);
     return;
   }
-  PALPATE_ASSERT(!ways.empty(), "a body with a rest state must have a measured path");
-  if (std::ranges::all_of(ways, [](const Way& way) {
-        return way.end == WayEnd::failed && way.steps.size() == 1;
+  PALPATE_ASSERT(!paths.empty(), "a body with a rest state must have a measured path");
+  if (std::ranges::all_of(paths, [](const Path& path) {
+        return path.end == PathEnd::failed && path.steps.size() == 1;
       })) {
     report.warnings.push_back(
-        "none of " + std::to_string(ways.size()) +
+        "none of " + std::to_string(paths.size()) +
         " trial paths from rest reaches its first point, so hardly anything can be solved: " +
         report.measured.no_first_step);
     return;
   }
-  if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;
-  const auto ended = [&](WayEnd end) {
-    return static_cast<std::size_t>(std::ranges::count(ways, end, &Way::end));
+  if (report.cost.reached >= 0.5 || paths.size() < fewest_telling_paths) return;
+  const auto ended = [&](PathEnd end) {
+    return static_cast<std::size_t>(std::ranges::count(paths, end, &Path::end));
   };
-  // The workspace of a finger is deep on purpose, so that max_force limits the pushes. Ways that
-  // end there need no warning.
+  // The workspace of a finger is deep on purpose, so that max_force limits the pushes. Paths that
+  // end at max_force need no warning.
   const bool fingers = std::ranges::all_of(
       report.spaces, [](const SceneReport::Space& space) { return bool(space.patch->finger); });
-  if (fingers && 2 * ended(WayEnd::failed) < ways.size()) return;
+  if (fingers && 2 * ended(PathEnd::failed) < paths.size()) return;
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
       "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; of "
       "{} trial paths from rest, {} exceed workspace.max_force = {:.4g} N and {} cannot be solved, "
       "half of them before {:.3g} m; make the radius smaller",
-      workspace.radius, 100 * report.cost.reached, ways.size(), ended(WayEnd::max_force),
-      workspace.max_force, ended(WayEnd::failed), report.cost.usual_reach + workspace.spacing));
+      workspace.radius, 100 * report.cost.reached, paths.size(), ended(PathEnd::max_force),
+      workspace.max_force, ended(PathEnd::failed), report.cost.usual_reach + workspace.spacing));
 }
 
 }  // namespace
@@ -83,13 +83,13 @@ SceneReport reportOf(const Problem& problem) {
     ++report.tetrahedra_in[problem.region_of[e]];
     report.volume_of[problem.region_of[e]] += sixVolume(problem.mesh, e) / 6;
   }
-  report.measured = measureWays(problem);
+  report.measured = measurePaths(problem);
   report.cost = buildCost(problem, report.measured);
   report.cores = coreCount();
   report.arithmetic = arithmetic(chooseKernels());
   report.warnings = warningsOf(problem);
   if (const std::string why = whyOtherBlasKernels(); !why.empty()) report.warnings.push_back(why);
-  warnOfWays(report);
+  warnOfPaths(report);
   return report;
 }
 

@@ -20,14 +20,14 @@ struct SceneReport {
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
   std::vector<double> volume_of;            ///< per region, m^3
-  MeasuredWays measured;
+  MeasuredPaths measured;
   BuildCost cost;
   unsigned cores = 1;      ///< of this machine; a build starts one worker per core
-  std::string arithmetic;  ///< the kernels that solved, as in "avx2/Haswell"
+  std::string arithmetic;  ///< the kernels used, for instance "avx2/Haswell"
   std::vector<std::string> warnings;
 };
 
-/// Examines a problem, which must outlive the report, and solves a few transitions (measureWays).
+/// Examines a problem, which must outlive the report, and solves a few transitions (measurePaths).
 SceneReport reportOf(const Problem& problem);
 
 /// Returns the report as text for the user. Each line begins with a topic in 11 columns. Numbers

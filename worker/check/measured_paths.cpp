@@ -1,4 +1,4 @@
-#include "worker/check/measured_ways.hpp"
+#include "worker/check/measured_paths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ Eigen::Vector3d directionAt(double height, double turn) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Returns `direction`, or its mirror image, which points into the tissue, if a contact that only
-/// pushes does not reach `direction`.
+/// Returns `direction` if a contact that only pushes can reach it. Otherwise returns its mirror
+/// image, which points into the tissue.
 Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
   if (part.contains(1e-6 * direction)) return direction;
   return direction - 2 * std::max(0.0, direction.dot(part.outward)) * part.outward;
@@ -34,8 +34,8 @@ Eigen::Vector3d interpolated(const Equilibrium& from, const Equilibrium& to,
   return (from.force + to.force) / 2 + (from.stiffness - to.stiffness) * step / 8;
 }
 
-/// Returns WayStep::error of the step between the equilibria `from` and `to`. Solves half-way,
-/// starting from `start`, and compares that force with the interpolated force. Returns 0 if this
+/// Returns PathStep::error of the step between the equilibria `from` and `to`. Solves for the point
+/// half-way, from `start`, and compares the force with the interpolated force. Returns 0 if this
 /// solve fails, or if its force on a finger exceeds max_force.
 double errorHalfWay(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                     const Start& start, const Equilibrium& from, const Equilibrium& to,
@@ -49,14 +49,15 @@ double errorHalfWay(TransitionSolver& solver, const Problem& problem, const Acti
   return (interpolated(from, to, step) - half.equilibrium().force).norm() / allowed;
 }
 
-/// Solves one way and adds it to `found`. The way goes from rest in this direction until it ends
-/// (WayEnd), leaves `part`, or `over` returns true.
+/// Solves one path and adds it to `found`. The path runs from rest in this direction until it ends
+/// (PathEnd), leaves `part`, or `over` returns true.
 void walkOutward(TransitionSolver& solver, const Problem& problem, const ActivePatch& active,
                  const PushedPart& part, const Eigen::Vector3d& direction,
-                 const std::function<bool()>& over, MeasuredWays& found) {
+                 const std::function<bool()>& over, MeasuredPaths& found) {
   const Workspace& workspace = problem.scene.workspace;
   const bool adaptive = problem.scene.accuracy.adaptive();
-  // The time to prepare the start counts, because a worker prepares one for every job too.
+  // The first step includes the time to prepare the start, because a worker also prepares one for
+  // every job.
   double step_began = processorSeconds();
   Failure failure;
   std::optional<Start> start = solver.startAtRest(failure);
@@ -65,35 +66,35 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
     return;
   }
   PALPATE_ASSERT(workspace.spacing > 0, "the spacing must be positive");
-  Way& way = found.ways.emplace_back();
-  const auto end = [&](WayEnd how) { way.end = how; };
+  Path& path = found.paths.emplace_back();
+  const auto end = [&](PathEnd how) { path.end = how; };
   Equilibrium before;
   if (adaptive)
     if (const Outcome at_rest = solver.reach(*start, Eigen::Vector3d::Zero()).outcome;
         at_rest.converged())
       before = at_rest.equilibrium();
   for (double at = 0; at < workspace.radius;) {
-    if (over()) return end(WayEnd::cut);
+    if (over()) return end(PathEnd::cut);
     const double from = at;
     // If less than half a spacing would remain after this step, the step goes on to the rim. A
     // separate last step would be a shorter transition than any of the lattice.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
-    if (!part.contains(at * direction, workspace.spacing / 2)) return end(WayEnd::cut);
+    if (!part.contains(at * direction, workspace.spacing / 2)) return end(PathEnd::cut);
     const Reached reached = start ? solver.reach(*start, at * direction) : Reached{};
     const Outcome& outcome = reached.outcome;
-    way.steps.push_back({processorSeconds() - step_began, outcome.converged()});
+    path.steps.push_back({processorSeconds() - step_began, outcome.converged()});
     ++found.transitions;
-    if (!outcome.converged() && way.steps.size() == 1 && found.no_first_step.empty())
+    if (!outcome.converged() && path.steps.size() == 1 && found.no_first_step.empty())
       found.no_first_step = describe(outcome.failure());
-    if (!outcome.converged()) return end(WayEnd::failed);
-    if (way.steps.size() == 1)
+    if (!outcome.converged()) return end(PathEnd::failed);
+    if (path.steps.size() == 1)
       found.stiffness = std::max(found.stiffness, outcome.equilibrium().force.norm() / at);
     if (adaptive)
-      way.steps.back().error =
+      path.steps.back().error =
           errorHalfWay(solver, problem, active, *start, before, outcome.equilibrium(),
                        at * direction, (at - from) * direction);
-    if (outcome.equilibrium().force.norm() > workspace.max_force) return end(WayEnd::max_force);
+    if (outcome.equilibrium().force.norm() > workspace.max_force) return end(PathEnd::max_force);
     step_began = processorSeconds();
     before = outcome.equilibrium();
     start =
@@ -103,17 +104,17 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
 
 }  // namespace
 
-MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) {
+MeasuredPaths measurePaths(const Problem& problem, const MeasuringLimits& limits) {
   PALPATE_ASSERT(!problem.active.empty(), "a problem must have an active node");
   const double began = processorSeconds();
   TransitionSolver solver(problem, chooseKernels());
-  MeasuredWays found;
+  MeasuredPaths found;
   const auto over = [&] {
     return found.transitions > 0 &&
            (found.transitions >= limits.transitions || processorSeconds() - began > limits.seconds);
   };
   while (!over() && found.no_rest.empty()) {
-    const Eigen::Vector3d place = evenlySpread(found.ways.size() + 1);
+    const Eigen::Vector3d place = evenlySpread(found.paths.size() + 1);
     const auto space =
         static_cast<std::size_t>(place[2] * static_cast<double>(problem.active.size()));
     solver.chooseTool(space);
@@ -122,7 +123,7 @@ MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) 
     walkOutward(solver, problem, active, part, pushed(directionAt(place[0], place[1]), part), over,
                 found);
   }
-  PALPATE_ASSERT(!found.ways.empty() || !found.no_rest.empty(),
+  PALPATE_ASSERT(!found.paths.empty() || !found.no_rest.empty(),
                  "a body with a rest state must have a measured path");
   found.seconds = processorSeconds() - began;
   return found;
