@@ -23,8 +23,8 @@ constexpr const char* threads_variable = "OPENBLAS_NUM_THREADS";
 /// has another value, the user set it.
 constexpr const char* pinned_variable = "PALPATE_OPENBLAS_PINNED";
 
-/// Bytes that solving needs at least: OpenBLAS's workspace of 128 MiB, and as much for the stacks
-/// of threads and a small body. Without its workspace, OpenBLAS would ask for it again forever.
+/// Smallest memory for solving, bytes: OpenBLAS's workspace of 128 MiB, and as much for the stacks
+/// of threads and a small body. If OpenBLAS cannot get its workspace, it retries forever.
 constexpr std::size_t needed = 256u << 20;
 
 std::string kernelsOfThisCpu() { return std::string(blasKernelsOf(cpuFamily())); }
@@ -43,8 +43,8 @@ bool choosesWhenLoaded() {
   return std::string_view(openblas_get_config()).find("DYNAMIC_ARCH") != std::string_view::npos;
 }
 
-/// Makes OpenBLAS allocate its workspace, by a matrix product. The matrices are too large for the
-/// kernels of small matrices, which need no workspace: with AVX-512, those of at most 100 rows.
+/// Multiplies two matrices, so that OpenBLAS allocates its workspace. The matrices need more than
+/// 100 rows: with AVX-512, OpenBLAS multiplies smaller ones without a workspace.
 void takeWorkspace() {
   constexpr int n = 128;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);
@@ -74,8 +74,8 @@ void chooseBlasKernels(char** argv) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (set && !error) execv(program.c_str(), argv);
-  // The restart failed. This process continues with the kernels that OpenBLAS chose, so the
-  // variable must not name others.
+  // The restart failed. This process continues with the kernels that OpenBLAS chose, so core_type
+  // must not name others.
   if (pins) unsetenv(core_type);
 }
 

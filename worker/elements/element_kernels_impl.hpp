@@ -11,8 +11,9 @@
 //   F = I + sum_a u_a (x) grad N_a = I + sum_b d_b (x) grad x_b,   d_b = sum_a dN_a/dx_b u_a
 //
 // So the energy density is that of a linear tetrahedron with vertex displacements d. All nonlinear
-// terms are computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives by u are
-// linear combinations of the derivatives by d (atNode), with the same coefficients in all elements.
+// terms are computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives with respect
+// to u are linear combinations of the derivatives with respect to d (atNode), with the same
+// coefficients in all elements.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 
@@ -42,7 +43,8 @@ PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nod
       for (int i = 0; i < 3; ++i) d[Space::end[a][e]][i] += Space::slope(a, e, x) * nodal[a][i];
 }
 
-/// Returns the derivative by component i of u_a, from the derivatives by d (`vertex`).
+/// Returns the derivative with respect to component i of u_a. `vertex` has the derivatives with
+/// respect to d.
 template <class Space>
 PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex) {
   Pack sum = Space::slope(a, 0, x) * vertex[Space::end[a][0]][i];
@@ -74,7 +76,7 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
   using U = typename Element::Displacement;
   for (int a = 0; a < U::nodes; ++a)
     for (int i = 0; i < 3; ++i) {
-      PerVertex row;  // derivatives by d of component i of the force on node a
+      PerVertex row;  // d(component i of the force on node a)/dd
       for (int b = 0; b < 4; ++b)
         for (int j = 0; j < 3; ++j) {
           row[b][j] = U::slope(a, 0, x) * k[U::end[a][0]][i][b][j];
@@ -88,8 +90,8 @@ PALPATE_INLINE void addStiffness(const Point& x, const VertexStiffness& k, Batch
     }
 }
 
-/// Adds the tangent entries that couple displacements with pressures. `force` holds the derivatives
-/// of -scale * weight * c(J) by d, per unit of q.
+/// Adds the tangent entries that couple displacements with pressures. `force` has the derivatives
+/// of -scale * weight * c(J) with respect to d, per unit of q.
 template <class Element>
 PALPATE_INLINE void addCoupling(const Point& x, const PerVertex& force, BatchTangent& tangent) {
   using U = typename Element::Displacement;

@@ -51,8 +51,8 @@ PALPATE_INLINE void deform(const Gradients& gradients, const PerVertex& d, bool 
       for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
-/// Computes the derivatives by d of weight * W, for an energy density W with the stress S. They are
-/// P grad x_b, with P = F S the first Piola-Kirchhoff stress times weight.
+/// Computes d(weight * W)/dd for an energy density W with the stress S. This is P grad x_b, where P
+/// is `weight` times F S, the first Piola-Kirchhoff stress.
 PALPATE_INLINE void vertexForces(const Gradients& gradients, const Tensor& F, const Voigt& S,
                                  Pack weight, PerVertex& force) {
   for (int i = 0; i < 3; ++i) {
@@ -84,7 +84,7 @@ PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Voigt& 
   }
 }
 
-/// Computes the second derivatives of weight * energy by d: k[b][i][c][j].
+/// Computes k[b][i][c][j], the second derivatives of weight * energy with respect to d.
 PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Tensor& F,
                                     const Response& response, bool small_strain, Pack weight,
                                     VertexStiffness& k) {

@@ -19,7 +19,7 @@ struct Deformation {
   Strain<Pack> strain;
 };
 
-/// A function g of J = det F and its derivatives by ln J: g' = J dg/dJ, g'' = J dg'/dJ.
+/// A function g(J), J = det F, and its derivatives g' = J dg/dJ and g'' with respect to ln J.
 struct VolumeFunction {
   Pack value, first, second;
 };

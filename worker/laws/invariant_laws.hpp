@@ -30,8 +30,8 @@ struct MooneyRivlinEnergy {
 
 /// W = c10 (j1 - 3) + c01 (j2 - 3) (Mooney 1940, Rivlin 1948).
 ///
-/// For J = 1 this is the paper's Eq. 7 (without its misprint, a factor 2 on c01). In a discrete
-/// solution J is 1 only on average. GetFEM, the library that the paper used, computes this
+/// For J = 1 this is Eq. 7 of Peterlik et al. (2010), without its misprint, a factor 2 on c01. In a
+/// discrete solution J is 1 only on average. GetFEM, the library used in that paper, computes this
 /// isochoric form. The rest state of this form has no pressure.
 using MooneyRivlin = InvariantLaw<MooneyRivlinEnergy>;
 
@@ -115,7 +115,7 @@ using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy, true>;
 
 template <class T>
 struct VolumeDerivatives {
-  T U, dU, ddU;  ///< U and its derivatives by J
+  T U, dU, ddU;  ///< U, dU/dJ, d2U/dJ2
 };
 
 /// U(J) = bulk/4 (J^2 - 1 - 2 ln J), the volumetric energy of a compressible material (Simo and

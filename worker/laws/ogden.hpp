@@ -146,8 +146,8 @@ struct Ogden {
     return p;
   }
 
-  /// Returns dtau_i/dy_j, as the derivative by ln lambda_j. The three y_j are no independent
-  /// variables, because their sum is zero. Both indices are deviatoric.
+  /// Returns the derivative of tau_i with respect to ln lambda_j, written dtau_i/dy_j above. (The
+  /// y_j are not independent, because their sum is zero.) Its sums over i and over j are zero.
   template <class T>
   static T slope(const Principal<T>& p, int i, int j) {
     const T deviatoric = (p.db[0] + p.db[1] + p.db[2]) / 9 - (p.db[i] + p.db[j]) / 3;

@@ -30,8 +30,8 @@ struct BodyModel {
   std::vector<std::uint16_t> region_of;                ///< per tetrahedron, index into `materials`
   std::vector<std::array<Eigen::Vector3d, 2>> fibers;  ///< as Problem::fibers
   std::vector<std::uint8_t> fixed;  ///< nNodes x 3, 1 where the displacement is prescribed
-  std::vector<double> load;  ///< nNodes x 3, dead nodal forces, N, including gravity; empty: none
-  std::vector<Tool> tools;   ///< may be empty
+  std::vector<double> load;         ///< nNodes x 3, dead nodal forces with gravity, N; may be empty
+  std::vector<Tool> tools;          ///< may be empty
 };
 
 /// Returns the pressure space of the elements of a region: the pressure space of the body, or none

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int columns = 4, most_iterations = 60;
 constexpr double converged = 1e-6;  ///< relative change of the eigenvalue per iteration
-/// A component of at least this fraction of the largest one counts as equal to it, so that
+/// A component of at least this fraction of the largest one is treated as equal to it, so that
 /// round-off does not decide which of several equal components comes first.
 constexpr double as_large = 1 - 1e-6;
 

@@ -10,7 +10,8 @@ namespace {
 using kernels_default::P2;
 
 /// Returns F at a node of a quadratic element. The node is midway between the two vertices `ends`,
-/// which are equal for a vertex. `gradients` of the barycentric coordinates, as columns, 1/m.
+/// which are equal for a vertex. The columns of `gradients` are the gradients of the barycentric
+/// coordinates, 1/m.
 Eigen::Matrix3d deformationAt(const int (&ends)[P2::ends], const std::vector<std::int32_t>& nodes,
                               const Eigen::Matrix<double, 3, 4>& gradients,
                               const std::vector<double>& u) {

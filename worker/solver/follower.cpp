@@ -8,10 +8,10 @@
 namespace palpate {
 namespace {
 
-/// Time for which the hand is predicted, in durations of a solve. It ends in the middle of the time
-/// in which the answer is used, which is from the end of its solve to the end of the next one.
+/// Time over which the hand is predicted, in durations of a solve. An answer is used from the end
+/// of its solve to the end of the next one. The prediction is for the middle of this time.
 constexpr double ahead = 1.5;
-/// Longest time for which the hand is predicted, s. Hands change their motion within a tenth of a
+/// Longest time over which the hand is predicted, s. Hands change their motion within a tenth of a
 /// second.
 constexpr double longest_ahead = 0.15;
 /// Weight of the last solve in the expected duration of a solve.
@@ -55,9 +55,9 @@ Followed Follower::follow(const HandMotion& hand) {
     if (error.exitCode() != ExitCode::usage) throw;
   }
   try {
-    return solveAt(hand);  // it moves toward fixed nodes
+    return solveAt(hand);  // the predicted place was invalid, for instance beside fixed nodes
   } catch (const Error&) {
-    release();  // the path to the next hand may lead over them: begin from rest
+    release();  // the next solve starts at rest, in case fixed nodes are on the path
     throw;
   }
 }

@@ -11,14 +11,15 @@ namespace palpate {
 /// last equilibrium, so the body stays on its branch. One thread.
 class Follower {
  public:
-  /// `problem` must outlive this object. `radius`: of the finger, m. Error if the sparsity pattern
-  /// cannot be analysed.
+  /// `problem` must outlive this object. `radius`: radius of the finger, m. Error if the sparsity
+  /// pattern cannot be analysed.
   Follower(const Problem& problem, const ElementKernels& kernels, double radius);
 
   /// Solves for the equilibrium at the predicted position of the hand, 1.5 times the expected
   /// duration of the solve ahead. The answer is used around that time. Starts from rest if there is
-  /// no equilibrium yet, if the hand is far from the last one, or if the transition from there
-  /// fails. Error (bad input) if no finger can be at the hand's place, as beside fixed nodes.
+  /// no equilibrium yet, if the hand is far from the last equilibrium, or if the transition from it
+  /// fails. Error (bad input) if no finger can be at the hand's place, for instance beside fixed
+  /// nodes.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.

@@ -11,8 +11,8 @@ constexpr int max_factorizations = 120;
 constexpr int max_corrections = 6;
 constexpr int easy_corrections = 3;
 constexpr double absolute_tolerance = 1e-8, relative_tolerance = 1e-7;
-/// First and smallest arc length of a step. The unit is the length of the path to the target, in
-/// the metric at the start.
+/// First and smallest arc length of a step. At the start, an arc length of 1 moves the tool by
+/// 1/sqrt(2) of the path to the target.
 constexpr double first_length = 1.0 / 16, smallest_length = 1.0 / 65536;
 
 /// Follows a curve of equilibria (x, s) step by step. x holds the unknowns; s is the position of
@@ -113,7 +113,7 @@ struct LimitPoint {
 ///
 /// Returns a limit point if s decreased along the continuous path and the inertia of the tangent
 /// changed. Beyond the limit point this branch has no equilibrium, so no step size could have
-/// reached the target. Returns nothing if the target is reached after all, or if the path cannot be
+/// reached the target. Returns nullopt if the target is reached after all, or if the path cannot be
 /// followed (an element inverts, or max_factorizations are spent).
 std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& solver,
                                          const State& start, const Eigen::Vector3d& target) {

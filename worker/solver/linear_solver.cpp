@@ -18,8 +18,8 @@ constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, subst
 constexpr int use_comm_world = -987654;
 /// Values of INFOG(1) if the workspace of reals or of integers is too small.
 constexpr int short_of_reals = -8, short_of_integers = -9;
-/// Ordering methods, ICNTL(7). SCOTCH orders about as well, but not the same in every process, so
-/// the factors would differ in their last bits.
+/// Ordering methods, ICNTL(7). SCOTCH orders about as well, but differently in each process, so the
+/// factors would differ in their last bits.
 constexpr int ordering_pord = 4, ordering_amd = 0;
 /// Values of INFOG(1) if MUMPS could not allocate integers or reals. INFOG(2) is then their number.
 constexpr int no_integers = -7, no_reals = -13;
@@ -33,8 +33,8 @@ bool isFull(const SparsityPattern& pattern) {
   return pattern.row.size() == n * (n + 1) / 2;
 }
 
-/// Throws an Error if MUMPS ran out of memory. If a matrix cannot be factorised, this is a result
-/// about the body; if the machine has too little memory, it is not.
+/// Throws an Error if MUMPS ran out of memory. Unlike a matrix that cannot be factorised, this says
+/// nothing about the body.
 void refuseWithoutMemory(int infog1, int infog2) {
   if (infog1 != no_integers && infog1 != no_reals) return;
   // A negative INFOG(2) is a number of millions (MUMPS manual).

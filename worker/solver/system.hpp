@@ -23,9 +23,9 @@ struct State {
 /// The residual of the equations at one state. Vectors over the unknowns have unknowns() +
 /// multipliers() rows; the multipliers of a weighted tool are the last rows.
 struct Residual {
-  /// Derivatives of L by the unknowns, newtons; pressure rows are scaled to newtons. Zero in rows
-  /// of unknowns that the tool holds. Multiplier rows contain the gap p - B (u - u_rest), metres,
-  /// where B has the weights of the tool.
+  /// dL/d(unknown), newtons; pressure rows are scaled to newtons. Zero in rows of unknowns that the
+  /// tool holds. Multiplier rows contain the gap p - B (u - u_rest), metres, where B has the
+  /// weights of the tool.
   Eigen::VectorXd free;
   /// dL/dp, newtons: the force that the tool must exert. The tissue's force on the tool is its
   /// negative.
@@ -71,8 +71,8 @@ struct Neighborhood {
 ///
 /// Unknowns that a rigid tool holds stay in the matrix, in rows that have only a diagonal entry.
 /// These include the pressures that are undetermined while the tool holds its nodes
-/// (idlePressures). The multipliers of a weighted tool border the matrix. So one sparsity pattern,
-/// analysed once, serves every tool.
+/// (idlePressures). The multipliers of a weighted tool border the matrix. So all tools share one
+/// sparsity pattern, which is analysed once.
 ///
 /// Sums are taken in a fixed order: the same state gives the same bits on every machine that runs
 /// the same kernels. Not thread-safe; one per worker process.
@@ -89,7 +89,7 @@ class System {
   std::int32_t multipliers() const { return static_cast<std::int32_t>(border_.cols()); }
   /// Returns the number of negative eigenvalues that the matrix of a Newton step has at a stable
   /// equilibrium: one for each pressure unknown that is not held, and one for each multiplier.
-  /// Returns nothing if the displacement and pressure spaces violate the inf-sup condition. They
+  /// Returns nullopt if the displacement and pressure spaces violate the inf-sup condition. They
   /// then have spurious modes, with eigenvalues near zero of either sign, and the count is
   /// meaningless.
   std::optional<std::int32_t> expectedNegativePivots() const;

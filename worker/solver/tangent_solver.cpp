@@ -82,7 +82,8 @@ bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
 
 Eigen::MatrixXd TangentSolver::multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const {
   const SparsityPattern& pattern = system_.pattern();
-  // Four columns at a time: the values are read once, and each entry's products are one vector.
+  // Four columns are multiplied at a time, so that the values are read once and the products of
+  // each entry form one vector.
   using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
   Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), x.cols());
   for (Eigen::Index first = 0; first < x.cols(); first += 4) {
@@ -110,7 +111,7 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(
   Refined refined = {Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols()),
                      -right_hand_sides};
   // The right-hand sides of a weighted tool are displacements, but their residuals are forces. So
-  // the tolerance is relative to a stiffness at least.
+  // the tolerance is relative to at least this stiffness.
   const double stiffness = system_.forceScale() / system_.meanEdge();
   const Eigen::RowVectorXd size = right_hand_sides.colwise().norm().cwiseMax(stiffness);
   Eigen::MatrixXd correction;

@@ -25,8 +25,8 @@ class TangentSolver {
   /// Factorises `tangent`. Factorization::negative_pivots counts pivots of the bordered matrix.
   [[nodiscard]] Factorization factorize(const Tangent& tangent);
 
-  /// Replaces the border of the factors; the factors of K stay. A sliding finger changes the border
-  /// most, so its old factors stay useful. Returns false if there are no factors, or if MUMPS
+  /// Replaces the border and keeps the factors of K. A sliding finger changes mainly the border, so
+  /// the old factors of K remain good enough. Returns false if there are no factors, or if MUMPS
   /// reports an error.
   [[nodiscard]] bool useFactorsWith(const Eigen::MatrixXd& border);
   /// The report on the factors, with negative_pivots for their present border.
@@ -42,7 +42,7 @@ class TangentSolver {
   };
   /// Solves for `tangent` with the factors of the last factorised tangent, which is near it, by
   /// iterative refinement. Stops when the residual norm of each column is at most `tolerance` times
-  /// the norm of its right-hand side, or times mu h (N/m) if that is more. Returns nothing if a
+  /// the norm of its right-hand side, or times mu h (N/m) if that is more. Returns nullopt if a
   /// refinement does not halve the residual (the factors are too far away), or if MUMPS reports an
   /// error.
   [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent,

@@ -43,7 +43,7 @@ Pairs elementPart(const System& system, const State& state, const Eigen::MatrixX
   return pairsOf(system.pattern(), up.values, x);
 }
 
-/// The derivatives of B by s, applied to nodal displacements u. Each is one vector.
+/// The derivatives of B with respect to s, applied to nodal displacements u. Each is one vector.
 struct Weighted {
   std::array<Eigen::Vector3d, 3> first;                  ///< B'_j u
   std::array<std::array<Eigen::Vector3d, 3>, 3> second;  ///< B''_jk u

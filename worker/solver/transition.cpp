@@ -16,28 +16,28 @@
 namespace palpate {
 namespace {
 
-/// Largest relative residual of du/dp. This residual enters the error of the stiffness squared, so
-/// the stiffness is right to about 1e-10.
+/// Largest relative residual of du/dp. The error of the stiffness is about the square of this
+/// residual, 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// The same for intermediate steps, where du/dp only serves as a predictor, and for the live solver
+/// The same for intermediate steps, where du/dp is only a predictor, and for the live solver
 /// (Use::felt), whose third derivatives have this relative error.
 constexpr double loose_sensitivity_tolerance = 1e-2, felt_sensitivity_tolerance = 1e-3;
 /// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
 /// be accurate, because Newton follows it.
 constexpr double relaxation_tolerance = 1e-3;
-/// Smallest part of a step that is relaxed at once, and smallest part of gravity that is applied at
-/// once.
+/// Smallest fraction of a movement that approach() tries to relax, and smallest load step, a
+/// fraction of gravity, that solveRest() tries.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
 /// Limit of the displacements along a critical mode, relative to the first displacement that is
 /// tried.
 constexpr double widest_step_aside = 4;
 constexpr int aside_factorizations = 12;
-/// Relative difference of energies below which two equilibria count as symmetric twins.
+/// Relative difference of energies below which two equilibria are taken for symmetric twins.
 constexpr double twin_energy = 1e-6;
 
-/// Returns the CPU time of this thread, which does all of the solving. Time in which the process
-/// was stopped does not count.
+/// Returns the CPU time of this thread, which does all of the solving. It does not include time in
+/// which the process was stopped.
 double threadSeconds() {
   timespec time{};
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) != 0)
@@ -132,7 +132,7 @@ void TransitionSolver::placeFinger(const std::string& what, const Finger& finger
   place_ = finger.center;
   PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
                      finger_->curvatures.size() == finger_->nodes.size(),
-                 "weights need derivatives by the place of the finger");
+                 "a finger's weights must have derivatives with respect to its place");
   tool_ = {finger_->nodes, finger_->weights};
   system_.chooseTool(tool_);
   near_tool_ = {};
@@ -266,8 +266,8 @@ std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
 }
 
 /// Returns -d(Residual::free)/ds of the finger, one column per axis. With B' the derivative of the
-/// finger's weights by s, the rows of unknowns are B'^T multiplier, and the multiplier rows are B'
-/// (u - u_rest).
+/// finger's weights with respect to s, the rows of unknowns are B'^T multiplier, and the multiplier
+/// rows are B' (u - u_rest).
 Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
   const State& rest = system_.restState();
@@ -282,14 +282,14 @@ Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   return slope;
 }
 
-/// Sets the derivatives of the energy by s. A is the matrix of a Newton step, r = slopeByPlace, and
-/// m the multiplier. If s moves by ds and the unknowns by A^-1 r ds, the equations stay satisfied.
-/// So
+/// Sets the derivatives of the energy with respect to s. A is the matrix of a Newton step, r is
+/// slopeByPlace(), and m is the multiplier. If s moves by ds and the unknowns by A^-1 r ds, the
+/// equations stay satisfied. So
 ///   dE/ds = -m . B' (u - u_rest)
 ///   d2E/dp ds = -(du/dp)^T r
 ///   d2E/ds2 = -r^T A^-1 r - m . B'' (u - u_rest)
-/// The code also uses the residuals of the solutions, so that errors of the solutions enter
-/// squared.
+/// The code also uses the residuals of the solutions, which makes the results' errors of second
+/// order in the errors of the solutions.
 void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
                                 const TangentSolver::Refined& refined,
                                 Equilibrium& equilibrium) const {
@@ -344,7 +344,7 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   PALPATE_ASSERT(here.sensitivity.solution.cols() == here.right_hand_sides.cols(),
                  "each right-hand side needs a solution");
   // The stiffness is K_aa + S^T K S + 2 S^T C. As K S = -C + R with the residual R, it equals K_aa
-  // + C^T S + S^T R. Errors of S enter squared.
+  // + C^T S + S^T R. Its error is of second order in the error of S.
   const Eigen::MatrixXd S = here.sensitivity.solution.leftCols<3>();
   const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
                             S.transpose() * here.sensitivity.residual.leftCols<3>();
@@ -378,7 +378,8 @@ Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
 }
 
 /// Moves the tool from its position in `from` to `displacement` in one step. Newton may use at most
-/// this many factorisations. `last`: this step ends the transition and is solved to full precision.
+/// `factorizations` factorisations. `last`: this step ends the transition and is solved to full
+/// precision.
 TransitionSolver::Step TransitionSolver::step(const Start& from,
                                               const Eigen::Vector3d& displacement, bool last,
                                               int factorizations) {
@@ -392,7 +393,7 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
                    options);
 }
 
-/// Solves for the equilibrium near `state`, and accepts it or says why not.
+/// Solves for the equilibrium near `state`. If none is accepted, Step::failure gives the reason.
 TransitionSolver::Step TransitionSolver::solveFrom(State state, const Eigen::Vector3d& displacement,
                                                    Use use, const NewtonOptions& options) {
   NewtonResult newton = findEquilibrium(system_, solver_, std::move(state), displacement, options);
@@ -532,7 +533,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
 Reached TransitionSolver::follow(const Start& start, const Finger& finger,
                                  const Eigen::Vector3d& target) {
   PALPATE_ASSERT(start.sensitivity_by_place.cols() == 3,
-                 "the start needs derivatives by the place of a finger");
+                 "the start must have derivatives with respect to the finger's place");
   const double began = threadSeconds();
   const Eigen::Vector3d way = target - start.state.displacement,
                         slide = finger.center - start.place;

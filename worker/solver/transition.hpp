@@ -39,12 +39,12 @@ inline constexpr double solved_force_share = 2;
 /// A configuration from which transitions can start, with its tangent predictor.
 struct Start {
   State state;
-  Eigen::MatrixXd sensitivity;  ///< derivative of unknowns and multipliers by p, 3 columns
+  Eigen::MatrixXd sensitivity;  ///< d(unknowns and multipliers)/dp, 3 columns
   /// Force that the tool exerts, N; needed only for weighted tools. NodalFields do not contain the
   /// multiplier, so a start made from them has an estimate of this force.
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
   // Only at the end of a finger's transition:
-  Eigen::MatrixXd sensitivity_by_place = {};  ///< derivative by the place of the finger, 3 columns
+  Eigen::MatrixXd sensitivity_by_place = {};        ///< d(unknowns and multipliers)/ds, s = place
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the finger, metres
 };
 
@@ -77,10 +77,10 @@ class TransitionSolver {
   /// checkedFinger, with a message that begins with `what`.
   void placeFinger(const std::string& what, const Finger& finger);
 
-  /// Prepare a start for transitions. startAtRest takes the rest state, which under gravity is an
-  /// equilibrium that is solved once. startFrom takes the configuration with these nodal fields and
-  /// the tool at `displacement`. A start costs one factorisation, which all targets around it
-  /// share. On failure these functions return nothing, and set the reason in `failure`.
+  /// Prepare a start for transitions. startAtRest prepares the rest state, which under gravity is
+  /// an equilibrium that is solved once. startFrom prepares the configuration with these nodal
+  /// fields and the tool at `displacement`. A start costs one factorisation, which all targets
+  /// around it share. On failure these functions return nullopt and set `failure`.
   std::optional<Start> startAtRest(Failure& failure);
   std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
                                  Failure& failure);
@@ -106,8 +106,8 @@ class TransitionSolver {
   /// placeFinger(). `start`: the end of a follow() or of a finger's reach(). Uses the factors that
   /// the solver holds as long as they are good enough.
   ///
-  /// The outcome is as valid as that of reach(), and on the branch of `start`. To save time, it is
-  /// accurate to about five digits only, so it must not be stored in a dataset.
+  /// The outcome is as valid as that of reach(), and lies on the branch of `start`. To save time,
+  /// it is accurate to about five digits only, so it must not be stored in a dataset.
   Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target);
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
