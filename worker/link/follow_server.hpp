@@ -15,7 +15,7 @@ namespace palpate {
 /// two seconds. One thread.
 class FollowServer {
  public:
-  /// Listens at `endpoint`. `keys`: nothing if clients need no key. Errors as from bindRouter().
+  /// Listens at `endpoint`. `keys` is empty if clients need no key. Errors as from bindRouter().
   FollowServer(const std::string& endpoint, const ElementKernels& kernels,
                const std::optional<KeyFolder>& keys);
 
@@ -37,7 +37,7 @@ class FollowServer {
   std::optional<ZapHandler> zap_handler_;
   std::string endpoint_;
   Inbox inbox_;
-  std::string client_;  ///< routing id; empty: none
+  std::string client_;  ///< routing id; empty if there is no client
   Clock::time_point last_heard_;
   std::optional<Problem> problem_;
   std::optional<Follower> follower_;  ///< of problem_

@@ -17,7 +17,7 @@ namespace palpate {
 struct ReadyJob {
   std::shared_ptr<const Problem> problem;
   wire::Job job;
-  std::shared_ptr<const NodalFields> start;  ///< null: the rest state
+  std::shared_ptr<const NodalFields> start;  ///< null for the rest state
 };
 
 /// A solved target to be sent to the scheduler.
@@ -41,17 +41,17 @@ class Mailbox {
   /// Drops the queued jobs and the rest of the current one. The target that is being solved is
   /// finished and reported.
   void forgetJobs();
-  /// Announces that no more jobs will come: next() returns nothing once the queue is empty.
+  /// Announces that no more jobs will come: next() returns nullopt once the queue is empty.
   void close();
   /// Returns and removes the finished targets, in order.
   std::vector<FinishedTarget> takeFinished();
-  /// Returns the message of the exception that stopped the solver; nothing if none did.
+  /// Returns the message of the exception that stopped the solver; nullopt if none did.
   std::optional<std::string> solverError();
   /// The solver's current work.
   struct Progress {
     wire::Heartbeat heartbeat;  ///< as sent to the scheduler
     std::uint64_t begun = 0;    ///< number of starts and targets begun so far
-    /// A start or target that takes longer counts as hung (wire::Job.hung_after_s). 0: no limit.
+    /// A start or target that takes longer is taken to hang (wire::Job.hung_after_s). 0: no limit.
     std::chrono::seconds hung_after{0};
   };
   Progress progress();
@@ -61,8 +61,8 @@ class Mailbox {
   int wakeUpDescriptor() const { return event_.get(); }
 
   // Solver side.
-  /// Returns the next job, and waits for one if `waits` is true. If it returns nothing, the mailbox
-  /// is closed and the thread should end; without waiting, there may also just be no job yet.
+  /// Returns the next job, and waits for one if `waits` is true. Returns nullopt if the mailbox is
+  /// closed, so that the thread should end, or without waiting if there is no job yet.
   std::optional<ReadyJob> next(bool waits = true);
   /// Announces that the solver begins a target. Returns false if the job was dropped; then call
   /// next().

@@ -37,7 +37,7 @@ void SchedulerLink::connect() {
   tellTrouble(connectDealer(socket_, options_.endpoint));
 }
 
-/// Logs why the scheduler is not reached, once per reason. The worker keeps trying, because
+/// Logs why the scheduler cannot be reached, if the reason is new. The worker keeps trying, because
 /// meanwhile its key may be admitted, or the host name may become known.
 void SchedulerLink::tellTrouble(std::string trouble) {
   if (trouble.empty() || trouble == told_) return;

@@ -15,7 +15,7 @@ class SchedulerLink {
   SchedulerLink(zmq::context_t& context, Mailbox& mailbox, SessionOptions options,
                 std::optional<KeyFolder> keys);
 
-  /// Serves until there is no more work (returns done), or until SIGINT or SIGTERM (returns
+  /// Runs until there is no more work (returns done), or until SIGINT or SIGTERM (returns
   /// interrupted).
   ///
   /// After a signal, the work in progress is delivered or handed back within
@@ -40,7 +40,7 @@ class SchedulerLink {
   Inbox inbox_;
   Bundler outbox_;
   std::optional<HandshakeWatch> handshakes_;  ///< after socket_, so that it is destroyed first
-  std::string told_;                          ///< last reported obstacle to reaching the scheduler
+  std::string told_;                          ///< reason that tellTrouble() logged last
   std::string wanted_kernels_;
 };
 

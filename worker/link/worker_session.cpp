@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds reconnect_after{20000};
 /// network.
 constexpr std::uint32_t jobs_in_advance = 2;
 /// If this thread does not run for this long, the process was suspended or had no processor time.
-/// Such a gap counts neither as silence of the scheduler nor as time of the solver.
+/// Such a gap is added neither to the silence of the scheduler nor to the time of the solver.
 constexpr std::chrono::milliseconds own_gap{3000};
 
 using Seconds = std::chrono::duration<double>;
@@ -124,8 +124,8 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
-  // If a scheduler told this worker to leave, that scheduler is gone. The worker then stays, unless
-  // it was interrupted.
+  // A scheduler that told this worker to leave is gone now. So the worker stays, unless it was
+  // interrupted.
   draining_ = interrupted_at_.has_value();
   // If the build has changed, results and start configurations of the old one are useless. Jobs are
   // requested once the new problem has arrived.

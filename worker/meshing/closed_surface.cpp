@@ -26,7 +26,7 @@ constexpr std::size_t listed_bodies = 5;
 
 /// Widths of gaps, in diagonals of the body's bounding box. Gaps up to closed_gap (a hundredth of a
 /// millimetre for an organ) are closed. If most open edges belong to gaps up to told_gap, the error
-/// says so and does not speak of holes.
+/// asks the user to merge corners, otherwise to close holes.
 constexpr double closed_gap = 1e-4, told_gap = 1e-2;
 
 /// One edge of one triangle. The edge is identified by its end with the lower number and its end
@@ -180,7 +180,7 @@ class SurfaceRepair {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
   }
 
-  /// Drops triangles with two equal corners, and triangles that are there already.
+  /// Drops triangles with two equal corners, and repeated triangles.
   void dropIdleTriangles() {
     const auto flat = std::erase_if(triangles_, hasRepeatedCorner);
     if (flat > 0)
@@ -328,8 +328,8 @@ class SurfaceRepair {
     return (points_[b] - points_[a]).cross(points_[c] - points_[a]);
   }
 
-  /// Drops all open pieces except the largest piece. Only the largest body is wanted, so they are
-  /// no error.
+  /// Drops every open piece that is smaller than the largest piece. Only the largest body is
+  /// wanted, so small open pieces are not an error.
   void leaveOutOpenScraps() {
     const double largest = std::ranges::max(shells_, {}, &SurfaceShell::area).area;
     const std::size_t count = leaveOut(
@@ -438,7 +438,7 @@ class SurfaceRepair {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       if (turned[t] == 1) std::swap(triangles_[t][1], triangles_[t][2]);
     if (total > 0)
-      note("reversed: {} of {}, which faced the other side than their neighbours", total,
+      note("reversed: {} of {}, whose neighbours faced the opposite way", total,
            counted(triangles_.size(), "triangle"));
   }
 

@@ -16,7 +16,7 @@ struct GuessedUnit {
 };
 
 /// Guesses the unit from the body's largest extent in the unit of the file: metres up to 1,
-/// centimetres below 40, otherwise millimetres. An organ is 4 cm to 1 m wide. Returns nothing if no
+/// centimetres below 40, otherwise millimetres. An organ is 4 cm to 1 m wide. Returns nullopt if no
 /// unit gives a body of 1 mm to 10 m.
 std::optional<GuessedUnit> guessedUnit(double extent);
 

@@ -40,8 +40,8 @@ Ran runScript(const std::vector<std::string>& arguments) {
     words.insert(words.end(), arguments.begin(), arguments.end());
     ran = runMeshing({.words = words, .package = "python3", .input = convert_mesh_py});
     if (ran.exit_code != script_missing_module) return ran;
-    // If both lack a module, the error names the one that Debian's Python lacks (if it is
-    // installed), because the remedy is a Debian package.
+    // If both lack a module, the error names the module that Debian's Python lacks (if that Python
+    // is installed), because the remedy is a Debian package.
     if (missing.empty() && !linesOf(ran.err).empty()) missing = linesOf(ran.err).back();
   }
   if (missing.empty())

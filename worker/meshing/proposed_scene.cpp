@@ -43,8 +43,8 @@ constexpr double most_places = 1000;
 constexpr const DeviceProfile& proposed_device = device_profiles.front();
 /// The proposed tissue, Pa, and its Young's modulus.
 constexpr double c10 = 1300, c01 = 1280, tissue_young = 6 * (c10 + c01);
-/// A finger of radius r meets the force F at the depth d with E r d = 1.6 F at most places.
-/// Measured on livers; E is Young's modulus.
+/// At most places, a finger of radius r feels the force F at the depth 1.6 F / (E r), where E is
+/// Young's modulus. Measured on livers.
 constexpr double force_depth = 1.6;
 /// Largest depth of the workspace in radii of the finger. Deeper pushes would tear the tissue.
 constexpr double deepest = 1.5;

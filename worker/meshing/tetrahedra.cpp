@@ -226,8 +226,8 @@ double volumeOf(const Mesh& mesh) {
   return volume;
 }
 
-/// Reads the mesh of an attempt. If it is no mesh of this body, returns nothing and sets
-/// Attempt::problem.
+/// Reads the mesh of an attempt. If it is unreadable or its volume is wrong, returns nullopt and
+/// sets Attempt::problem.
 std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surface) {
   if (!attempt.problem.empty()) return std::nullopt;
   Tetrahedra made;
@@ -278,7 +278,7 @@ Attempt tried(Fill fill, double size) {
 }
 
 /// Fills a surface by one program, and adapts the edge length until the number of nodes is near
-/// enough to the requested one. Returns the best mesh, or nothing if there is none. `last` becomes
+/// enough to the requested one. Returns the best mesh, or nullopt if there is none. `last` becomes
 /// the last attempt.
 template <class Fill>
 std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,

@@ -31,10 +31,10 @@ inline constexpr double near_enough = 0.2;
 /// Fills a surface with tetrahedra. The programs' files lie in `folder`. In the mesh, the volume is
 /// the group "body" and the surface is the group "surface". Errors begin with `source`.
 ///
-/// Error (bad input) for a size that gives no element, or millions. Error with the package's name
-/// if no permitted program is installed. Error with the messages of the programs if no mesh has the
-/// volume of the surface to within 25 %. A program that crashes or takes too long counts as failed.
-/// An interrupt ends everything, as an Error with its exit code.
+/// Error (bad input) for a size that gives no element or more than most_nodes nodes. Error with the
+/// package's name if no permitted program is installed. Error with the messages of the programs if
+/// no mesh has the volume of the surface to within 25 %. A program that crashes or takes too long
+/// has failed. Error with the exit code of an interrupt if this process is interrupted.
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source);
 

@@ -459,7 +459,7 @@ TEST_F(MeshConversion, KeepsNodeAndElementSetsOfOneNameApart) {
   const Mesh both = convert("both.inp");
   EXPECT_EQ(both.node_groups.at("FIXED").size(), 3u);
   EXPECT_EQ(both.element_groups.at("FIXED elements").size(), 1u);
-  EXPECT_THAT(notes, Contains(HasSubstr("the same name as a set of nodes")));
+  EXPECT_THAT(notes, Contains(HasSubstr("a set of nodes has the same name")));
 }
 
 TEST_F(MeshConversion, ReadsAbaqusNumbersWithinTheirPart) {

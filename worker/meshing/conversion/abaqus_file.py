@@ -16,7 +16,7 @@ LONGEST_RANGE = 10_000_000  # members of one set
 
 
 def abaqus_kind(word):
-    """Returns the kind of cell for an element type, without its formulation: that of C3D10 for C3D10MH."""
+    """Returns the kind of cell for an element type. Ignores the formulation: C3D10MH is read as C3D10."""
     matches = [name for name in ABAQUS if word.startswith(name) and not word[len(name):len(name) + 1].isdigit()]
     return ABAQUS[max(matches, key=len)] if matches else None
 
@@ -39,7 +39,7 @@ class Abaqus:
         keyword = ""  # a keyword line that continues in the next line
         for line, text in data_lines(path, comment="**"):
             self.path, self.line = path, line
-            if keyword and text[0] in "+-.0123456789":  # a data line, so the comma continued nothing
+            if keyword and text[0] in "+-.0123456789":  # a data line: the keyword line was complete despite its comma
                 self.begin(keyword)
                 keyword = ""
             if keyword or text.startswith("*"):
@@ -166,7 +166,7 @@ class Abaqus:
         self.pending = []
 
     def set_of(self, kind):
-        """Returns the members of the set that the options name; upper and lower case are the same."""
+        """Returns the members of the set that the options name. The case of names is ignored."""
         name = self.options.get(kind)
         if not name:
             self.wrong(f"*{kind} has no name")
@@ -201,7 +201,7 @@ class Abaqus:
                 found += self.known_set(self.keyword, word)
 
     def known_set(self, kind, name):
-        """Returns the members of a set by its name; the assembly may prefix the name with that of an instance."""
+        """Returns the members of a set by its name; the assembly may put the name of an instance before it."""
         instance, _, of_instance = name.rpartition(".")
         known = of_instance if instance.upper() in self.part_of else name
         if known.upper() not in self.sets[kind]:

@@ -1,4 +1,4 @@
-"""A mesh as a reader returns it, in the same form for all formats: cells with groups. Also errors of input files."""
+"""The form in which all readers return a mesh: cells with groups. Also errors of input files."""
 import numpy as np
 
 # Gmsh's type number, the dimension and the number of nodes of every kind of cell that is written.
@@ -72,7 +72,7 @@ def plain(name):
 
 
 def are_numbers_of_parts(name, arrays):
-    """Whether arrays number parts: integers, or floats with a name for parts. Excludes Gmsh's and VTK's internal arrays."""
+    """Returns whether arrays contain part numbers, which are integers, or floats in arrays named like parts."""
     if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
         return False
     if all(np.asarray(array).dtype.kind in "iu" for array in arrays):
@@ -90,7 +90,7 @@ def are_no_parts(body, name, numbers_in):
 
 
 def add_parts(body, name, values):
-    """Makes a group of the cells with the same number. If the numbers are 0 and 1, makes one group of those with 1."""
+    """Makes a group for each part number. If the numbers are 0 and 1, makes only one group, for 1."""
     values = {block: np.asarray(array) for block, array in values.items() if body.blocks[block][0] in WRITTEN}
     if not values or any(array.ndim > 1 and array.shape[1:] != (1,) for array in values.values()):
         return

@@ -7,7 +7,7 @@ from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, counted, wrong
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
 COINCIDENT = 1e-6  # relative to the diagonal, as in common/mesh/mesh.hpp
 STRAIGHT = 1e-6  # relative to the edge's length, as in common/mesh/mesh.cpp
-ROUNDED = 2e-6  # relative to the largest coordinate: error of a midpoint in six digits or float32
+ROUNDED = 2e-6  # error of a midpoint in six digits or float32, relative to the largest coordinate
 
 
 def check_points(body, source):

@@ -18,7 +18,7 @@ class GmshFile(ByteLines):
     def __init__(self, path, data):
         super().__init__(path, data)
         self.version, self.binary, self.names_have_dimensions = "1", False, True
-        self.words, self.text, self.taken = None, (0, 0), 0  # of a text section: words, range, words taken
+        self.words, self.text, self.taken = None, (0, 0), 0  # for a text section: words, range, number of words taken
         if (first := self.line()) == "$NOD":
             self.at = 0
             return
@@ -162,7 +162,7 @@ class GmshMesh:
                 file.take("d", int(dimension) if parametric else 0)
 
     def parametric_nodes(self, *_):
-        """Reads nodes of version 2.2 with their entities and their parameters on them, which are ignored."""
+        """Reads nodes of version 2.2. Ignores their entities, and their parameters on the entities."""
         file = self.file
         for _ in range(self.old_count()):
             self.node(file.take("i")[0])
@@ -206,7 +206,7 @@ class GmshMesh:
     def old_elements(self):
         file, count = self.file, self.old_count()
         while count > 0:
-            first, number, n_tags = (int(n) for n in file.take("i", 3))  # binary: type and number of elements
+            first, number, n_tags = (int(n) for n in file.take("i", 3))  # in a binary file: type and number of elements
             elements, begun = (number, []) if file.binary else (1, [first])
             kind = self.kind_of(first if file.binary else number)
             more = file.take("i", elements * (1 + n_tags + GMSH_NODES[kind]) - len(begun))

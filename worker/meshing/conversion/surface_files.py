@@ -106,7 +106,7 @@ PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": 
 
 
 def ply_header(path, data):
-    """Returns byte order (empty: text), elements (name, count, [(name, type, type of a list's length or None)]), and end."""
+    """Returns byte order (empty: text), elements (name, count, [(name, type, type of length if a list)]), start of data."""
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
         wrong(path, 1, "this is not a PLY file, or its header is truncated: ply or end_header is missing")

@@ -4,7 +4,7 @@ import numpy as np
 from body import NODES_OF, Body, add_parts, add_point_parts, are_numbers_of_parts, wrong
 from polygons import triangles_of_strips
 
-# VTK's type number of every cell that is read, or refused by name.
+# VTK's type numbers of all cells that are read, or refused by name.
 KINDS = {1: "vertex", 2: "poly-vertex", 3: "line", 4: "poly-line", 5: "triangle", 6: "strip", 7: "polygon",
          8: "pixel", 9: "quad", 10: "tetra", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid", 21: "line3",
          22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13", 28: "quad9",

@@ -12,7 +12,7 @@ TYPES = {"unsigned_char": "u1", "char": "i1", "signed_char": "i1", "unsigned_sho
          "vtkidtype": "i4",  # 32 bits in files, whatever their size in memory
          "vtktypeint64": "i8", "vtktypeuint64": "u8", "vtktypeint32": "i4", "long_long": "i8",
          "unsigned_long_long": "u8"}
-# Attributes with one header line: numbers per row; 0: the header line gives the count.
+# Numbers per row of the attributes that have one header line. 0: the header line gives this number.
 ROWS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1,
         "TEXTURE_COORDINATES": 0, "COLOR_SCALARS": 0}
 
@@ -69,7 +69,7 @@ class VtkFile(ByteLines):
         self.wrong("the file is truncated: an array has too few numbers")
 
     def skip(self, kind, count):
-        """Skips texts, which name no parts. Returns bits, of which a byte has eight."""
+        """Skips texts, which name no parts. Reads bits, eight per byte in a binary file."""
         if not self.binary:
             if kind == "bit":
                 return self.take("int", count)

@@ -41,7 +41,7 @@ def lz4(block, size):
 
 
 def extended(block, at, length):
-    """Returns a length that begins with four bits and continues in bytes, and its end."""
+    """Adds the bytes that continue a length of four bits. Returns the length, and the position after these bytes."""
     if length == 15:
         while True:
             length += block[at]
@@ -112,7 +112,7 @@ class VtuFile:
         return self.compressed(data, is_base64) if self.compressor else self.plain(data, is_base64)
 
     def plain(self, data, is_base64):
-        """Returns uncompressed data, which begin with their number of bytes."""
+        """Returns the uncompressed data that follow their number of bytes."""
         width = self.header.itemsize
         if not is_base64:
             return self.part(data, width, self.numbers(data, 1)[0])

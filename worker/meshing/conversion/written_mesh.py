@@ -19,7 +19,7 @@ def write_volume(body, output):
         name = safe(name)
         if name in of_points:  # readers of Gmsh files would merge both into one group
             name += " elements" if dimension == 3 else f" ({DIMENSIONS[dimension]})"
-            body.notes.append(f"\"{name}\" has the cells of a set with the same name as a set of nodes")
+            body.notes.append(f"\"{name}\" has the cells of a set, because a set of nodes has the same name")
         if not name:
             continue
         number = physical.setdefault((dimension, name), len(physical) + 1)
