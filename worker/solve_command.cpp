@@ -86,7 +86,7 @@ class Solving {
     if (finger()) place_ = finger()->center;
   }
 
-  /// Returns the position of the finger; nothing for other tools.
+  /// Returns the position of the finger; nullopt for other tools.
   const std::optional<Eigen::Vector3d>& place() const { return place_; }
 
   /// Moves the finger to the point of the surface nearest to `near`.

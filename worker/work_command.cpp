@@ -149,7 +149,7 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
 }
 
 /// Keeps the requested number of workers running. A worker that dies is replaced, after a pause if
-/// it lived only shortly. The new worker reports the death to the scheduler, which sets aside
+/// it lived only briefly. The new worker reports the death to the scheduler, which sets aside
 /// transitions that kill workers again and again.
 class Supervisor {
  public:
@@ -172,8 +172,8 @@ class Supervisor {
  private:
   static constexpr std::chrono::seconds short_life{10};
   static constexpr std::chrono::milliseconds first_pause{500};
-  /// If this many workers in a row die right after their start, the machine is taken for the cause
-  /// and not the work, and the last one is not replaced.
+  /// If this many workers in a row die right after their start, the cause is probably the machine
+  /// and not the work. The last one is then not replaced.
   static constexpr int most_short_lives = 8;
 
   void start() {
@@ -229,7 +229,7 @@ class Supervisor {
   std::map<pid_t, Child> children_;
   std::deque<Clock::time_point> pauses_;  ///< times at which to start another worker, ascending
   std::vector<std::string> ended_;        ///< dead workers to report to the scheduler
-  int short_lives_ = 0;                   ///< in a row
+  int short_lives_ = 0;                   ///< number of short lives in a row
   bool ending_ = false;                   ///< all children were asked to end
   ExitCode result_ = ExitCode::done;
 };

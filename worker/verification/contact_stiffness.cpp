@@ -94,7 +94,7 @@ Row finger(DisplacementSpace displacement, int elements, double tolerance) {
 
 /// Compares the stiffness k on a mesh with k on a mesh twice as fine.
 Row rigidPatch(int elements) {
-  return {fmt::format("rigid patch P2, h = 1/{} as 1/{}: k/E", elements, 2 * elements),
+  return {fmt::format("rigid patch P2, h = 1/{}, reference 1/{}: k/E", elements, 2 * elements),
           sceneStiffness(DisplacementSpace::p2, elements, ToolKind::rigid),
           sceneStiffness(DisplacementSpace::p2, 2 * elements, ToolKind::rigid), 0.1, "m"};
 }

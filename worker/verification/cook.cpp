@@ -1,5 +1,5 @@
 // Cook's membrane: a tapered plate, clamped at the left edge and sheared at the right edge. It is
-// one layer of tetrahedra of constant thickness, so it is in plane strain.
+// one layer of tetrahedra that cannot move along z, so it is in plane strain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ std::size_t nodeAt(const Mesh& mesh, const Eigen::Vector3d& X) {
   return std::ranges::min_element(mesh.nodes, {}, distance) - mesh.nodes.begin();
 }
 
-/// Returns the upward displacement of the tip (48, 60) mm under `force` newtons per mm of
-/// thickness, mm.
+/// Returns the upward displacement, mm, of the tip at (48, 60) mm. `force` is in N per mm of
+/// thickness.
 double tipDisplacement(const Discretization& discretization, const Material& material, double force,
                        int n) {
   BodyModel body = bodyOf(cookMesh(n, thickness_of_plate), discretization, material);
@@ -51,7 +51,7 @@ Row compressible(int n, double tolerance) {
 /// In plane strain with J = 1 both invariants are equal, so both laws give the same result.
 Row equalLaws(int n, double tolerance) {
   const Material shared = mooneyRivlin(0.3 * mu_of_plate / 2, 0.7 * mu_of_plate / 2);
-  return {fmt::format("Mooney-Rivlin as neo-Hookean P2/P1, n = {}: tip", n),
+  return {fmt::format("Mooney-Rivlin (reference: neo-Hookean) P2/P1, n = {}: tip", n),
           tipDisplacement(taylor_hood, shared, 100, n),
           tipDisplacement(taylor_hood, neoHookean(mu_of_plate), 100, n), tolerance, "mm"};
 }

@@ -185,7 +185,7 @@ Push tip() {
 }
 
 std::vector<Row> interfaces() {
-  // P1-stabilized converges from above to the limit of P2/P1, here its force with n = 16.
+  // The limits to which P1-stabilized converges from above: the forces of P2/P1 with n = 16.
   constexpr double limit_10 = 0.430637, limit_100 = 0.624664;
   return joined({rowsOfPush(skin("P2/P1", taylor_hood, 10, 4), 0.427129, 1e-4),
                  rowsOfPush(skin("P2/P1", taylor_hood, 10, 8), 0.432723, 1e-4),

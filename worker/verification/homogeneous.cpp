@@ -43,7 +43,7 @@ Homogeneous pulled(const char* name, double l, double y, double z, double stress
           {{"", [](const auto& P, const auto&) { return P(0, 0); }, stress}}};
 }
 
-/// A box pulled along x and free laterally, where it has this lateral stretch.
+/// A box pulled along x, with free sides that get this lateral stretch.
 Homogeneous uniaxial(double l, double stress, double lateral) {
   return pulled("uniaxial", l, lateral, lateral, stress);
 }
@@ -108,7 +108,7 @@ std::vector<Row> rowsOfStates(const std::string& material_name, const Material& 
 using StressAlongX = std::function<double(double l, double y)>;
 
 /// Returns the stress of an isotropic law (Rivlin 1948). `slopes` gives the derivatives of the
-/// law's energy by I1 and I2, as functions of I1.
+/// law's energy with respect to I1 and I2, as functions of I1.
 StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>& slopes) {
   return [slopes](double l, double y) {
     const double z = 1 / (l * y);

@@ -33,8 +33,8 @@ double exactTube() {
 /// Returns the pressure that keeps the nodes of `wall` at `stretch` times their rest position.
 ///
 /// `radial` has a 1 for each coordinate that grows. Their number d is 3 for a sphere and 2 for a
-/// tube. `hollow` is the volume of the hollow at rest; its derivative by the stretch is d
-/// stretch^(d-1) hollow. Newton starts from r^d = R^d + const, which preserves volumes.
+/// tube. `hollow` is the volume of the hollow at rest; its derivative with respect to the stretch
+/// is d stretch^(d-1) hollow. Newton starts from r^d = R^d + const, which preserves volumes.
 double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial,
                 double hollow) {
   const double d = radial.sum(), growth = (std::pow(stretch, d) - 1) * std::pow(inner, d);

@@ -20,7 +20,7 @@ struct VerifyOptions {
 
   void addTo(CLI::App& app) {
     app.add_option("NAME", names, "Run only problems with this in their name")->type_name("NAME");
-    app.add_flag("--all", all, "Also run problems that take longer than seconds");
+    app.add_flag("--all", all, "Also run problems that take more than a few seconds");
     app.add_flag("--hard", hard, "Run the hard cases of the solver instead");
     app.add_flag("--json", json, "One JSON object per row");
   }

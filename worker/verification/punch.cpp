@@ -40,7 +40,7 @@ Row depthRow(const std::string& element, const Discretization& discretization, i
 }
 
 Row sameFromSteps(const std::string& element, const Discretization& discretization, int n) {
-  return {fmt::format("{}, n = {}, p/p0 = 80: from 16 load steps as from 1", element, n),
+  return {fmt::format("{}, n = {}, p/p0 = 80: 16 load steps (reference: 1)", element, n),
           depth(discretization, n, 80, 16), depth(discretization, n, 80, 1), 1e-8};
 }
 

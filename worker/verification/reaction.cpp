@@ -1,5 +1,5 @@
 // Checks that the force on a tool is minus the gradient of the stored energy, that its derivative
-// is symmetric, and that it equals the Lagrange multiplier of the paper.
+// is symmetric, and that it equals a Lagrange multiplier, as in Peterlik et al. (2010).
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -78,11 +78,11 @@ std::vector<Row> reactionRows() {
   const double force = here.force.norm(), stiffness = here.stiffness.norm();
   return {
       {"force + gradient of the energy, relative", (here.force + gradient).norm() / force, 0, 1e-6},
-      {"differences of the force, asymmetry, relative",
+      {"asymmetry of the finite-difference stiffness, relative",
        (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
-      {"stiffness against these differences, relative",
+      {"stiffness minus its finite difference, relative",
        (here.stiffness - differences).norm() / stiffness, 0, 1e-6},
-      {"force against the multiplier, relative",
+      {"force minus the Lagrange multiplier, relative",
        (here.force - multiplier(solver.system())).norm() / force, 0, 1e-8}};
 }
 

@@ -18,7 +18,7 @@ inline constexpr Discretization equal_order = {DisplacementSpace::p1, PressureSp
 inline constexpr Discretization p1_displacement = {DisplacementSpace::p1, PressureSpace::none};
 inline constexpr Discretization p2_displacement = {DisplacementSpace::p2, PressureSpace::none};
 
-/// The soft tissue of most problems. c10 and c01 are those of the paper.
+/// The soft tissue of most problems. c10 and c01 are from Peterlik et al. (2010).
 namespace tissue {
 inline constexpr double c10 = 1300, c01 = 1280;        ///< Pa, Mooney-Rivlin
 inline constexpr double mu = 5160, bulk = 20000;       ///< Pa, neo-Hookean
@@ -59,7 +59,7 @@ State displaced(const System& system,
 /// One force per node, newtons.
 using NodalForces = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// A body with its system and solver. At most one at a time in a process (LinearSolver).
+/// A body with its system and solver. A process may have only one at a time (LinearSolver).
 class Rig {
  public:
   explicit Rig(const BodyModel& body);
