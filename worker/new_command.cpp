@@ -102,7 +102,7 @@ ExitCode writeScene(const NewOptions& options) {
       proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(place),
                     mesh_file.filename().string(), unit.unit, unit.doubt);
   makeFolder(scene_file.parent_path());
-  // The scene is written last, so that a folder with a scene has everything.
+  // The scene is written last, so that a folder that has a scene is complete.
   if (!is_there) replaceFile(copy, msh, "mesh");
   replaceFile(scene_file, scene.toml, "scene");
 

@@ -196,7 +196,7 @@ class Supervisor {
     if (pid < 0 && errno != EINTR && errno != ECHILD) throw failure("waitpid: {}", errnoText());
     if (pid <= 0) return false;
     const auto child = children_.extract(pid);
-    if (child.empty()) return true;  // a child of the shell whose process this program took over
+    if (child.empty()) return true;  // a child of the shell that exec replaced by this program
     if (ending_) return true;
     if (!WIFSIGNALED(status)) {
       // A worker that exits with an error reports why: it was refused, the scheduler is silent, or

@@ -77,7 +77,7 @@ void walkOutward(TransitionSolver& solver, const Problem& problem, const ActiveP
     if (over()) return end(PathEnd::cut);
     const double from = at;
     // If less than half a spacing would remain after this step, the step goes on to the rim. A
-    // separate last step would be a shorter transition than any of the lattice.
+    // separate last step would be shorter than any transition of the lattice.
     at =
         at + 1.5 * workspace.spacing > workspace.radius ? workspace.radius : at + workspace.spacing;
     if (!part.contains(at * direction, workspace.spacing / 2)) return end(PathEnd::cut);

@@ -61,8 +61,8 @@ class Mailbox {
   int wakeUpDescriptor() const { return event_.get(); }
 
   // Solver side.
-  /// Returns the next job, and waits for one if `waits` is true. Returns nullopt if the mailbox is
-  /// closed, so that the thread should end, or without waiting if there is no job yet.
+  /// Returns the next job, and waits for one if `waits` is true. Returns nullopt if no job is left
+  /// and the mailbox is closed (the thread should then end) or `waits` is false.
   std::optional<ReadyJob> next(bool waits = true);
   /// Announces that the solver begins a target. Returns false if the job was dropped; then call
   /// next().

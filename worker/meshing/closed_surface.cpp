@@ -285,7 +285,7 @@ class SurfaceRepair {
     return true;
   }
 
-  /// Returns the corner of a flat triangle that lies on the opposite edge; -1 if it has an area.
+  /// Returns the corner of triangle t that lies on the opposite edge; -1 if t is not flat.
   std::int32_t middleCorner(std::int32_t t) const {
     const Triangle& corners = triangles_[t];
     int first = 0;  // first corner of the longest edge
@@ -542,7 +542,7 @@ class SurfaceRepair {
     });
     if (count > 0)
       note(
-          "{} narrower than an element edge of {:.3g} were filled, {:.2g} % of the volume; more "
+          "filled: {} narrower than an element edge of {:.3g}, {:.2g} % of the volume; more "
           "nodes or a smaller --size would keep them",
           counted(count, "cavity", "cavities"), edge, 100 * volume / whole);
   }

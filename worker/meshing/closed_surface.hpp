@@ -38,7 +38,7 @@ enum class Bodies : std::uint8_t {
 
 /// Requested fineness of a mesh.
 struct Fineness {
-  std::int32_t nodes = 1000;  ///< approximate number of nodes, reached by a few tries
+  std::int32_t nodes = 1000;  ///< approximate number of nodes, approached in a few tries
   /// Length of the edges in the unit of the surface; replaces `nodes`.
   std::optional<double> size = {};
 };

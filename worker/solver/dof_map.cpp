@@ -31,8 +31,8 @@ class DeterminedPressures {
         determined_(slots.count(), 0),
         pieces_(slots.count()) {}
 
-  /// Returns 1 for each slot whose pressure has an equation. `of_held`: compressible elements
-  /// without a free node give their pressures an equation too.
+  /// Returns 1 for each slot whose pressure has an equation. `of_held`: whether compressible
+  /// elements without a free node also give their pressures an equation.
   std::vector<std::uint8_t> find(bool of_held) {
     std::vector<std::int32_t> moving;  // slots of stabilised elements that have a free node
     for (std::size_t element = 0; element < model_.mesh.tetrahedra.size(); ++element) {

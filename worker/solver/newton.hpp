@@ -43,7 +43,7 @@ struct NewtonResult {
   State state;
   Residual residual;            ///< at `state`
   int iterations = 0;           ///< number of corrections of the state
-  int factorizations = 0;       ///< number; `solver` holds the last factors, if any
+  int factorizations = 0;       ///< tangents factorised; `solver` holds the last factors
   Factorization factorization;  ///< report on the factors that were used last
 };
 

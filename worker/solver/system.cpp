@@ -217,7 +217,7 @@ void System::finishResidual(const State& state, Residual& residual) const {
 void System::finishTangent(Tangent& tangent) const {
   tangent.values = sums_.entries();
   for (std::int32_t unknown = 0; unknown < unknowns(); ++unknown)
-    // A positive entry of the size of the other diagonal entries.
+    // A held unknown gets a positive diagonal entry of the size of the others.
     if (sums_.isHeld(unknown))
       tangent.values[pattern_.row_begin[unknown]] = shear_modulus_ * mean_edge_;
   tangent.border = border_;

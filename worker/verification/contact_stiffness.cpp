@@ -66,8 +66,8 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
 /// Returns k/E, metres, of a weighted-average tool on a half-space.
 ///
 /// The normal load is p(r) = 3/(pi a^2) (1 - (r/a)^2)^2. Its Hankel transform is 48 J3(z)/z^3 with
-/// z = k a. The half-space has the compliance 2 (1 - nu^2)/(E k) (Johnson, Contact Mechanics,
-/// 1985). So
+/// z = q a, where q is the wave number. The half-space has the compliance 2 (1 - nu^2)/(E q)
+/// (Johnson, Contact Mechanics, 1985). So
 ///   E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz,
 /// where the integral is known in gamma functions (Weber and Schafheitlin).
 double halfSpace() {

@@ -117,8 +117,7 @@ StressAlongX stressBy(const std::function<std::pair<double, double>(double I1)>&
   };
 }
 
-/// Returns three states: pulled along x and free laterally, pulled equally along x and y, and held
-/// along y.
+/// Returns states of three kinds: with free sides, pulled equally along x and y, and held along y.
 std::vector<Homogeneous> statesOf(const StressAlongX& stress) {
   const auto free = [&](double l) { return uniaxial(l, stress(l, 1 / std::sqrt(l))); };
   const auto held = [&](const char* name, double l, double y) {
