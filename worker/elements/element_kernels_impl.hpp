@@ -12,8 +12,7 @@
 //
 // So the energy density is that of a linear tetrahedron with vertex displacements d. All nonlinear
 // terms are computed for that tetrahedron (vertexForces, vertexStiffness). Derivatives with respect
-// to u are linear combinations of the derivatives with respect to d (atNode), with the same
-// coefficients in all elements.
+// to u are linear combinations of those with respect to d (atNode), with fixed coefficients.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 

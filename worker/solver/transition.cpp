@@ -265,9 +265,8 @@ std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
   return solver_.solveWith(tangent, right_hand_sides, tolerance);
 }
 
-/// Returns -d(Residual::free)/ds of the finger, one column per axis. With B' the derivative of the
-/// finger's weights with respect to s, the rows of unknowns are B'^T multiplier, and the multiplier
-/// rows are B' (u - u_rest).
+/// Returns -d(Residual::free)/ds of the finger, one column per axis. Rows of unknowns are
+/// B'^T multiplier and multiplier rows are B' (u - u_rest), with B' = dB/ds for the weights B.
 Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
   const State& rest = system_.restState();
@@ -378,8 +377,7 @@ Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
 }
 
 /// Moves the tool from its position in `from` to `displacement` in one step. Newton may use at most
-/// `factorizations` factorisations. `last`: this step ends the transition and is solved to full
-/// precision.
+/// `factorizations` factorisations. `last`: this step ends the transition, with full precision.
 TransitionSolver::Step TransitionSolver::step(const Start& from,
                                               const Eigen::Vector3d& displacement, bool last,
                                               int factorizations) {
