@@ -7,12 +7,12 @@ namespace palpate {
 namespace {
 
 /// `usual_growth` is the growth by refinement that is expected while few spaces are finished, as a
-/// fraction of the uniform lattice. In the mean growth it has the weight of a space with a fraction
-/// `worth` of all lattice points. It keeps this weight, because the spaces that finish early grow
-/// most.
+/// fraction of the uniform lattice. In the mean growth it weighs as much as finished spaces with a
+/// fraction `worth` of all lattice points, however many spaces have finished, because the spaces
+/// that finish early grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
-/// Numbers of points of all uniform lattices by outcome, and of attempts, so far.
+/// Numbers of points by outcome, and of attempts, so far in all uniform lattices.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
   /// Mean number of attempts per tried point: a point that fails from one neighbour is tried from
@@ -38,7 +38,7 @@ void count(const SpacePlan& plan, Fates& fates) {
 }
 
 /// Probability that an unknown point of the lattice is tried, judged by the points on the straight
-/// line between rest and it.
+/// line from rest to it.
 double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   const Lattice& positions = plan.positions();
   const LatticePoint& point = positions.point(target);

@@ -19,7 +19,7 @@ inline constexpr std::int64_t most_forecast = 50000;
 /// Each unknown lattice point is counted with the probability that it will be tried. This
 /// probability follows from the outermost point that was tried on the straight line from rest to
 /// the unknown point. If no transition may start from that point, the probability is zero.
-/// Otherwise it falls with the distance between the two.
+/// Otherwise it falls with the distance between the two points.
 ///
 /// A space is expected to grow by refinement as much as the finished spaces did (by a fifth while
 /// few are finished). Once refinement of a space has begun, its own forecast is used

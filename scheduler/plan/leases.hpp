@@ -34,8 +34,8 @@ inline constexpr int deaths_before_aside = 5;
 /// Hand-outs of a transition, and worker deaths in which it is suspected. Kept across restarts.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
-  int suspected = 0;  ///< deaths of workers that reported it as being solved, or had it first
-  int deaths = 0;     ///< deaths that are attributed to it
+  int suspected = 0;           ///< worker deaths in which it was the reported or the next target
+  int deaths = 0;              ///< deaths that are attributed to it
   auto operator<=>(const Losses&) const = default;
 };
 
@@ -81,7 +81,7 @@ class Leases {
 
   /// Ends the leases of a worker without blaming any transition. Its transitions wait again.
   void giveBack(const std::string& worker);
-  /// The last target in the order of a worker. lastOf() returns none if the worker holds no target.
+  /// The target that a worker will solve last. lastOf() returns none if the worker holds no target.
   struct Last {
     std::uint32_t attempts = 0;  ///< hand-outs so far
     bool is_check = false;
@@ -91,8 +91,8 @@ class Leases {
   bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends the lease that lastOf() describes. The worker must hold one.
   void giveBackLast(const std::string& worker);
-  /// The transitions that would be blamed if a worker died now: the target that it is `solving`, if
-  /// known, and the first target in its order.
+  /// The transitions that would be blamed if a worker died now: the target that it reported as
+  /// `solving`, if any, and the next target of its jobs.
   struct Suspects {
     std::optional<ResultKey> named, next;
     bool alone = false;  ///< `next` was handed out alone
@@ -135,7 +135,8 @@ class Leases {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
     }
   };
-  /// The common start of a set of waiting transitions. The sets are handed out in this order.
+  /// The common start of a set of waiting transitions. The sets are handed out in the order of
+  /// these members.
   struct Start {
     /// negative priority of the space, so that the highest comes first
     std::int32_t below_highest = 0;

@@ -28,13 +28,13 @@ constexpr double likely_share = 0.2;
 /// Fraction of the ball in which the likely error must meet the accuracy. The remaining positions
 /// lie next to jumps between branches, where no number of points would be enough.
 constexpr double enough = 0.998;
-/// The same fraction for a finger. A lower one is enough, because a place of the area is answered
-/// from several neighbouring sites (docs/internals/thresholds.md).
+/// The same fraction for a finger. A lower fraction is enough, because a place of the area is
+/// answered from several neighbouring sites (docs/internals/thresholds.md).
 constexpr double enough_of_finger = 0.99;
 
-/// A corner outside the ball is solved if it is at most this many edge lengths of its leaf outside.
-/// Farther corners stay unsolved (ghosts): displacements far beyond the ball may lie behind folds,
-/// and splitting the leaf serves as well.
+/// Largest distance from the ball at which a corner outside it is solved, in edge lengths of the
+/// leaf. Farther corners stay unsolved (ghosts): displacements far beyond the ball may lie behind
+/// folds, and splitting the leaf works as well.
 constexpr double reach_outside = 0.25;
 
 /// Average number of points that halving a cell adds: seven amid other cells, fewer at the rim of
@@ -142,7 +142,7 @@ class CellInspection {
   /// True if halving the leaf is useless because a jump between branches crosses it: the jump would
   /// stay where it is.
   ///
-  /// On the coarsest level, inconsistent edges count as jumps. On finer levels, suspect edges count
+  /// On the coarsest level, inconsistent edges count as jumps. On finer levels, suspect edges do
   /// too: halving a suspect edge once tells a jump from a smooth branch. For a finger, both begin
   /// one level later: along a coarse edge, tissue can stiffen and soften again, which looks like a
   /// jump because neither end shows it.

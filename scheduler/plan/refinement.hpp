@@ -10,14 +10,14 @@ struct Refinement {
   /// New positions to solve, sorted by (squared norm, coordinates). Add all of them to the lattice,
   /// even if they then fail. Some may lie outside the workspace ball.
   std::vector<LatticePoint> points;
-  /// Cells to split, sorted by level and then by lowest corner. Merge them into SpaceTable::splits
-  /// together with the points.
+  /// Cells to split, sorted by level and then by lowest corner. Add them to SpaceTable::splits when
+  /// you add the points.
   std::vector<LatticeCell> splits;
   /// Likely number of points that later refinement steps will ask for. This is only a forecast; no
   /// result depends on it.
   double later = 0;
   /// Fraction (0 to 1) of the ball in which the likely force error meets the accuracy; for a
-  /// finger, the fraction of the positions that count.
+  /// finger, the fraction of the positions where the accuracy is required.
   double kept = 1;
   bool empty() const { return points.empty() && splits.empty(); }
 };
@@ -35,8 +35,8 @@ struct Refinement {
 /// - leaves crossed by a jump between branches (branch_check.hpp).
 ///
 /// For a finger:
-/// - Only positions to which contact can push the finger (Finger::reach), with at most max_force,
-///   count.
+/// - The accuracy is required only where contact can push the finger (Finger::reach) with at most
+///   max_force.
 /// - It is enough that 99 % of these positions meet the accuracy.
 /// - A leaf with a failed corner or an apparent jump is split only once.
 /// - A leaf at the rest position is an exception if one of its edges leads from rest to a failed

@@ -75,8 +75,8 @@ class SpacePlan {
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
-  /// Number of stages begun after the stage `lattice`. A stage that is repeated counts each time.
-  /// Every transition that was open before a stage began has been recorded.
+  /// Number of stages begun after the stage `lattice`. A stage that is repeated is counted each
+  /// time. Every transition that was open before a stage began has been recorded.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Number of transitions that are ready and not recorded.
@@ -178,7 +178,7 @@ std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const Resu
 
 /// Returns `count` positions of the workspace ball for probes, from a low-discrepancy sequence
 /// (Roberts' R3). No lattice point can lie at one of them. The coordinates are those of `lattice`,
-/// whose spacing must be divided. With `part`, returns only positions in that part of the ball.
+/// whose divisions() must exceed 1. With `part`, returns only positions in that part of the ball.
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
                                          const PushedPart& part = {});
 
