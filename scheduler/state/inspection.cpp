@@ -157,7 +157,7 @@ class Inspector {
     }
   }
 
-  /// Reads the problem from the tables although other parts of them are damaged, or else from
+  /// Reads the problem from the tables even if other parts of them are damaged, or else from
   /// damaged tables that were renamed to state.db.damaged.
   void salvageProblem() {
     for (const char* part : {"", ".damaged"}) {

@@ -28,8 +28,8 @@ struct Inspection {
   };
 
   /// Process id of the scheduler that held the directory during the inspection, or "unknown"; none
-  /// if no scheduler held it. With a scheduler, the journal is read as far as it was written, and
-  /// the number of its records is not compared with the tables.
+  /// if no scheduler held it. If one did, the journal is read as far as it was written, and the
+  /// number of its records is not compared with the tables.
   std::optional<std::string> scheduler;
   std::optional<ContentId> build;  ///< none if neither the tables nor the journal name a build
   std::string scene_name;          ///< empty if the tables cannot be read
@@ -39,7 +39,7 @@ struct Inspection {
   std::size_t segments = 0;
   std::size_t records = 0;       ///< undamaged records of this build
   std::uint64_t bytes = 0;       ///< total size of all segments
-  std::uint64_t unfinished = 0;  ///< number of bytes behind the last record, left by a crash
+  std::uint64_t unfinished = 0;  ///< number of bytes after the last record, left by a crash
   JournalEnd end;
   std::vector<JournalDamage> damage;
   std::vector<std::string> dropped;    ///< messages about the records that are marked as dropped
@@ -51,8 +51,8 @@ struct Inspection {
   /// than the journal holds.
   std::size_t lost_results = 0;
   std::vector<LostPoint> lost;  ///< points whose results are known to be lost
-  /// Number of recorded results that no plan asks for yet, because results before them were lost.
-  /// If no result was lost, another version of the program recorded them.
+  /// Number of recorded results that no plan asks for yet, because results that they depend on were
+  /// lost. If no result was lost, another version of the program recorded them.
   std::size_t spare = 0;
   std::vector<std::string> leftovers;  ///< paths of files that are no longer needed
 
@@ -65,7 +65,7 @@ struct Inspection {
 /// Inspects a state directory without changing it. The directory need not be writable. Checks every
 /// record's checksums and contents, replays all results, and compares their number with the tables.
 /// If a scheduler is running there, reads everything that was written before the call. Throws (bad
-/// input) if the directory is no state directory, or has another version.
+/// input) if the directory is not a state directory, or has another version.
 Inspection inspect(const std::filesystem::path& directory);
 /// Inspects a state directory whose lock the caller holds.
 Inspection inspect(const StateDirectory& held);

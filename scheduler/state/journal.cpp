@@ -16,10 +16,10 @@
 namespace palpate {
 namespace {
 
-/// The largest number of six digits. At default_segment_bytes, the limit is 256 TB.
+/// The largest number of six digits. With default_segment_bytes, a journal can thus have 256 TB.
 constexpr std::uint32_t most_segments = 999999;
 
-/// The beginning of a record. The header and the payload follow.
+/// The beginning of a record, of fixed size. The header and the payload follow.
 struct Head {
   static constexpr std::string_view whole = "PJR3", dropped = "PJRX";
   /// written by older versions; no longer readable
@@ -48,7 +48,7 @@ std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
   return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
 }
 
-/// `place` is placeCrcOf(), or 0 for the older format, which does not cover the place.
+/// `place` is placeCrcOf(), or 0 for the older format, whose checksum does not cover the place.
 std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
   return crcOf(header, crcOf(lengths, place));
@@ -102,7 +102,7 @@ class SegmentFile {
     return bytes;
   }
 
-  /// Returns head and header of the record at `offset`. Returns none if either is damaged or if the
+  /// Returns the Head and the header of the record at `offset`; none if either is damaged or if the
   /// record would not fit into the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
     return headAt(offset, Head::whole, placeCrcOf(number_, offset));
@@ -115,7 +115,7 @@ class SegmentFile {
     return payload.size() == head.payload_bytes && crcOf(payload) == head.payload_crc;
   }
 
-  /// Returns the offset of the next record at or behind `offset`; the end of the file if there is
+  /// Returns the offset of the next record at or after `offset`; the end of the file if there is
   /// none.
   std::uint64_t findRecord(std::uint64_t offset) const {
     constexpr std::uint64_t window = 1u << 20;
@@ -162,8 +162,7 @@ class SegmentFile {
       ahead_ = goes_on ? std::clamp(2 * ahead_, page, most_ahead) : page;
       window_at_ = offset;
       window_ = read(offset, std::max(length, ahead_));
-      // An unreadable sector behind the requested bytes must not cost them: read without the extra
-      // bytes.
+      // If a sector after the requested bytes is unreadable, read again without the extra bytes.
       if (window_.size() < std::min(length, bytes_ - std::min(offset, bytes_)))
         window_ = read(offset, length);
     }
@@ -253,7 +252,7 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
   // An empty segment before the last one stands in for a missing segment.
   if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "empty in place of a missing segment");
   found.end = {number, behind_last};
-  // Torn records behind the last whole record need not be dropped: their bytes are cut off.
+  // Torn records after the last whole record need not be dropped: their bytes are cut off.
   std::erase_if(found.torn,
                 [&](const JournalPosition& torn) { return torn.offset >= behind_last; });
 }

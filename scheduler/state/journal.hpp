@@ -59,15 +59,15 @@ struct JournalGap {
   std::string text;       ///< message with the name of the file
 };
 
-/// What a journal contains beside its records.
+/// What a scan finds in a journal apart from the records.
 struct JournalScan {
-  /// Gaps between the records. The bytes behind the last record are not a gap, because a crash may
+  /// Gaps between the records. The bytes after the last record are not a gap, because a crash may
   /// leave some there.
   std::vector<JournalGap> gaps;
-  /// Records of the last segment that have an undamaged header, a damaged payload, and further
-  /// records behind them. A crash leaves such records if only part of an unsynced write reached the
-  /// disk. They must be dropped before the next segment is started, because in older segments a
-  /// scan checks only the headers.
+  /// Records of the last segment that have an undamaged header and a damaged payload, and are
+  /// followed by further records. A crash leaves such records if only part of an unsynced write
+  /// reached the disk. They must be dropped before the next segment is started, because in older
+  /// segments a scan checks only the headers.
   std::vector<JournalPosition> torn;
   JournalEnd end;  ///< end of the last record
 };
@@ -85,8 +85,8 @@ class SegmentFile;  // one segment, open for reading
 /// - header;
 /// - payload.
 ///
-/// Reads only these files, even while a scheduler appends to them. Keeps the segment that it read
-/// last open. One thread.
+/// Only reads these files. A scheduler may append to them meanwhile. Keeps open the segment that it
+/// read last. One thread.
 class JournalReader {
  public:
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -102,7 +102,7 @@ class JournalReader {
   JournalRecord read(const JournalPosition& position) const;
   /// Reads the header of a record; throws like read().
   std::string readHeader(const JournalPosition& position) const;
-  /// Returns the current total size, in bytes, of the segments with smaller numbers.
+  /// Returns the current total size, in bytes, of the segments before `segment`.
   std::uint64_t bytesBefore(std::uint32_t segment) const;
   /// Returns the numbers of the existing segments, sorted.
   std::vector<std::uint32_t> segments() const;

@@ -29,14 +29,14 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
 /// the journal has room for.
 std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
   constexpr std::uint64_t smallest_record = 100;
-  constexpr std::uint64_t most = 1 << 26;  // 0.5 GB of buckets; a damaged count may say anything
+  constexpr std::uint64_t most = 1 << 26;  // 0.5 GB of buckets; a damaged count may have any value
   const std::uint64_t bytes =
       JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max());
   return std::min<std::size_t>(expected, std::min(most, bytes / smallest_record));
 }
 
 /// Records a result in the plan. Returns false, and does not record it, if it was solved from other
-/// fields than the plan's parent point has.
+/// fields than those of the plan's parent point.
 bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result& result,
               const Outcome& outcome) {
   PALPATE_ASSERT(keyOf(result) == plan.keyOf(transition), "the result must be of this transition");

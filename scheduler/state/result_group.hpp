@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Results that wait to become durable together. One sync serves all of them (group commit),
+/// Results that wait to become durable together. One sync covers all of them (group commit),
 /// because a sync costs as much as many small solves.
 ///
 /// No result is durable before commit() has returned. One thread. `store` must outlive this object.

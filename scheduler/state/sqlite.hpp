@@ -53,8 +53,8 @@ struct Blob {
 };
 
 /// One prepared statement. It can be bound and run any number of times, with reset() in between.
-/// Values are bound to the question marks of the SQL text, in order, and are copied. Columns count
-/// from 0. Must be destroyed before the Database.
+/// Values are bound to the question marks of the SQL text, in order, and are copied. Columns are
+/// numbered from 0. Must be destroyed before the Database.
 class Statement {
  public:
   Statement(Database& database, const std::string& sql);

@@ -16,8 +16,8 @@ namespace {
 /// "PLPT". Identifies the database as Palpate's, also for file(1).
 constexpr std::int64_t application_id = 0x504c5054;
 
-/// No result of a build depends on these tables. They serve users, `palpate status` if no scheduler
-/// runs, and the next run (losses, checks, kept_out, the secret).
+/// No result of a build depends on these tables. They are for users, for `palpate status` while no
+/// scheduler runs, and for the next run (losses, checks, kept_out, the secret).
 constexpr const char* schema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value ANY) STRICT;
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;

@@ -109,7 +109,7 @@ class Tables : public StoredTables {
   /// Excludes workers in this and all later runs. Synced on return.
   void keepOut(std::span<const KeptOut> liars);
 
-  /// Both changes are synced on return.
+  /// writePaused() and writePriority() are synced on return.
   void writePaused(bool paused);
   void writePriority(const std::string& name, std::int32_t priority);
 
