@@ -45,8 +45,8 @@ void Allotment::noteDelivery(Worker& worker, Time now) {
 bool Allotment::isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const {
   const auto held = now - worker.moved;
   if (between_results_ <= 0) return held >= settings_.overdue_without_any;
-  // The target may be the cause, if other workers were slow with it too: allow twice the time for
-  // each earlier hand-out.
+  // If other workers were slow with this target too, the target may be the cause: double the time
+  // for each earlier hand-out.
   constexpr std::uint32_t most_doubled = 3;
   const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
   return held >= times * std::max<Seconds>(settings_.overdue_at_least,

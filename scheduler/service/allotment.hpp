@@ -27,7 +27,7 @@ class Allotment {
   /// (Worker::earned), and at least two. The upper limit is two full jobs; for a worker slower than
   /// the mean it is reduced in proportion. Returns 0 while an overdue worker gets no work.
   std::size_t limitOf(const Worker& worker, Time now) const;
-  /// Call when a worker without targets is given some. The time to its next result counts from
+  /// Call when a worker without targets is given some. The time to its next result is measured from
   /// `now`.
   void noteFirst(Worker& worker, Time now) const { worker.moved = now; }
   /// Call when a worker delivers a result that it was asked for.

@@ -61,7 +61,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
   }
 }
 
-/// Answers a request of an operator or observer. Returns false if the message is no such request.
+/// Answers a request of an operator or observer. Returns false for other messages.
 bool Coordinator::answer(const Incoming& incoming) {
   if (!incoming.message.has_stop_request()) return people_.answer(incoming);
   state_.send(incoming.peer).mutable_stop_reply()->set_stopping(true);

@@ -47,8 +47,8 @@ class Coordinator {
   /// is a worker, it is removed.
   void refuse(const Incoming& incoming, Time now);
   /// Does the work that is due: commits a group of results, takes back the leases of silent
-  /// workers, hands out jobs. Call after every batch of messages and at nextDeadline(). With
-  /// `all_read`, every received message has been read; otherwise no worker is judged to be silent,
+  /// workers, hands out jobs. Call after every batch of messages and at nextDeadline(). `all_read`
+  /// is true if every received message has been read; otherwise no worker is judged to be silent,
   /// because its messages may be unread. Returns next().
   Next advance(Time now, bool all_read = true);
   /// Returns how the scheduler should continue now.

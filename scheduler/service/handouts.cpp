@@ -102,7 +102,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
 std::chrono::seconds Handouts::hungAfter() const {
   if (state_.settings.hung_after) return *state_.settings.hung_after;
   if (longest_solve_ <= 0) return state_.settings.hung_without_any;
-  // Limit this to a week, because a worker may claim any duration.
+  // Limit the time to a week, because a worker may claim any duration.
   constexpr double most = 7 * 24 * 3600;
   const double seconds = std::min(state_.settings.hung_factor * longest_solve_, most);
   return std::max(state_.settings.hung_at_least, std::chrono::seconds(std::llround(seconds)));

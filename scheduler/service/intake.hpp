@@ -24,7 +24,7 @@ class Intake {
   bool isDue(bool all_read);
   /// Time at which the group becomes due if all messages are read by then.
   ServiceState::Time deadline() const;
-  /// Makes the group durable, acknowledges its results, and moves the plans on, whose next
+  /// Makes the group durable, acknowledges its results, and moves the plans on: their next
   /// transitions may start from these results. Throws like JobStore; no result of the group is then
   /// acknowledged.
   void commit();

@@ -11,15 +11,16 @@ namespace {
 constexpr std::chrono::seconds pace_window{120};
 constexpr std::chrono::seconds between_samples{1};
 
-/// Shares of the time worked between which estimates are compared. Before, an estimate knows little
-/// of the build; afterwards, too little time has passed to show its error.
+/// Estimates made between these fractions of the time worked are compared. An earlier estimate
+/// knows little of the build; a later one is too recent to show its error.
 constexpr double compared_from = 0.15, compared_to = 0.4;
 /// Growth of the time worked from one kept estimate to the next.
 constexpr double between_estimates = 1.02;
 constexpr double largest_factor = 4;
 /// Errors up to this factor are not corrected. Some forecasts turn from right to too large near the
-/// end of a build, and the correction would make them worse. With this factor it changes little in
-/// five of six builds; the estimates of the sixth, of a flap, were always 2 to 10 times too short.
+/// end of a build, and the correction would make them worse. With this factor, the correction
+/// changes little in five of six builds. In the sixth (a flap), they were always 2 to 10 times too
+/// short.
 constexpr double usual_error = 1.6;
 
 }  // namespace

@@ -14,7 +14,7 @@ class People {
   using Time = ServiceState::Time;
   People(ServiceState& state, Workers& workers, const SecondSolves& seconds, const Intake& intake);
 
-  /// Handles a request of an operator or observer. Returns false if the message is no such request.
+  /// Handles a request of an operator or observer. Returns false for other messages.
   bool answer(const Incoming& incoming);
   void pause(bool paused);
   wire::Status status(Time now) const;
@@ -29,8 +29,8 @@ class People {
 
  private:
   const std::string& recentStatus();
-  /// Returns the estimated time left, without hindsight, if `share` of the expected attempts are
-  /// made; seconds; 0 while it is unknown.
+  /// Returns the estimated time left, s, without Hindsight, if a fraction `share` of
+  /// Forecast::expected is made; 0 while it is unknown.
   double timeLeft(double share, Time now) const;
   void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();

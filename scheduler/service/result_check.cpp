@@ -115,7 +115,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (!(residual >= 0 && residual <= largest_residual * force_scale))
     return "a residual that is invalid or too large for an equilibrium";
   if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
-    return "derivatives that are not symmetric";
+    return "a stiffness or drive slope that is not symmetric";
   if (hasDrive(e) && !patch.finger) return "a configurational force without a finger";
   for (const std::int32_t node : problem_->fixed)
     if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";

@@ -15,7 +15,7 @@ class ResultCheck {
   ResultCheck(const Problem& problem, const ContentId& build);
 
   struct Judged {
-    std::string objection;  ///< reason why this is no result of the build; empty if it may be one
+    std::string objection;  ///< reason to reject the result; empty if there is none
     Outcome outcome;        ///< decoded, without nodal fields; valid if there is no objection
   };
   /// Judges a result, which must have been computed with `kernel_family`. Does not judge whether
@@ -60,8 +60,8 @@ class ResultCheck {
 ///   E1 - E0 = -(f0 + f1).w / 2 + w.(K1 - K0) w / 12 + O(w^5),  f1 - f0 = (K0 + K1) w / 2 + O(w^3).
 ///
 /// The value is 1 if these equations are violated by 0.3 % of the work or by 5 % of the force, the
-/// worst of 666 correct results on the shipped liver. A correct result may exceed 1 if the tissue
-/// snaps to another branch, or if w is large.
+/// largest violations among 666 correct results on the shipped liver. A correct result may exceed 1
+/// if the tissue snaps to another branch, or if w is large.
 double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found,
                      const Eigen::Vector3d& way);
 

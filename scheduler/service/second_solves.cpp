@@ -73,7 +73,7 @@ bool SecondSolves::open(const ResultKey& key, bool disputed) {
 bool SecondSolves::isRecordedInPlan(const ResultKey& key) const {
   const std::optional<Transition> known = findIn(state_.plans, key);
   // If the result is in the group, it is being recorded again after a loss, and is checked only
-  // then.
+  // after that.
   return known && state_.plans[key.space].isRecorded(*known) && !state_.group.has(key);
 }
 

@@ -38,7 +38,7 @@ struct CoordinatorSettings {
   double hung_factor = 30;
   std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
   std::optional<std::chrono::seconds> hung_after;  ///< if set, used instead of these limits
-  /// Group commit: results wait for others, so that one sync serves many. They wait at most
+  /// Group commit: results wait for others, so that one sync covers many. They wait at most
   /// group_age, or at most group_age_all_read once no received message is left unread. They do not
   /// wait if a worker waits for work that they may make ready. A group is also committed when it
   /// has group_results results or group_bytes of payload.
@@ -81,7 +81,7 @@ struct ServiceState {
 
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
   std::vector<KeptOut> liars = {};  ///< if not empty, another Build must replace this one
-  /// Turns since an operator's retry dropped recorded failures; none if there was no retry. In the
+  /// Turns since an operator's retry dropped recorded failures; none if there was no retry. By the
   /// second turn, the answer to the operator has been sent.
   std::optional<int> turns_since_retry = std::nullopt;
 
@@ -93,7 +93,7 @@ struct ServiceState {
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
   /// Sends and returns an acknowledgement. It says that the result is recorded, unless the caller
-  /// adds to it.
+  /// sets `unwanted` in it.
   wire::ResultAck& acknowledge(const std::string& peer, const wire::Result& result);
   /// Tells a worker to leave.
   void drain(const std::string& peer) { send(peer).mutable_drain()->set_finished(complete); }

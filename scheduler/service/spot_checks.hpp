@@ -79,7 +79,7 @@ class SpotChecks {
   /// by now.
   struct Start {
     std::string id;  ///< wire::Job.start_id
-    /// recorded result with the start's fields; none: rest state
+    /// result that holds the fields of the start; nullopt if the start is the rest state
     std::optional<ResultKey> solved_by;
     std::uint32_t steps = 0;  ///< wire::Target.steps
   };

@@ -62,8 +62,8 @@ bool countsMakeSense(const wire::Status& status) {
 }
 
 /// Removes the unknown fields in which protobuf's JSON parser keeps parts of an unknown object.
-/// Message::DiscardUnknownFields is not used: it goes through the library to maps, which have
-/// another layout under the thread sanitizer.
+/// Message::DiscardUnknownFields is not used, because library code would then access maps, whose
+/// layout differs under the thread sanitizer.
 void discardUnknownFields(wire::Status& status) {
   const auto discard = [](google::protobuf::Message& message) {
     message.GetReflection()->MutableUnknownFields(&message)->Clear();
@@ -112,8 +112,8 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     wire::SpaceStatus& row = rowFor(status, active);
     setStage(row, plan.stage());
     const CompactPoints& points = plan.points();
-    // A place where an area is measured counts as one point, its probe. Its rest position does not
-    // count. Before its probe exists, the place counts as an unknown point.
+    // A place where an area is measured counts as one point, its probe; its rest position is left
+    // out. Before its probe exists, the place counts as an unknown point.
     if (active.isProbe() && plan.size() == 1)
       addPoint(status, row, {});
     else if (!active.isProbe())

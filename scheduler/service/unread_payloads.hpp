@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// Counts the bytes of sent payloads that peers have not read. A payload counts until the messaging
-/// library releases it, which may happen in any thread. Shared payloads (the problem) take no extra
-/// memory and do not count.
+/// Counts the bytes of sent payloads that peers have not read. A payload is counted until the
+/// messaging library releases it, which may happen in any thread. Shared payloads (the problem)
+/// take no extra memory and are not counted.
 class UnreadPayloads {
  public:
-  /// Returns the payload for sending. It counts until its last owner releases it.
+  /// Returns the payload for sending. It is counted until its last owner releases it.
   std::shared_ptr<const std::string> add(std::string payload) const {
     auto* const owned = new std::string(std::move(payload));
     *bytes_ += owned->size();

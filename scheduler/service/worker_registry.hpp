@@ -21,7 +21,7 @@ struct Worker {
   std::string host;              ///< made printable for users, like kernel_family
   std::uint32_t pid = 0;
   std::string kernel_family;
-  /// number of jobs that it can take now; only WorkerRegistry::addCredit() raises it
+  /// number of jobs that it can accept now; only WorkerRegistry::addCredit() raises it
   std::uint32_t credit = 0;
   Time heard;  ///< time of its last message
   /// The leased transition that its last heartbeat named; none if it is solving none of its leases.
@@ -74,8 +74,8 @@ class WorkerRegistry {
   /// Returns true if the worker supports the kernels of this build but uses other ones, so that it
   /// must change them before it may join.
   bool wouldChangeKernels(const wire::Hello& hello) const;
-  /// Adds a worker to which there is no objection. A worker that is known already starts again
-  /// without credit and without work in progress. The peer must not belong to another worker.
+  /// Adds a worker to which there is no objection. A known worker starts anew, without credit and
+  /// without work in progress. The peer must not belong to another worker.
   Worker& admit(const std::string& peer, const wire::Hello& hello,
                 const std::optional<PublicKey>& key, Time now);
   /// Removes a worker. `state` is "left" or "lost", for the tables.

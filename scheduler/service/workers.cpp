@@ -31,7 +31,7 @@ Workers::Workers(ServiceState& state)
       state_(state),
       epoch_(randomBytes(16)),
       losses_(state.tables.losses()) {
-  // The workers of earlier runs may come back at any moment, so their machines count.
+  // The workers of earlier runs may come back at any moment, so their machines are included.
   for (const auto& [key, host] : state.store.machines()) heard.add(key, host);
 }
 
@@ -139,7 +139,7 @@ bool Workers::asksForWork(const Worker& worker) const {
 }
 
 /// If no transition waits and a proven worker is idle, hands out the last targets of overdue
-/// workers again. As always, the first result counts.
+/// workers again. As always, the first result is recorded.
 void Workers::reassignOverdue() {
   if (!state_.handsOut() || leases.waiting() > 0) return;
   const bool all_are_new = std::ranges::none_of(
@@ -189,7 +189,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} reports no solve but holds some; other workers get them",
+    state_.chronicle.warn("worker {} on {} holds solves but reports none; other workers get them",
                           worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
@@ -211,7 +211,7 @@ void Workers::loseSilent() {
 void Workers::probeSilent() {
   const auto patience = state_.settings.silent_heartbeats * state_.settings.heartbeat;
   for (auto& [id, worker] : registry.all()) {
-    // A worker without leases counts too if it was overdue and its leases went to other workers.
+    // A worker without leases is included if it was overdue and its leases went to other workers.
     const bool at_work = leases.leasedTo(id) > 0 || worker.overdue_until;
     if (state_.now - worker.heard < patience || !at_work) continue;
     if (worker.probed && state_.now - *worker.probed < state_.settings.heartbeat) continue;

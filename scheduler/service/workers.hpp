@@ -60,7 +60,7 @@ class Workers {
   bool isOneMachine() const { return heard.machines.size() < 2; }
   /// Number of targets that a worker may be given in addition to its leases.
   std::size_t roomOf(const Worker& worker) const;
-  /// True if a worker asks for work or holds leases, unless it is overdue and holds nothing.
+  /// True if the worker asks for work or holds leases, unless it is overdue and holds nothing.
   bool asksForWork(const Worker& worker) const;
   /// True if no worker has sent anything for three heartbeat intervals.
   bool deserted(Time now) const;
