@@ -30,15 +30,15 @@ class NotListening : public Error {
   NotListening(const std::string& directory, const std::string& process);
 };
 
-/// Resolves `asked.where`. Returns a tcp:// or ipc:// endpoint as it is. For a state directory,
+/// Resolves `asked.where`. Returns a tcp:// or ipc:// endpoint unchanged. For a state directory,
 /// returns the address and keys that its scheduler announced, or nothing if none runs. Throws
 /// NotListening if that scheduler does not listen yet, and Error (bad input) if `where` is neither
 /// an endpoint nor a directory.
 std::optional<Reachable> schedulerOf(const Asked& asked);
 
-// Both functions wait 5 s for each answer. They throw Error if no answer comes or if the scheduler
-// refuses the request for this key. They also throw if a scheduler of another build now answers at
-// the endpoint that the state directory names.
+// statusAt() and order() wait 5 s for each answer. They throw Error if no answer comes or if the
+// scheduler refuses the request for this key. They also throw if a scheduler of another build now
+// answers at the endpoint that the state directory names.
 
 /// Returns the status of the build: from its scheduler, or, if none runs, from the state directory
 /// ("complete" or "stopped").

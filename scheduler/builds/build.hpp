@@ -62,9 +62,9 @@ SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& proble
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         const RecordSource& find, bool partial);
 
-/// Returns partly_failed if the solve of some point failed, else done. Probes do not count, nor do
-/// failed points with the cause `beyond_force` or `unreachable` (beyond max_force, or behind points
-/// that failed).
+/// Returns partly_failed if the solve of some point failed, else done. Ignores probes, and failed
+/// points with the cause `beyond_force` or `unreachable` (beyond max_force, or behind points that
+/// failed).
 ExitCode exitCodeOf(const SpaceRowsList& spaces);
 
 }  // namespace palpate

@@ -28,7 +28,7 @@ inline constexpr auto event_words = std::to_array<std::string_view>({
     "worker_joined",  "worker_left",
     "worker_lost",     // a worker fell silent
     "worker_ended",    // the process of a worker ended by itself
-    "worker_refused",  // a worker may not join
+    "worker_refused",  // a worker was not allowed to join
     "left_out",        // events were lost: too many at once, or no room on the disk
 });
 
@@ -54,7 +54,7 @@ class Event {
   Event& with(std::string_view field, std::string_view text);
   /// Numbers that are not finite become null.
   Event& with(std::string_view field, double number);
-  /// A lattice point, in spacings, as `palpate explain` takes it.
+  /// A lattice point, in spacings, as `palpate explain` accepts it.
   Event& with(std::string_view field, const std::array<double, 3>& place);
   /// An integer or a boolean.
   template <std::integral Number>

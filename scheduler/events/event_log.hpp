@@ -28,7 +28,7 @@ std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory);
 /// One thread.
 class EventLog {
  public:
-  /// Files of this size and number hold 32 MiB, some 150,000 events. That is enough for a night of
+  /// Files of this size and number hold 32 MiB, about 150,000 events. That is enough for a night of
   /// failures, and small beside a journal.
   static constexpr std::uint64_t usual_file_bytes = 4 << 20;
   static constexpr std::uint32_t usual_files = 8;

@@ -56,7 +56,7 @@ class Launches {
     enum class How : std::uint8_t { well, failed, from_outside };
     std::string id, node;
     How how{};
-    std::string words;           ///< description, "exit code 127"
+    std::string words;           ///< description, such as "exit code 127"
     std::chrono::seconds age{};  ///< age at its end
     std::string when;  ///< end time on the engine's clock; compared only with other such times
   };
@@ -68,7 +68,7 @@ class Launches {
 
   explicit Launches(std::chrono::seconds first_pause) : backoff_(first_pause) {}
 
-  /// Takes the current jobs. `ended` is sorted by time and may repeat jobs of earlier calls.
+  /// Call with the current jobs. `ended` is sorted by time and may repeat jobs of earlier calls.
   Change see(const std::vector<Ended>& ended, const std::vector<Running>& running, Time now);
 
   /// Returns true if, after most_in_a_row early failures, only one job at a time is tried.

@@ -51,7 +51,7 @@ struct Column {
   const char* name;
   std::size_t width;
 };
-// Only columns that old versions of squeue know too. The last column takes the rest of the line.
+// Old versions of squeue know these columns too. The last column takes the rest of the line.
 constexpr std::array columns = {Column{"State", 20},     Column{"JobArrayID", 40},
                                 Column{"NodeList", 100}, Column{"exit_code", 12},
                                 Column{"TimeUsed", 20},  Column{"EndTime", 24},

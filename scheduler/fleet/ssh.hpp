@@ -22,8 +22,8 @@ class SshHosts {
  public:
   using Time = Backoff::Time;
 
-  /// `hosts` in the syntax of ssh, "node1" or "me@node1", with one worker per core; "node1:4" for
-  /// four workers. All must have passed checkHost().
+  /// Each of `hosts` is a name for ssh, "node1" or "me@node1", and gets one worker per core;
+  /// "node1:4" gets four workers. All must have passed checkHost().
   SshHosts(const SshOptions& options, const std::vector<std::string>& hosts);
 
   /// Starts connections that are due, and logs ended connections. Call a few times a second.

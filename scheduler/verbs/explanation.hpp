@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The spaces of a scene, in its order, with the points that are computed by now.
+/// The spaces of a scene, in its order, with the points computed so far.
 struct KnownSpaces {
   Scene scene;
   std::vector<SpaceTable> spaces;

@@ -63,8 +63,8 @@ std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
   return words;
 }
 
-/// Returns the id of the build. For cancelling its jobs no scheduler is needed, because the state
-/// directory names the build too.
+/// Returns the id of the build. Cancelling its jobs needs no scheduler, because the state directory
+/// also names the build.
 std::string buildOf(SlurmFleetOptions& options) {
   const std::filesystem::path state = options.asked.where;
   if (options.cancel && std::filesystem::is_directory(state))
@@ -95,7 +95,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     hosts.keep(now);
     if (interrupted()) {
       hosts.terminate(grace);
-      fmt::print("stopped; these workers were ended, and the build continues with others\n");
+      fmt::print("stopped; these workers were ended, and the build continues with other workers\n");
       return ExitCode::interrupted;
     }
     if (hosts.done()) break;
@@ -175,7 +175,7 @@ void addTo(CLI::App& app, SlurmFleetOptions& options) {
                  "Options for sbatch, after --: -- --partition=short --account=me");
   app.footer(
       "Runs until the build is complete, and then leaves no job behind. You can end it and start\n"
-      "it again at any time, also while the scheduler restarts: it stores nothing.");
+      "it again at any time, even while the scheduler restarts: it stores nothing.");
 }
 
 void addTo(CLI::App& app, SshFleetOptions& options) {

@@ -89,7 +89,7 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   declare(app, order, "show", "Print your public key, the allowed keys and the known servers",
           show);
   CLI::App& allowed = declare(app, order, "allow", "Allow the holder of a key to connect", allow);
-  allowed.add_option("KEY", order->key, "Key (64 digits) that palpate key show prints there")
+  allowed.add_option("KEY", order->key, "Public key of the holder, from palpate key show")
       ->required();
   allowed
       .add_option("ROLES", order->roles, "worker, observer, operator, or several (worker,observer)")
@@ -99,7 +99,7 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
       .add_option("KEY", order->key, "Digits or name of the key")
       ->required();
   CLI::App& trusted = declare(app, order, "trust", "Record the public key of a server", trust);
-  trusted.add_option("KEY", order->key, "Key (64 digits) that palpate key show prints there")
+  trusted.add_option("KEY", order->key, "Public key of the server, from palpate key show")
       ->required();
   trusted.add_option("--at", order->endpoint, "Endpoint of the server [every server]");
   app.require_subcommand(1);

@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 // ---- Output ----
 
 constexpr std::chrono::milliseconds redraw_every{200};
-/// Interval of progress lines in a file. A night then gives a thousand lines.
+/// Interval of progress lines in a file: about a thousand lines per night.
 constexpr std::chrono::milliseconds line_every{30000};
 
 /// Prints a message for the user, or logs a warning if the log is JSON.
@@ -102,9 +102,8 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
         counted(coordinator.disputedCount(), "result"));
   if (coordinator.asideCount() > 0)
     tellOrLog(
-        "not sealed: workers died on {}, set aside now, and everything else is computed (see above, "
-        "and palpate status {}). After you remove the reason, run palpate retry {} and the same "
-        "command again.",
+        "not sealed: workers died on {}; everything else is computed (see above, and palpate status "
+        "{}). After you remove the reason, run palpate retry {} and the same command again.",
         counted(coordinator.asideCount(), "transition"), shellWord(state), shellWord(state));
 }
 

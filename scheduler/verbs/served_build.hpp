@@ -14,7 +14,7 @@ struct BuildOrder {
   std::string out;       ///< dataset; empty: NAME.h5 in the current directory
   std::string state;     ///< state directory; empty: OUT.state
   bool replace = false;  ///< replace `out` if it holds something else
-  /// time limit of a solve, s; nothing: derived from earlier solves
+  /// time limit of a solve, s; if unset, it is derived from earlier solves
   std::optional<unsigned> hung_after_s;
   double spot_checks_percent = 0;  ///< percent of the results that another machine solves again
   std::string kernels;             ///< name of a CpuFamily; empty: the family of the first result
@@ -44,7 +44,7 @@ class Crew {
 struct Serving {
   std::string endpoint;   ///< address to listen on
   bool own_keys = false;  ///< use the keys in the state directory, which the local workers use too
-  std::optional<KeyFolder> keys = {};  ///< keys to use otherwise; nothing: no authentication
+  std::optional<KeyFolder> keys = {};  ///< keys to use otherwise; if unset, peers need none
   std::function<std::unique_ptr<Crew>(Server&, Build&)> crew;
   std::chrono::seconds drain_limit{30};           ///< time for workers to finish and leave
   std::function<void()> anew = [] {};             ///< called before the records are read again

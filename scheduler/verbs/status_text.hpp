@@ -19,8 +19,8 @@ std::string describe(const wire::Status& status);
 /// 40 ready". Drops parts from the end that do not fit in `columns`, but always keeps the points.
 std::string progressLine(const wire::Status& status, std::size_t columns = std::string::npos);
 
-/// Formats the progress line behind a bar, to be redrawn on a terminal of `columns` columns. Never
-/// fills the last column, where some terminals start a new row.
+/// Formats a bar and the progress line after it, to be redrawn on a terminal of `columns` columns.
+/// Never fills the last column, where some terminals start a new row.
 std::string progressBar(const wire::Status& status, std::size_t columns);
 
 /// Formats a lattice point in spacings, "(1, 0.5, 0)". The coordinates of `point` are in units of a

@@ -21,7 +21,7 @@ extern const Verb pause_verb;
 extern const Verb resume_verb;
 /// `palpate priority`: computes one space before others.
 extern const Verb priority_verb;
-/// `palpate retry`: tries transitions that were set aside or failed again.
+/// `palpate retry`: repeats transitions that were set aside or failed.
 extern const Verb retry_verb;
 /// `palpate events`: lists the events of a build, past and new.
 extern const Verb events_verb;

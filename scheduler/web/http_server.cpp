@@ -44,8 +44,8 @@ std::thread quietThread(std::function<void()> run) {
 
 /// Thread pool with a bounded queue. If as many connections wait as are being answered, enqueue()
 /// blocks, so that the listener accepts no more. The pool never drops an accepted connection,
-/// because nobody would close that. The listener creates the pool, so the pool's threads inherit
-/// the listener's signal mask and niceness.
+/// because nobody would close it. The listener creates the pool, so the pool's threads inherit the
+/// listener's signal mask and niceness.
 class BoundedPool : public httplib::TaskQueue {
  public:
   /// The result of enqueue(): void, or in newer versions of cpp-httplib bool (true: accepted).

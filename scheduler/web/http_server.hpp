@@ -24,7 +24,7 @@ struct HttpAddress {
 
 struct HttpAnswer {
   int status = 200;
-  std::string type;  ///< "application/json"
+  std::string type;  ///< such as "application/json"
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
