@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// The events that a reader wants, as words of event_words; empty: all events.
+/// The events that a reader wants, as words of event_words. An empty set means all events.
 using WantedEvents = std::set<std::string>;
 
 /// Returns the last `most` wanted events, latest last. Reads only the files needed.
@@ -32,7 +32,7 @@ class EventReader {
  private:
   std::filesystem::path directory_;
   WantedEvents wanted_;
-  std::uint32_t number_ = 0;  ///< number of the current file; 0: none yet
+  std::uint32_t number_ = 0;  ///< number of the current file; 0 if there is none yet
   std::uint64_t offset_ = 0;  ///< position in the current file, after the last line feed
 };
 

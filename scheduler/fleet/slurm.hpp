@@ -17,7 +17,7 @@ struct SlurmOptions {
   /// Time limit of each job. Slurm sends SIGTERM one minute before the limit, or, if the limit is
   /// shorter than four minutes, when a quarter of it is left.
   int minutes = 60;
-  std::string constraint;         ///< required features of nodes; empty: any node
+  std::string constraint;         ///< required features of nodes; may be empty
   std::string log = "/dev/null";  ///< file name, in the syntax of sbatch --output
   std::vector<std::string> more;  ///< further options of sbatch, unchanged
 };

@@ -135,8 +135,7 @@ class Leases {
       return std::pair(squaredNorm(a), a) < std::pair(squaredNorm(b), b);
     }
   };
-  /// The common start of a set of waiting transitions. The sets are handed out in the order of
-  /// these members.
+  /// The start of a set of waiting transitions. Sets are handed out in the order of these members.
   struct Start {
     /// negative priority of the space, so that the highest comes first
     std::int32_t below_highest = 0;

@@ -19,8 +19,8 @@ constexpr double between_estimates = 1.02;
 constexpr double largest_factor = 4;
 /// Errors up to this factor are not corrected. Some forecasts turn from right to too large near the
 /// end of a build, and the correction would make them worse. With this factor, the correction
-/// changes little in five of six builds. In the sixth (a flap), they were always 2 to 10 times too
-/// short.
+/// changes little in five of six builds. In the sixth (a flap), estimates were always 2 to 10 times
+/// too short.
 constexpr double usual_error = 1.6;
 
 }  // namespace

@@ -49,7 +49,7 @@ class People {
   Forecast forecast_;
   Time forecast_made_, measured_;
   std::int64_t recorded_then_ = 0;
-  double worked_ = 0;  ///< s of this run, as for Hindsight::note
+  double worked_ = 0;  ///< time worked in this run, s (Hindsight::note)
   Hindsight hindsight_;
   std::map<std::string, std::int32_t> priorities_;  ///< by name of a status row
 };

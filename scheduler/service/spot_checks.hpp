@@ -14,7 +14,7 @@ namespace palpate {
 struct SpotCheckSettings {
   /// Fraction of all results that are solved again, regardless of the worker. Up to a quarter of
   /// this fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest
-  /// is drawn by lot. 0: no checks.
+  /// is drawn by lot. If it is 0, there are no checks.
   double share = 0.01;
   /// Up to this many failures, and this many odd results, are solved again even beyond their
   /// quarter. A small build has few results, and one of them may be wrong.

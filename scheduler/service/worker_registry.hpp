@@ -31,8 +31,8 @@ struct Worker {
   /// Time since when its heartbeats have reported no solve although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< number of its results recorded in this run
-  /// Number of results since it joined, or since a lease of it last went to another worker. It may
-  /// hold as many targets (Allotment::limitOf).
+  /// Number of results since it joined, or since its last lease went to another worker. It may hold
+  /// as many targets (Allotment::limitOf).
   std::uint32_t earned = 0;
   /// Recent mean time between its results, s; 0 before the first.
   double between_results = 0;

@@ -7,7 +7,7 @@ namespace palpate {
 
 /// One damaged place of a journal, or one record that belongs to another build.
 struct JournalDamage {
-  JournalPosition where;  ///< length 0: the whole segment is missing
+  JournalPosition where;  ///< has length 0 if the whole segment is missing
   std::string text;       ///< message with file and byte
   /// key of the result at this place; none if its header cannot be read
   std::optional<ResultKey> key;

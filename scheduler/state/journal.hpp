@@ -55,7 +55,7 @@ struct JournalGap {
     dropped,  ///< was damaged or missing, and is now marked so that no scan finds a record there
   };
   Kind kind = Kind::damaged;
-  JournalPosition where;  ///< length 0: the whole segment
+  JournalPosition where;  ///< has length 0 if it is the whole segment
   std::string text;       ///< message with the name of the file
 };
 

@@ -82,8 +82,8 @@ void putMeta(Database& database, const std::string& key, const Value& value) {
 
 constexpr std::string_view priority_of = "priority of ";
 
-/// Returns the version of this program and that of its tables, because the latter may differ
-/// between programs of one version.
+/// Returns the versions of this program and of its tables. Programs of one version may have
+/// different tables.
 std::string thisProgram() {
   return fmt::format("palpate {}, state {}", version(), StoredTables::schema_version);
 }

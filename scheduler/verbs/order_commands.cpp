@@ -101,7 +101,7 @@ std::vector<std::string> namesOfCauses() {
 
 struct RetryOptions {
   Asked asked;
-  std::string failed;  ///< name of a cause; empty: transitions that are set aside
+  std::string failed;  ///< name of a cause; if empty, retries set-aside transitions
 
   void addTo(CLI::App& app) {
     asked.addTo(app);

@@ -11,13 +11,13 @@ namespace palpate {
 /// Command-line options that `build` and `serve` share.
 struct BuildOrder {
   std::string scene;     ///< TOML file
-  std::string out;       ///< dataset; empty: NAME.h5 in the current directory
-  std::string state;     ///< state directory; empty: OUT.state
+  std::string out;       ///< dataset; by default NAME.h5 in the current directory
+  std::string state;     ///< state directory; by default OUT.state
   bool replace = false;  ///< replace `out` if it holds something else
   /// time limit of a solve, s; if unset, it is derived from earlier solves
   std::optional<unsigned> hung_after_s;
   double spot_checks_percent = 0;  ///< percent of the results that another machine solves again
-  std::string kernels;             ///< name of a CpuFamily; empty: the family of the first result
+  std::string kernels;             ///< name of a CpuFamily; by default that of the first result
 
   /// Declares SCENE, -o, --state, --replace, --hung-after and --kernels on `app`, which must not
   /// outlive this object.

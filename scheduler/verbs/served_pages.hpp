@@ -14,8 +14,8 @@ namespace palpate {
 
 /// Addresses of the pages that `serve` offers over HTTP; none by default.
 struct PageOptions {
-  std::string metrics;    ///< an HttpAddress; empty: off
-  std::string dashboard;  ///< port on 127.0.0.1; "0": chosen by the system; empty: off
+  std::string metrics;    ///< an HttpAddress; empty if there is no such page
+  std::string dashboard;  ///< port on 127.0.0.1; the system chooses for "0"; may be empty
 
   /// Declares --metrics and --dashboard.
   void addTo(CLI::App& app);

@@ -33,8 +33,8 @@ class ServiceManager {
   void sendAndWatch(const std::string& lines, std::chrono::microseconds longest);
   void send(const std::string& lines);
 
-  std::string socket_;  ///< a path, or "@" and an abstract name; empty: no service manager
-  std::chrono::microseconds watchdog_{0};  ///< interval of the watchdog; 0: none
+  std::string socket_;  ///< a path, or "@" and an abstract name; empty without a manager
+  std::chrono::microseconds watchdog_{0};  ///< interval of the watchdog; 0 if there is none
   Clock::time_point next_sign_, next_status_;
   bool failed_ = false;
 };

@@ -28,7 +28,7 @@ using Series = std::map<Labels, double>;
 struct Gauge {
   const char* name;
   const char* help;
-  std::optional<double> value;  ///< nothing: unknown
+  std::optional<double> value;  ///< nullopt if unknown
 };
 
 /// The counters of docs/internals/state.md with their help. They are exported as
