@@ -15,7 +15,7 @@
 
 namespace palpate::simulation {
 
-/// Faults of a disk at the next operation that they fit.
+/// Faults of a disk. Each strikes at the next operation of its kind.
 enum class DiskFault : std::uint8_t { write_error, short_write, sync_error, rename_error, full };
 
 /// A disk that forgets unsynced data. The files are real files below a folder (in memory, if
@@ -23,26 +23,26 @@ enum class DiskFault : std::uint8_t { write_error, short_write, sync_error, rena
 /// the standard library) comes through here, because this program defines those functions itself
 /// (disk_calls.cpp).
 ///
-/// A power cut keeps the synced part of a file and any 512-byte sectors written since; of a folder
-/// it keeps the names at its last sync and any number of the changes since, in order. A failed sync
-/// loses the data that it should have written, and a later successful sync does not restore them.
-/// Only one disk per process at a time.
+/// A power cut keeps the synced contents of a file, and each 512-byte sector written since with a
+/// probability of one half. In a folder it keeps the names at the last sync, and a random number of
+/// the changes since, the earliest first. A failed sync loses the data that it should have written,
+/// and a later successful sync does not restore them. A process can have only one disk at a time.
 class Disk {
  public:
-  /// A disk with everything below `root`.
+  /// Takes over everything below `root`.
   Disk(const std::filesystem::path& root, std::uint64_t seed);
   ~Disk();
   Disk(const Disk&) = delete;
   Disk& operator=(const Disk&) = delete;
-  /// Null if there is none.
+  /// Returns the disk of this process; null if there is none.
   static Disk* mounted();
 
   // Faults.
-  /// Kills the process that uses the disk at the n-th change from now: half of that write is done,
-  /// and no later change.
+  /// Kills the process that uses the disk at this change, counted from now. A random part of that
+  /// change, if it is a write, is done; later changes are not.
   void killAfter(int changes) { changes_left_ = changes; }
   void doNotKill() { changes_left_ = -1; }
-  /// Killed: every change fails until revive(). The process must be unwound.
+  /// True after a kill: every change fails until revive(). The process must be unwound.
   bool dead() const { return dead_; }
   void die() { dead_ = true; }
   void revive() { dead_ = false; }
@@ -53,10 +53,10 @@ class Disk {
   const std::map<DiskFault, std::uint64_t>& felt() const { return felt_; }
   /// Whether a fault that ends a process took effect since the last call.
   bool takeHurt() { return std::exchange(hurt_, false); }
-  /// No file may be open. Everything that is left is on disk afterwards.
+  /// Cuts the power. No file may be open. Everything that is left then counts as synced.
   void cutPower();
-  /// Runs `then` once, before the n-th time from now that the calling process lists a folder or
-  /// opens a segment of the journal: for actions of other processes.
+  /// Simulates an action of another process: runs `then` once, before the n-th time from now that
+  /// the calling process lists a folder or opens a segment of the journal.
   void beforeRead(int nth, std::function<void()> then) {
     reads_left_ = nth;
     before_read_ = std::move(then);
@@ -91,7 +91,7 @@ class Disk {
   static std::string folderOf(const std::string& path);
   NodePointer nodeOf(const std::string& path) const;
   void renamed(const std::string& folder);
-  /// Reserves one change: false, with errno set, if the process is dead or dies now.
+  /// Counts one change. Returns false, with errno set, if the process is dead or dies now.
   bool change();
   bool strikes(DiskFault fault, int error);
   void hurts(DiskFault fault, int error);

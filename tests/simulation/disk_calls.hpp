@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-/// The real system calls that change files, past the simulated disk.
+/// The real system calls that change files. They bypass the simulated disk.
 namespace palpate::simulation::calls {
 
 int open(const char* path, int flags, mode_t mode);

@@ -50,32 +50,32 @@ enum class Accident : std::uint8_t {
   slow_solve,
   // The work itself.
   deadly_transition,
-  // Where mayHaveLiar().
+  // Only if mayHaveLiar().
   lying_worker,
   kill_at_verdict,
   count
 };
 std::string_view nameOf(Accident accident);
 
-/// One accident at a time of the simulation.
+/// An accident at one time of the simulation.
 struct Event {
   Accident accident = Accident::count;
   double at = 0;          ///< s since the start
   double length = 0;      ///< s, for accidents that last
   std::uint64_t who = 0;  ///< selects a worker, file or byte, depending on the kind
-  double how_much = 0;    ///< 0 to 1: a share of messages, a number of changes
+  double how_much = 0;    ///< 0 to 1, such as the share of lost messages
 };
 std::string describe(const Event& event);
 
-/// All accidents happen before this time, and lasting ones have ended.
+/// All accidents begin, and lasting ones end, before this time.
 inline constexpr double accidents_end_s = 300;
 
-/// Whether one of the workers lies under this seed. The rest of the simulation depends on this and
-/// not on an actual lie, so that removing accidents keeps the same history.
+/// Whether a worker may lie under this seed. The rest of the simulation depends on this and not on
+/// actual lies, so that it stays the same when accidents are removed from the history.
 bool mayHaveLiar(std::uint64_t seed);
 
-/// The accidents under this seed in order of time. Each history leaves out some kinds, so that the
-/// effect of others becomes visible.
+/// Returns the accidents under this seed in order of time. Each history leaves out some kinds, so
+/// that the effect of others becomes visible.
 std::vector<Event> historyOf(std::uint64_t seed);
 
 }  // namespace palpate::simulation

@@ -32,7 +32,7 @@ struct Ledger {
   std::set<ResultKey> of_liars;
 
   Lies lies;
-  std::map<std::string, std::string> host_of;  ///< of peers
+  std::map<std::string, std::string> host_of;  ///< host of each peer
   /// The tables were damaged or lost in an accident and may claim anything about the past.
   bool tables_hurt = false;
   /// Exclusions that the tables contain, unless the tables were damaged.
@@ -52,11 +52,11 @@ struct Ledger {
     return spoiled.contains(key) || of_liars.contains(key);
   }
   bool isKeptOut(const std::string& peer) const;
-  /// These exclusions are on disk in the tables.
+  /// Notes that these exclusions are on disk in the tables.
   void noteKeptOut(const std::vector<KeptOut>& liars);
   void noteDelivery(const std::string& peer, const wire::Result& result);
   void noteAcknowledged(const std::string& peer, const ResultKey& key);
-  /// Throws Broken if an honest worker is among them.
+  /// Throws Broken if an honest worker is among these.
   void noteVerdict(const std::vector<KeptOut>& liars, const std::filesystem::path& state);
   /// Notes the undetected lies among the records that enter the plans of a dataset about to be
   /// sealed. Throws Broken if another result contradicts one of them.

@@ -25,7 +25,7 @@ class Network {
 
   // The two ends. A worker is named by its peer id.
   void join(const std::string& worker, Seconds now);
-  /// The process has ended: its system notifies the other end if it is reachable.
+  /// The worker's process has ended. Its system notifies the other end if that is reachable.
   void leave(const std::string& worker, Seconds now);
   /// The worker makes a new socket.
   void reconnect(const std::string& worker, Seconds now);
@@ -43,7 +43,7 @@ class Network {
   Seconds nextForScheduler() const;
   Seconds nextForWorker(const std::string& worker) const;
 
-  /// `worker` empty: all workers.
+  /// Begins an accident, for all workers if `worker` is empty.
   void happen(const Event& event, const std::string& worker);
   /// How often each kind of accident took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
@@ -57,7 +57,7 @@ class Network {
     Seconds last_to_worker = 0, last_to_scheduler = 0;  ///< latest arrivals, to keep the order
     bool known = false;                                 ///< the scheduler's side has a route
     Seconds connects_at = 0;                            ///< when the worker's side tries again
-    bool connected = false;                             ///< from the view of the worker's side
+    bool connected = false;                             ///< as the worker's side believes
     bool dead_end = false;  ///< half open: messages of the scheduler are lost
     bool gone = false;
   };

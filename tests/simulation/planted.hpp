@@ -10,9 +10,9 @@ namespace palpate::simulation {
 struct Defect {
   std::string_view name, what;
 };
-/// Empty in the program with the unchanged service.
+/// Returns no defects in the program with the unchanged service.
 std::span<const Defect> plantedDefects();
-/// Activates one of the defects from now on; empty: none.
+/// Activates one of the defects from now on, or none if `name` is empty.
 void plant(const std::string& name);
 
 }  // namespace palpate::simulation

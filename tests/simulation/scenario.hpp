@@ -11,7 +11,7 @@
 
 namespace palpate::simulation {
 
-/// An honest worker's result: its header and its payload.
+/// Computes an honest worker's result: its header and its payload.
 using Solver = std::pair<wire::Result, std::string> (*)(const Problem&, std::uint32_t space,
                                                         const LatticePoint& target,
                                                         const LatticePoint& parent);
@@ -24,23 +24,24 @@ struct Scenario {
   Solver solve = nullptr;
   std::string sealed;  ///< the bytes of the dataset
 
-  /// Inconsistent neighbours, failing solves, searches for branches, and payloads that contain the
-  /// bytes of a record.
+  /// A scenario with inconsistent neighbours, failing solves, searches for branches, and payloads
+  /// that contain the bytes of a record.
   static Scenario rough(const std::filesystem::path& folder);
-  /// As in tissue, each result is consistent with its neighbours: inconsistent ones look odd.
+  /// A scenario in which, as in tissue, each result is consistent with its neighbours, so that
+  /// inconsistent results look odd (oddnessBeside).
   static Scenario smooth(const std::filesystem::path& folder);
 
-  /// The bytes of the dataset with these results instead. Writes into `folder`, which must not be
-  /// on a simulated disk.
+  /// Returns the bytes of the dataset in which these results replace the honest ones. Writes into
+  /// `folder`, which must not be on a simulated disk.
   std::string sealedWith(const FalseResults& instead, const std::filesystem::path& folder) const;
 };
 
-/// Shared by all seeds.
+/// The scenarios that all seeds share.
 struct Scenarios {
   explicit Scenarios(const std::filesystem::path& folder)
       : rough(Scenario::rough(folder)), smooth(Scenario::smooth(folder)) {}
-  /// The scenario of a seed: smooth if a worker may lie, because nothing looks odd in the rough
-  /// one.
+  /// Returns the scenario of a seed: smooth if a worker may lie, because nothing looks odd in the
+  /// rough one.
   const Scenario& of(std::uint64_t seed) const;
 
   Scenario rough, smooth;

@@ -31,7 +31,7 @@ class SchedulerProcess : private Transport {
   Seconds nextWake(Seconds now) const;
   void wake(Seconds now);
 
-  /// SIGKILL, at once, while it waits.
+  /// Kills the process at once (SIGKILL), while it waits.
   void kill();
   /// Kills it this many changes of the disk after the next verdict on a liar.
   void killAtVerdict(int changes) { kill_at_verdict_ = changes; }
@@ -43,7 +43,7 @@ class SchedulerProcess : private Transport {
   Coordinator& coordinator() { return build_->coordinator(); }
   /// The error that last ended the process; empty if it ended without one.
   const std::string& lastError() const { return last_error_; }
-  /// Armed accidents that took effect.
+  /// How often each kind of accident took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
 
  private:
@@ -75,7 +75,7 @@ class SchedulerProcess : private Transport {
   int damages_ = 0;
   std::optional<int> kill_at_verdict_;
   std::map<Accident, std::uint64_t> felt_;
-  bool sealed_ = false;  ///< by this process
+  bool sealed_ = false;  ///< this process has sealed the dataset
 };
 
 }  // namespace palpate::simulation

@@ -29,7 +29,7 @@ class ProcessClock {
   double offset_ = 0, rate_ = 1;
 };
 
-/// The results in the table, and the accidents of solvers. Shared by all workers.
+/// The results that solvers look up, and the accidents of solvers. Shared by all workers.
 struct SolverWorld {
   const Scenario* scenario = nullptr;
   /// Transitions that kill the solving worker, until this time.
@@ -42,7 +42,7 @@ struct SolverWorld {
 /// accidents of processes. The solver is a thread in the product and a state here.
 class WorkerProcess {
  public:
-  /// `ended`: the workers that it replaces. The arguments must outlive it.
+  /// `ended` names the workers that this one replaces. The references must outlive this object.
   WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
                 const std::string& host, std::vector<std::string> ended, Seconds now,
                 Random random);
@@ -58,14 +58,14 @@ class WorkerProcess {
   void wake(Seconds now);
 
   void kill(Seconds now);
-  /// Stops its process. `clock_too`: its machine is suspended.
+  /// Stops the process. If `clock_too`, its machine is suspended, and its clock stops too.
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void interrupt(Seconds now);
   void hangNext() { hang_next_ = true; }
   void runOutOfMemory() { no_memory_ = true; }
   void solveSlowly(Seconds longer) { longer_ = longer; }
-  /// Armed accidents that took effect.
+  /// How often each kind of accident took effect.
   const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
 
  private:

@@ -17,7 +17,7 @@ struct Outcome {
   std::size_t verdicts = 0;        ///< verdicts on liars
   bool spoiled = false;            ///< the sealed dataset contains undetected lies
   bool tables_hurt = false;        ///< the tables with their checks and liars were damaged
-  std::vector<std::string> story;  ///< the events, for people
+  std::vector<std::string> story;  ///< the events, human-readable
 };
 
 /// Simulates a service under one seed with these accidents, until its dataset is sealed and all

@@ -11,7 +11,8 @@
 namespace palpate::test {
 
 /// A Mooney-Rivlin blob of 125 nodes as files, for tests that run the programs: side xmin is fixed,
-/// a patch of 4 cm is touched at the other end. Tests may change `scene` before write().
+/// and the tool moves a patch of radius 4 cm at the other end. Tests may change `scene` before
+/// write().
 struct BlobOnDisk {
   BlobOnDisk() {
     scene.name = "blob";

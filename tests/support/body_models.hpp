@@ -16,7 +16,7 @@ struct NamedMaterial {
   Material material;
 };
 
-/// One material for every law; isochoric ones (det F = 1) without `bulk`. Soft tissue, kPa.
+/// One material for every law, as soft as tissue (kPa). Incompressible ones have no `bulk`.
 inline std::vector<NamedMaterial> everyMaterial() {
   std::vector<NamedMaterial> all;
   for (const Material& material : std::vector<Material>{
@@ -61,7 +61,8 @@ inline std::string nameOf(const Discretization& discretization) {
 }
 
 /// A body of `mesh` and one material without fixed nodes, loads or tools. Adds mid-edge nodes if
-/// needed, and a bulk modulus if no pressure keeps the volume. Fibres as given by the material.
+/// needed, and a bulk modulus if no pressure enforces incompressibility. All tetrahedra have the
+/// fibres of the material.
 inline BodyModel freeBody(Mesh mesh, const Discretization& discretization, Material material) {
   if (discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   if (discretization.pressure == PressureSpace::none && isIncompressible(material))

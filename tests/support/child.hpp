@@ -13,8 +13,8 @@
 /// Copies of this process, for tests that change a whole process.
 namespace palpate::test {
 
-/// Runs `action` in a copy of this process. The copy exits normally with the returned code; if the
-/// action throws, with 101 and a message.
+/// Runs `action` in a copy of this process. The copy exits normally with the returned code, or with
+/// 101 and a message if the action throws.
 inline pid_t startChild(const std::function<int()>& action) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork");

@@ -8,8 +8,8 @@ namespace palpate::test {
 
 /// A sealed dataset of a cube of 100 mm whose top is touched by a finger of 20 mm, made in code. It
 /// has the sites of a resolved scene, each with the energy E(s, p) = g(s) f(p): g is a wave over
-/// the top, f is convex and stiffening, about 60 N/m at rest. All points are solved, and `probes`
-/// probes at places of the top. One side of the cube is fixed.
+/// the top, f is convex and stiffening, about 60 N/m at rest. All points, and `probes` probes at
+/// places of the top, are solved. One side of the cube is fixed.
 struct FingerBody {
   explicit FingerBody(std::int32_t probes = 0, const std::string& fixed = "zmin");
 
@@ -20,7 +20,7 @@ struct FingerBody {
   Problem problem;
   std::vector<SpaceTable> spaces;
 
-  /// The nodes around a site move by p, others less with growing distance.
+  /// The nodes around a site move by p; nodes farther away move less.
   NodalFields fields(std::size_t space, std::int32_t point) const;
   /// Throws if the file cannot be written.
   void seal(const std::filesystem::path& file) const;

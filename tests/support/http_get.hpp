@@ -9,8 +9,8 @@
 
 namespace palpate::test {
 
-/// The complete answer of a server on this machine to `request`, up to the end of the connection;
-/// empty if nobody listens on the port.
+/// Returns the complete answer of a server on this machine to `request`, up to the end of the
+/// connection; empty if nobody listens on the port.
 inline std::string httpAnswer(int port, const std::string& request) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -29,7 +29,7 @@ inline std::string httpAnswer(int port, const std::string& request) {
   return answer;
 }
 
-/// The complete answer to GET `path`; each of `headers` ends with \r\n.
+/// Returns the complete answer to GET `path`; each of `headers` ends with \r\n.
 inline std::string httpGet(int port, const std::string& path, const std::string& headers = "") {
   const std::string host =
       headers.find("Host:") == std::string::npos ? "Host: localhost\r\n" : std::string();

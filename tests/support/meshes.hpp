@@ -25,8 +25,8 @@ Mesh blobMesh(int n = 4);
 /// One tetrahedron with corners at the origin and at the three unit vectors times `edge`.
 Mesh tetrahedronMesh(double edge = 1.0);
 
-/// Both bodies in one mesh, unconnected; the nodes of the second follow those of the first. Keeps
-/// only the groups of the first.
+/// Returns both bodies as one mesh, not connected. The nodes of the second follow those of the
+/// first. Keeps only the groups of the first.
 Mesh together(Mesh first, const Mesh& second);
 
 /// The mesh moved by a vector in metres.

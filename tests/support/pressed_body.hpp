@@ -6,9 +6,9 @@
 
 namespace palpate::test {
 
-/// A TouchableBody with stored pressures, given by a function: everywhere the pressure at rest from
-/// its weight, and under a tool a pressure that grows with the depth and falls with the distance.
-/// Below a height the material is linear and has no pressure.
+/// A TouchableBody with stored pressures. At rest it is at_rest everywhere, as if from weight.
+/// Under a tool it grows with the depth and falls with the distance. Below the height
+/// `linear_below`, the material is linear and has no pressure.
 struct PressedBody : TouchableBody {
   static constexpr float at_rest = 30;  ///< Pa
 

@@ -8,7 +8,7 @@
 /// Scenes made in code for tests of solver and scheduler.
 namespace palpate::test {
 
-/// Mooney-Rivlin with the paper's constants, P1-stabilized, volumetric term ln det F.
+/// A scene with the Mooney-Rivlin constants of the paper, P1-stabilized, volumetric term ln det F.
 inline Scene mooneyRivlinScene() {
   Scene scene;
   scene.name = "test";
@@ -17,8 +17,8 @@ inline Scene mooneyRivlinScene() {
   return scene;
 }
 
-/// St. Venant-Kirchhoff, the modified or the linear law with the paper's Young's modulus; without
-/// pressure unless the material is incompressible.
+/// A scene with the linear or a St. Venant-Kirchhoff law and the Young's modulus of the paper. It
+/// has no pressure unless the material is incompressible.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material = {.law = law, .young = 15480, .poisson = poisson};

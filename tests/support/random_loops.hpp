@@ -10,7 +10,7 @@
 namespace palpate::test {
 
 /// A closed, piecewise smooth path p(t) inside a ball, t from 0 to 1: a sum of waves until t = 0.5,
-/// then a straight way back to the start.
+/// then a straight line back to the start.
 class RandomLoop {
  public:
   RandomLoop(std::mt19937& random, double radius) {
@@ -57,7 +57,7 @@ class RandomLoop {
 /// Work of a force field around a loop, J.
 struct LoopEnergy {
   double net = 0;        ///< net work done on the mover; 0 for a conservative field
-  double exchanged = 0;  ///< sum of the absolute values
+  double exchanged = 0;  ///< sum of the absolute work over all intervals
   double error = 0;      ///< estimated error of the quadrature
   bool covered = true;   ///< coverage was 1 and inside true at all evaluated points
 };

@@ -6,8 +6,8 @@
 
 namespace palpate::test {
 
-/// A file under the CMake cache variable PALPATE_REFERENCE_DATA. It holds real meshes
-/// (meshes/liver-493.msh, ...) that the project does not ship.
+/// Returns a path in the folder that the CMake cache variable PALPATE_REFERENCE_DATA names. The
+/// folder holds real meshes (meshes/liver-493.msh, ...) that the project does not ship.
 inline std::filesystem::path referenceData(const std::filesystem::path& name) {
   return std::filesystem::path(PALPATE_REFERENCE_DATA) / name;
 }

@@ -8,7 +8,7 @@
 
 namespace palpate::test {
 
-/// The tip of the left lobe of liver-493 and its finer meshes, metres.
+/// The tip of the left lobe of liver-493 and of its finer meshes, metres.
 inline const Eigen::Vector3d liver_tip(0.0582, 0.1344, 0.0025);
 
 /// `scene` on a reference liver with the default conditions of getfem_reference.py: fixed where x

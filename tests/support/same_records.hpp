@@ -4,7 +4,7 @@
 
 #include "common/space/space_table.hpp"
 
-/// Compares what a plan, a file or a message keeps of points: equal numbers, to the last bit.
+/// Expects that two records from plans, files or messages have the same numbers, to the last bit.
 namespace palpate::test {
 
 inline void expectSame(const Failure& a, const Failure& b) {

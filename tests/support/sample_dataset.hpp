@@ -21,7 +21,8 @@ class AnalyticEnergy {
       const Eigen::Vector3d& p) const = 0;  ///< N/m; the stiffness is its negative
 };
 
-/// A smooth, stiffening, asymmetric energy of about 50 N/m and 1 N at 20 mm; not a polynomial.
+/// A smooth, stiffening, asymmetric energy, not a polynomial. The stiffness is about 50 N/m, and
+/// the force at 20 mm about 1 N.
 class StiffeningEnergy : public AnalyticEnergy {
  public:
   double energy(const Eigen::Vector3d& p) const override;
@@ -29,8 +30,8 @@ class StiffeningEnergy : public AnalyticEnergy {
   Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
 };
 
-/// sum of c x^a y^b z^c over all monomials of total degree <= `degree`, c from a fixed seed,
-/// lengths scaled by `length`.
+/// The sum of f x^i y^j z^k over all monomials of total degree <= `degree`. The factors f come from
+/// a fixed seed; lengths are scaled by `length`.
 class PolynomialEnergy : public AnalyticEnergy {
  public:
   PolynomialEnergy(int degree, double length);
@@ -48,8 +49,8 @@ class PolynomialEnergy : public AnalyticEnergy {
   double length_;
 };
 
-/// A configuration space in which all points are expandable and hold the derivatives of `energy`.
-/// No nodal fields.
+/// Returns a configuration space, without nodal fields, in which all points are expandable and hold
+/// the derivatives of `energy`.
 SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 
 /// All input of sealDataset, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2", a
@@ -58,8 +59,8 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 /// are expandable. With P2 displacement the cube also has mid-edge nodes, and "edge-2" is a
 /// weighted patch.
 struct SampleDataset {
-  /// small: 8 nodes and 7 points (radius 10 mm), of which as many are failed, unknown and
-  /// terminating. For fuzzers, because the time to load a dataset grows with its points.
+  /// small: 8 nodes and 7 points (radius 10 mm), with as many failed, unknown and terminating ones.
+  /// For fuzzers, because the time to load a dataset grows with its points.
   enum class Size { usual, small };
 
   explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized,

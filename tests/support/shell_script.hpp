@@ -14,7 +14,7 @@ inline void writeScript(const std::filesystem::path& file, const std::string& li
   std::filesystem::permissions(file, std::filesystem::perms::owner_all);
 }
 
-/// While this object exists, programs are looked up in a folder first, or only there.
+/// While this object exists, programs are looked up in a folder first, or only there if `alone`.
 class FirstInPath {
  public:
   explicit FirstInPath(const std::filesystem::path& folder, bool alone = false) {

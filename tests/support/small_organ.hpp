@@ -4,8 +4,8 @@
 
 namespace palpate::test {
 
-/// 60 N/m everywhere in a ball of `radius` metres; with a finger also a small configurational
-/// force.
+/// A space with a stiffness of 60 N/m in a ball of `radius` metres, and with a small
+/// configurational force if there is a finger.
 inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0.02) {
   SpaceTable space;
   space.patch.finger = finger;
@@ -24,8 +24,8 @@ inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0
   return space;
 }
 
-/// The smallest organ that has all parts: a tetrahedron of 100 mm, touched by a finger of 30 mm
-/// from two sites to a given depth, or by an active node at its tip.
+/// The smallest organ that has all parts: a tetrahedron of 100 mm, touched by a finger of radius 30
+/// mm at two sites, to the depth `deep`, or at an active node at its tip.
 inline CarriedOrgan smallOrgan(bool finger, double deep = 0.02, const PushedPart& reach = {}) {
   constexpr double radius = 0.03;
   CarriedOrgan organ;

@@ -33,11 +33,11 @@ inline Problem cubeProblem(double c10 = 1300) { return cubeProblemOf(2, 0.02, c1
 /// The same with 123 points around each, so that a share of one in a hundred is about one point.
 inline Problem wideProblem() { return cubeProblemOf(2, 0.03, 1300); }
 
-/// The smallest: 8 nodes, and 7 lattice points around each of two active nodes. For fuzzers, which
-/// begin a build of it for every input, and sometimes complete it.
+/// The smallest such problem: 8 nodes, and 7 lattice points around each of two active nodes.
+/// Fuzzers begin a build of it for every input, and sometimes complete it.
 inline Problem smallCubeProblem() { return cubeProblemOf(1, 0.01, 1300); }
 
-/// The header and the payload that a worker makes of an outcome.
+/// Returns the header and the payload that a worker makes of an outcome.
 inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std::uint32_t space,
                                                      const LatticePoint& target,
                                                      const LatticePoint& parent,
@@ -62,8 +62,8 @@ inline void answer(const wire::Job& job, const wire::Target& target, wire::Resul
   result.mutable_cost()->set_steps(static_cast<std::int32_t>(target.steps()));
 }
 
-/// Fields with displacement `elsewhere(n)` at node n, p at the tool's nodes, and zero at fixed
-/// nodes. At rest all are zero.
+/// Returns fields with displacement p at the tool's nodes, zero at fixed nodes, and `elsewhere(n)`
+/// at any other node n. At rest all are zero.
 template <class Elsewhere>
 NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const Eigen::Vector3d& p,
                      const Elsewhere& elsewhere) {
@@ -81,9 +81,9 @@ NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const Eigen::V
   return fields;
 }
 
-/// The answer of a worker as a pure function of the transition. About a quarter of the transitions
-/// fail, and some points lie beyond max_force. Forces of neighbours are inconsistent, so that the
-/// scheduler looks for branches.
+/// Returns the answer of a worker, a pure function of the transition. About a quarter of the
+/// transitions fail, and some points lie beyond max_force. Forces of neighbours are inconsistent,
+/// so that the scheduler looks for branches.
 inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::uint32_t space,
                                                   const LatticePoint& target,
                                                   const LatticePoint& parent) {

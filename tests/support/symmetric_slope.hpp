@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// The slope of a symmetric matrix times a number with this gradient.
+/// Returns the slope of the product of a constant symmetric matrix and a scalar with this gradient.
 inline SymmetricSlope slopeOf(const Eigen::Matrix3d& symmetric, const Eigen::Vector3d& gradient) {
   SymmetricSlope slope;
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c)

@@ -80,9 +80,8 @@ class LinearBody {
   Lattice at_;
 };
 
-/// A worker that solves in no time, or as if on another machine: a solve takes `pause` without
-/// using this machine's processors. It counts acknowledgements and sends nothing again, because no
-/// peer leaves.
+/// A worker whose solves take no time, or `pause` without using a processor, as if it ran on
+/// another machine. It counts acknowledgements and never repeats a message, because no peer leaves.
 class TableWorker {
  public:
   TableWorker(zmq::context_t& context, const std::string& endpoint,
@@ -126,16 +125,16 @@ class TableWorker {
     }
     for (const Letter& letter : outbox_.take())
       if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes && welcome_)
-        throw failure("the scheduler does not take messages");
+        throw failure("the scheduler does not accept messages");
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Solve {
     Clock::time_point due;
-    wire::Job job;  ///< without its other targets
+    wire::Job job;
     wire::Target target;
-    bool last = false;  ///< target of its job
+    bool last = false;  ///< `target` is the last one of the job
   };
 
   void handle(const Incoming& incoming) {

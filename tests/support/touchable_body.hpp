@@ -8,9 +8,9 @@
 
 namespace palpate::test {
 
-/// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), about 60 f N/m at rest and twice that at 20
-/// mm. A is anisotropic, and stiffer by k k^T with k = `stiff_along` (root of N/m). A hand can
-/// slide on this body without falling into a hole.
+/// A convex, stiffening energy f (p.A p / 2 + b |p|^4 / 4) with f = `factor`. Its stiffness is
+/// about 60 f N/m at rest and twice that at 20 mm. A is anisotropic, and stiffer by k k^T with k =
+/// `stiff_along` (root of N/m). A hand can slide on this body without falling into a hole.
 class ConvexEnergy : public AnalyticEnergy {
  public:
   explicit ConvexEnergy(double factor = 1,
@@ -25,7 +25,7 @@ class ConvexEnergy : public AnalyticEnergy {
   Eigen::Matrix3d at_rest_;
 };
 
-/// The fields of a body whose node at `center` moves by p, others less with growing distance.
+/// Returns the fields of a body whose node at `center` moves by p; nodes farther away move less.
 NodalFields movedAround(const Problem& problem, const Eigen::Vector3d& center,
                         const Eigen::Vector3d& p);
 
@@ -37,7 +37,7 @@ struct TouchableBody {
     double factor = 1;
     Eigen::Vector3d stiff_along = Eigen::Vector3d::Zero();
   };
-  /// Fixes the nodes of group "zmin"; active nodes must be others.
+  /// Fixes the nodes of group "zmin", which must not contain an active node.
   TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius = 0.03,
                 double spacing = 0.015);
 
@@ -49,7 +49,8 @@ struct TouchableBody {
   void seal(const std::filesystem::path& file) const;
 };
 
-/// All surface vertices except the fixed ones, with a factor for each position.
+/// Returns all surface vertices except the fixed ones as active nodes, with a factor for each
+/// position.
 std::vector<TouchableBody::Active> wholeSurface(
     const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor =
                           [](const Eigen::Vector3d&) { return 1.0; });

@@ -10,7 +10,8 @@
 /// Configuration spaces that are not uniform.
 namespace palpate::test {
 
-/// All points solved; the cells of `lattice` (1024 units wide) are split one after the other.
+/// Returns a space whose points are all solved, after splitting these cells of `lattice` (1024
+/// units wide) one after the other.
 inline SpaceTable splitSpace(Lattice lattice, std::vector<LatticeCell> splits,
                              const AnalyticEnergy& energy) {
   for (const LatticeCell& cell : splits) {
@@ -31,7 +32,7 @@ inline SpaceTable splitSpace(Lattice lattice, std::vector<LatticeCell> splits,
 inline const std::vector<LatticeCell> three_sizes = {
     {{0, 0, 0}, 0}, {{1024, 0, 0}, 0}, {{512, 512, 512}, 1}};
 
-/// Failed points, with numbers that must not be read.
+/// Returns the space with these points failed. Their records hold numbers that must not be read.
 inline SpaceTable without(SpaceTable space, const std::vector<LatticePoint>& points) {
   for (const LatticePoint& point : points) {
     PointRecord& record = space.points[at(*space.lattice.indexOf(point))];
@@ -41,8 +42,8 @@ inline SpaceTable without(SpaceTable space, const std::vector<LatticePoint>& poi
   return space;
 }
 
-/// Points in the ball of points_in_ball.hpp, with StiffeningEnergy: the cell between the origin and
-/// (1, 1, 1) is split once, all its corners are solved.
+/// A space in the ball of points_in_ball.hpp, with StiffeningEnergy. The cell between the origin
+/// and (1, 1, 1) is split once, and all its corners are solved.
 inline SpaceTable refinedSpace(double spacing) {
   return splitSpace(Lattice(radius, spacing, 1024), {{{0, 0, 0}, 0}}, StiffeningEnergy());
 }
@@ -72,8 +73,8 @@ class JumpingEnergy : public AnalyticEnergy {
   double at_, force_jump_, lost_;
 };
 
-/// In the ball of points_in_ball.hpp, with cells of 5 mm: branches that meet between lattice
-/// planes.
+/// A space in the ball of points_in_ball.hpp, with cells of 5 mm and two branches that meet between
+/// lattice planes.
 inline SpaceTable branchedSpace() {
   return solvedSpace(Lattice(radius, 0.005), JumpingEnergy(0.007));
 }

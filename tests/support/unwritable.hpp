@@ -13,8 +13,8 @@
 namespace palpate::test {
 
 /// Returns what `reads` returns in a process that may not write to `folder`, a folder in
-/// `directory`. For root this process runs as the user nobody, who gets both folders. Empty if that
-/// user cannot reach them.
+/// `directory`. If the test runs as root, that process runs as the user nobody, who then owns both
+/// folders. Returns nullopt if that user cannot reach them.
 template <class Reads>
 std::optional<bool> readsUnwritable(const std::filesystem::path& folder,
                                     const TemporaryDirectory& directory, Reads reads) {

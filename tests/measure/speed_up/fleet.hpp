@@ -12,11 +12,11 @@ struct FleetSettings {
   double latency = 2e-4;  ///< s, for a message in one direction
   /// Time per result for which the scheduler's thread is busy, s, added to the simulated clock.
   double cost_per_result = 0;
-  /// Adds the real processor time of its turns instead.
+  /// Adds the real processor time of the scheduler's turns instead of cost_per_result.
   bool charge_measured = false;
   bool spot_checks = true;
-  std::filesystem::path directory;  ///< of the state, which is created; should be on a disk with
-                                    ///< fast syncs
+  std::filesystem::path directory;  ///< state directory, which is created; should be on a disk
+                                    ///< with fast syncs
 };
 
 /// Kinds of work of the scheduler: handling one kind of message; the common work of every turn
@@ -27,7 +27,7 @@ inline constexpr std::array<std::string_view, 7> work_names = {
 
 struct FleetRun {
   double seconds = 0;       ///< simulated, from the first hand-out to completion
-  double until_solved = 0;  ///< until no plan requested anything; only checks remained
+  double until_solved = 0;  ///< from the first hand-out until only checks remained
   double busy = 0;          ///< share of `seconds` in which the scheduler was busy
   double worked = 0;        ///< s, sum over all workers, including checks
   std::int64_t results = 0, checks = 0, turns = 0, messages = 0;

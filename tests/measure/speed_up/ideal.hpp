@@ -8,18 +8,18 @@ namespace palpate::speed_up {
 
 inline constexpr std::size_t any_number = std::numeric_limits<std::size_t>::max();
 
-/// The dependencies in a recorded build, computed once because refinement takes a scheduler
-/// seconds. After its lattice a space passes through waves. Each wave begins when the one before
-/// has ended, and a target in it is tried from one parent after the other.
+/// The dependencies in a recorded build, computed once because refinement takes seconds. After its
+/// lattice, a space passes through waves. Each wave begins when the one before has ended. In a
+/// wave, a target is tried from one parent after the other (a chain).
 struct Dependencies {
   struct Wave {
     std::vector<std::vector<Transition>> chains;
   };
   struct Space {
     Lattice lattice;                      ///< uniform
-    CompactPoints points;                 ///< of the wave, before its first transition
-    Frontier frontier;                    ///< likewise
-    std::vector<Transition> ready;        ///< of it
+    CompactPoints points;                 ///< before the first transition
+    Frontier frontier;                    ///< before the first transition
+    std::vector<Transition> ready;        ///< taken from `frontier`
     std::vector<LatticePoint> positions;  ///< of all points and probes, by number
     std::vector<Wave> waves;
   };
@@ -30,9 +30,9 @@ struct Dependencies {
   std::vector<Space> spaces;
 };
 
-/// A build whose workers receive ready transitions at once, starts nearest to the origin first
-/// (greedy list scheduling): the same dependencies and solves, without scheduler, network or
-/// checks.
+/// A build with the same dependencies and solves, but without scheduler, network or checks. A free
+/// worker receives a ready transition at once; starts nearest to the origin come first (greedy list
+/// scheduling).
 struct Ideal {
   double seconds = 0;
   /// Length of the longest chain of transitions that had to wait for each other.

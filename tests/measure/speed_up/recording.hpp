@@ -17,10 +17,11 @@ class Recording {
     wire::Result result;  ///< as delivered by its worker
     Outcome outcome;      ///< decoded from the result
     std::string payload;
-    double seconds = 0;  ///< time of a worker
+    double seconds = 0;  ///< time that the worker needed
   };
 
-  /// Reads a state directory without a running scheduler. Throws (bad input) if it is none.
+  /// Reads a state directory without a running scheduler. Throws (bad input) if the directory is
+  /// not one.
   explicit Recording(const std::filesystem::path& directory);
 
   const Problem& problem() const { return problem_; }
@@ -29,14 +30,14 @@ class Recording {
   /// Sum over all solves.
   double seconds() const { return seconds_; }
   double longest() const;
-  /// Limits recorded times: longer solves were suspended, or waited for a processor.
+  /// Limits the recorded times, because longer solves were suspended, or waited for a processor.
   void cutAt(double longest_seconds);
-  /// Scales all solves by one factor to this mean time: for a finer mesh, or to remove the effect
-  /// of other programs during the recording.
+  /// Scales the times of all solves by one factor, so that their mean is `mean_seconds`. Use it to
+  /// represent a finer mesh, or to remove the effect of other programs during the recording.
   void scaleTo(double mean_seconds);
 
-  /// Throws if the build does not contain that transition: then the build is incomplete or of
-  /// another version.
+  /// Throws if the build does not contain the transition, because it is incomplete or of another
+  /// version.
   const Solve& find(const ResultKey& key) const;
 
  private:
