@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the build id in the tables of a directory; nothing (and a warning) if they cannot be
+/// Returns the build id in the tables of a directory. Warns and returns none if they cannot be
 /// read.
 std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
   try {

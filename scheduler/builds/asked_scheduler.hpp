@@ -31,7 +31,7 @@ class NotListening : public Error {
 };
 
 /// Resolves `asked.where`. Returns a tcp:// or ipc:// endpoint unchanged. For a state directory,
-/// returns the address and keys that its scheduler announced, or nothing if none runs. Throws
+/// returns the address and keys that its scheduler announced, or none if no scheduler runs. Throws
 /// NotListening if that scheduler does not listen yet, and Error (bad input) if `where` is neither
 /// an endpoint nor a directory.
 std::optional<Reachable> schedulerOf(const Asked& asked);
@@ -43,7 +43,7 @@ std::optional<Reachable> schedulerOf(const Asked& asked);
 /// Returns the status of the build: from its scheduler, or, if none runs, from the state directory
 /// ("complete" or "stopped").
 wire::Status statusAt(const Asked& asked);
-/// Sends an order to the scheduler and returns its reply, which is of kind `answer`; nothing if no
+/// Sends an order to the scheduler and returns its reply, which is of kind `answer`; none if no
 /// scheduler runs there.
 std::optional<wire::Message> order(const Asked& asked, const wire::Message& what,
                                    wire::Message::BodyCase answer);

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Returns the record of a result; nothing if no result with this key is recorded.
+/// Returns the record of a result; none if no result with this key is recorded.
 using RecordSource = std::function<std::optional<JournalRecord>(const ResultKey&)>;
 
 /// One build in its state directory: the problem, the journal, the tables, and the coordinator.

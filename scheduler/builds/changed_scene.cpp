@@ -40,8 +40,8 @@ std::optional<ContentId> buildOfDataset(const std::filesystem::path& file) {
   return std::nullopt;
 }
 
-/// Returns the build id in the tables of a state directory; nothing if they cannot be read. The
-/// caller holds the lock of the directory.
+/// Returns the build id in the tables of a state directory; none if they cannot be read. The caller
+/// holds the lock of the directory.
 std::optional<ContentId> buildOfState(const std::filesystem::path& state) {
   try {
     return StoredTables(state, Database::Access::read_only).build().build;

@@ -25,7 +25,7 @@ class FleetWatch {
   explicit FleetWatch(const FleetOptions& options) : options_(options) {}
 
   /// Returns the scheduler's status. If no scheduler runs but the build in the state directory is
-  /// complete, returns its status. Returns nothing if no scheduler answers, with one log line per
+  /// complete, returns its status. Returns none if no scheduler answers, with one log line per
   /// reason, or if a signal comes first (interrupted()). Throws Error (bad input) if the address is
   /// invalid and no scheduler ever answered there.
   std::optional<wire::Status> look();

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Records results in the plans, first the results of earlier runs. A new result waits in
+/// Records results in the plans, beginning with those of earlier runs. A new result waits in
 /// ServiceState::group until commit() makes the group durable, and is then acknowledged
 /// (docs/internals/state.md). One thread; the references must outlive this object.
 class Intake {

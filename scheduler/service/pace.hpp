@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Mean rate over the last two minutes of this run. Measures equilibria or all results.
+/// Mean rate of equilibria, or of all results, over the last two minutes of this run.
 class Pace {
  public:
   using Time = std::chrono::steady_clock::time_point;

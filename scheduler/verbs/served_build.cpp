@@ -202,7 +202,7 @@ class ServedBuild {
     return settings;
   }
 
-  /// Runs the build once. Returns nothing if the build must restart from the recorded results.
+  /// Runs the build once. Returns none if the build must restart from the recorded results.
   std::optional<ExitCode> attempt(const CoordinatorSettings& settings) {
     Build build(problem_, state_, Clock::now(), settings);
     Coordinator& coordinator = build.coordinator();

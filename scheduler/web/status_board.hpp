@@ -26,7 +26,7 @@ class StatusBoard {
     std::chrono::duration<double> age{};
   };
   /// Returns the latest status. If it is old, waits up to `patience` for a new one, and returns the
-  /// old one if none comes. Returns nothing if no status was ever made. Any thread.
+  /// old one if none comes. Returns none if no status was ever made. Any thread.
   std::optional<Snapshot> ask(std::chrono::milliseconds patience);
 
   /// Calls `make` if a thread has asked and the last status is old. Call in every turn, on the
