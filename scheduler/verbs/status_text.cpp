@@ -18,7 +18,7 @@ constexpr std::size_t longest_bar = 28, shortest_bar = 8;
 /// Returns the text for the time left; empty if there is no estimate.
 std::string timeLeft(const wire::Status& status, const wire::SpaceStatus& all) {
   if (status.paused()) return "paused";
-  // All points have a configuration, but some are still solved again from other neighbours. The
+  // Every point is solved or has failed, but some are still solved again from other neighbours. The
   // number of these solves is unknown.
   if (all.unknown() == 0 && status.state() == "running") return "solving branches";
   if (!status.has_eta_seconds()) return "";
