@@ -27,7 +27,7 @@ class ForceAnswers {
                const std::string& method);
 
   /// Returns the answer for a touch, with -0 replaced by 0. At a new place of an area it first
-  /// prepares the sites around the place, some 50 ms of processor time each. Error (bad input) if
+  /// prepares the sites around the place, about 50 ms of processor time each. Error (bad input) if
   /// the place is farther from the surface than the body is wide. The touch must have a place if
   /// and only if with_places was true.
   ForceAnswer answer(const TouchInput& touch) const;

@@ -32,7 +32,7 @@ class Ways {
     for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
       const bool is_solved = tree_.slots()[s].kind == SlotKind::solved;
       const double length = tree_.displacement(static_cast<std::int32_t>(s)).norm();
-      // Corners beyond the ball are usually extrapolated, so unsolved corners there do not count.
+      // Corners beyond the ball are usually extrapolated, so unsolved corners there are ignored.
       support_.emplace_back(is_solved, is_solved || isWithin(length, tree_.radius()));
       stiffness_.push_back(data.equilibria[s].stiffness);
     }
@@ -71,7 +71,7 @@ class Ways {
 
   const CellTree& tree_;
   double smallest_leaf_;
-  std::vector<Eigen::Vector2d> support_;    ///< per slot: solved share and counted share, 0 to 1
+  std::vector<Eigen::Vector2d> support_;    ///< per slot, 0 to 1: solved, considered
   std::vector<Eigen::Matrix3d> stiffness_;  ///< per slot
 };
 

@@ -7,11 +7,11 @@
 namespace palpate {
 
 /// Edge of the answered region along one direction from rest: its radius, the stiffness of the
-/// continuation beyond it, and the derivatives of both by the direction.
+/// continuation beyond it, and the derivatives of both with respect to the direction.
 struct RegionEdge {
   double radius = 0;     ///< m from rest
   double stiffness = 0;  ///< N/m, of the continuation
-  /// m and N/m, derivatives by the unit direction, tangential to the unit sphere.
+  /// m and N/m, derivatives with respect to the unit direction, tangential to the unit sphere.
   Eigen::Vector3d radius_slope = Eigen::Vector3d::Zero(), stiffness_slope = Eigen::Vector3d::Zero();
 
   /// Adds `weight` times another edge.
@@ -54,11 +54,11 @@ inline bool isWithin(double length, double radius) noexcept {
 ///
 ///   E(p) = E(q) - t n . F(q) + stiffness t^2 / 2
 ///
-/// Together with the interpolated energy inside the region it is a single energy. The force is the
-/// exact negative gradient of this energy, and continuous at the edge. Along n the force grows with
-/// the stiffness of the continuation. This stiffness is at least the tissue's at the edge, and so
-/// large that the force reaches max_force within 3 mm, or within a tenth of the workspace's radius
-/// if that is less.
+/// This energy continues the interpolated energy inside the region. The force is its exact negative
+/// gradient, and continuous at the edge. Along n the force grows with the stiffness of the
+/// continuation. This stiffness is at least that of the tissue at the edge. It is also large enough
+/// that the force reaches max_force within 3 mm, or within a tenth of the workspace's radius if
+/// that is less.
 ///
 /// The stiffness of the sample is exact at the edge. Beyond the edge it neglects that the tissue's
 /// stiffness and the slope of the edge change from direction to direction. The error bound grows by
@@ -72,9 +72,9 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
 /// numbers stay finite.
 inline constexpr double farthest_in_radii = 4;
 
-/// Evaluates a field at a displacement, m, by inRegion(p) if the displacement is in the answered
-/// region, else by beyond(edge, unit, depth), a continuation from the edge. A NaN gives a default
-/// sample.
+/// Evaluates a field at a displacement, m. Calls inRegion(p) if the displacement is in the answered
+/// region, otherwise beyond(edge, unit, depth), which continues the field from the edge. A NaN
+/// gives a default sample.
 ///
 /// radius: of the ball, m. least_radius: m, a length up to which every displacement is in the
 /// region. edgeAlong(unit): returns the RegionEdge along a unit direction. Real time.

@@ -64,7 +64,6 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
   return numbers;
 }
 
-/// Calls visit(index) for each point within reach of s.
 template <class Visit>
 void eachWithin(const NearPoints& points, const Eigen::Vector3d& s, Visit visit) noexcept {
   for (const std::int32_t n : points.near(s))

@@ -30,9 +30,9 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// The force is -dE/dp, the configurational force (drive) is -dE/ds. The work around every closed
 /// loop in (s, p) is therefore zero, also if the loop leads from one site to others.
 ///
-/// At each site and each solved p, the derivatives of E by s and p are known exactly to the third
-/// order, and by s alone to the second. Third derivatives are used only where LocalFits::judge
-/// trusts them.
+/// At each site and each solved p, the derivatives of E with respect to s and p are known exactly
+/// to the third order, and those with respect to s alone to the second. Third derivatives are used
+/// only where LocalFits::judge trusts them.
 /// - In p, ten quantities (E, its gradient and its Hessian in s) are interpolated on the lattice of
 ///   each site, which may be refined (site_jets.hpp).
 /// - In s, the quantities are interpolated from the sites to *collocation points*, places that lie
@@ -88,7 +88,7 @@ class AreaField {
   /// Prepares everything that evaluate() needs at s (metres), in parallel on all cores. Errors as
   /// in prepareAll().
   void prepareAt(const Eigen::Vector3d& s);
-  /// Does one step of prepareAt(), some milliseconds of work. Returns false if nothing is left to
+  /// Does one step of prepareAt(), a few milliseconds of work. Returns false if nothing is left to
   /// do at s. Errors as in prepareAll().
   bool prepareNext(const Eigen::Vector3d& s);
   /// Prepares the site nearest to s that is not prepared yet. Returns false if all sites are
@@ -98,8 +98,8 @@ class AreaField {
   /// Evaluates the energy at any s and p. s: metres, place on the surface at rest; p: displacement,
   /// metres.
   ///
-  /// - Beyond the answered region around s, the sample is the continuation of answered_region.hpp,
-  ///   as a single energy of s and p.
+  /// - Beyond the answered region around s, the sample is extrapolated (continuedBeyond() in
+  ///   answered_region.hpp). Inside and outside together have one energy E(s, p).
   /// - If no site is within reach of s, the sample is not inside. It is zero if no collocation
   ///   point is within reach either.
   /// - If s is not prepared, the sample is not inside and has no force.
@@ -126,8 +126,9 @@ class AreaField {
   };
   /// Error estimate and coverage at a slot of a site's lattice.
   struct Doubt {
-    /// Relative error of the force if the site is interpolated from the sites around it instead of
-    /// its own data, divided by the square root of that interpolation's HermiteWeights::power.
+    /// Relative error of the force if it is interpolated from the sites around this site instead of
+    /// the site's own data, divided by the square root of that interpolation's
+    /// HermiteWeights::power.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };
@@ -140,7 +141,7 @@ class AreaField {
   };
   /// Edge of the answered region at a place, along one direction.
   struct PlacedEdge : RegionEdge {
-    /// m/m and N/m per m, derivatives by the place s.
+    /// m/m and N/m per m, derivatives with respect to the place s.
     Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
   };
   /// A collocation point within reach of a place, with the leaf of its tree that contains a
@@ -181,8 +182,8 @@ class AreaField {
   template <class Visit>
   void eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                             Visit visit) const noexcept;
-  /// Calls visit(judgement, weight of the site, derivative of the weight by s) for each site within
-  /// reach of s.
+  /// Calls visit(judgement, weight, slope) for each site within reach of s; slope is the derivative
+  /// of the site's weight with respect to s.
   template <class Visit>
   void eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept;
   AreaSample inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;

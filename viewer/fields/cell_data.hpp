@@ -55,7 +55,8 @@ struct CellBranches {
 
   CellTree tree;
   std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
-  /// Lattice number of each slot, including hanging slots; -1 if no lattice point lies there.
+  /// Index of the lattice point at each slot, including hanging slots; -1 if no lattice point lies
+  /// there.
   std::vector<std::int32_t> numbers;
 
   /// Returns whether two slots are the ends of an inconsistent edge.

@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// Returns the unit vectors at which functions of a direction are tabulated. They are spread evenly
-/// over the unit sphere (a Fibonacci lattice, sorted by falling z), some 7 degrees apart.
+/// over the unit sphere (a Fibonacci lattice, sorted by falling z), about 7 degrees apart.
 const std::vector<Eigen::Vector3d>& tableDirections();
 
 /// Weights that interpolate a function tabulated at tableDirections() to one direction. They are a
@@ -21,7 +21,7 @@ struct DirectionWeights {
   std::size_t size = 0;                         ///< used entries of the arrays
   std::array<std::uint16_t, most> numbers;      ///< indices in tableDirections()
   std::array<double, most> weights;             ///< sum: 1
-  std::array<Eigen::Vector3d, most> gradients;  ///< of the weights by the direction; tangential
+  std::array<Eigen::Vector3d, most> gradients;  ///< of the weights, tangential to the sphere
 };
 
 /// Returns the indices of the table directions that can have a non-zero weight together with

@@ -20,7 +20,7 @@ namespace palpate {
 class DisplacementField {
  public:
   /// Largest error of a coordinate of a stored shape, in radii of the ball. Small enough for a
-  /// picture; forces do not depend on it.
+  /// drawing; forces do not depend on it.
   static constexpr double largest_shape_error = 0.002;
 
   /// displacements: [point][node][axis], metres, one row per point of the space's lattice; rows of

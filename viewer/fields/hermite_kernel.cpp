@@ -75,9 +75,9 @@ class Kernel {
 
 using Block = Eigen::Matrix<double, place_quantities, place_quantities>;
 
-/// Returns the covariances of the quantities at `to` (rows) and `from` (columns): derivatives of
-/// the kernel by both places. The quantities are here the energy and its derivatives, without the
-/// minus signs of T and dT/ds.
+/// Returns the covariances of the quantities at `to` (rows) and `from` (columns), which are
+/// derivatives of the kernel with respect to both places. The quantities are here the energy and
+/// its derivatives, without the minus signs of T and dT/ds.
 Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double width) {
   const Kernel kernel((to - from) / width);
   Block block;

@@ -22,8 +22,8 @@ using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// Interpolation is tri-linear in the leaf around a displacement. A ghost corner is extrapolated
 /// from the nearest solved corners, at most 20, without corners on another branch than the nearest.
 /// The extrapolation is exact for linear functions, and nearer points weigh more. If these corners
-/// do not span the space, only the nearest is used. A hanging corner takes the interpolant of its
-/// coarser leaf. Factors sum to 1; some may be negative.
+/// do not span the space, only the nearest is used. A hanging corner is interpolated in its coarser
+/// leaf. Factors sum to 1; some may be negative.
 ///
 /// Immutable: any number of threads may read at the same time.
 class PointBlend {
@@ -33,7 +33,7 @@ class PointBlend {
   explicit PointBlend(const SpaceTable& space);
 
   const CellTree& tree() const { return tree_; }
-  /// Lattice numbers of the solved points that are corners of cells, in the order of their slots.
+  /// Indices of the solved lattice points that are corners of cells, in the order of their slots.
   const std::vector<std::int32_t>& points() const { return points_; }
   /// Returns the rows of `values`, [point of the space][node][component], that belong to points();
   /// values of other points are not read. Error if the number of values does not fit.
@@ -43,7 +43,7 @@ class PointBlend {
   /// its own row. Real time.
   const std::vector<PointShare>& ofSlot(std::int32_t slot) const { return shares_[at(slot)]; }
   /// Returns the shares at a displacement, metres, in the same order. A displacement outside the
-  /// ball counts as the nearest point of the ball's surface, NaN as rest.
+  /// ball is replaced by the nearest point of the ball's surface, NaN by rest.
   std::vector<PointShare> sharesAt(const Eigen::Vector3d& displacement) const;
   /// Returns the leaf in which sharesAt() interpolates. Real time.
   LeafPlace leafAt(const Eigen::Vector3d& displacement) const noexcept;

@@ -22,10 +22,10 @@ namespace palpate {
 ///
 ///   the sum over edges of max(0, |f| - 0.1 |dF|)^2 + the sum over slots of (x / h)^2,
 ///
-/// where h is the length of the shortest edge at the slot. f, N, is the energy difference of the
-/// edge's ends minus the one that their forces explain by the corrected trapezoidal rule
-/// (branch_check.hpp), divided by the length of the edge. dF is the difference between the forces
-/// at the ends, projected on the edge.
+/// where h is the length of the shortest edge at the slot. f, N, is the part of the energy
+/// difference between the edge's ends that their forces do not explain by the corrected trapezoidal
+/// rule (branch_check.hpp), divided by the length of the edge. dF is the difference between the
+/// forces at the ends, projected on the edge.
 std::vector<double> energyCorrections(const CellData& data);
 
 /// Returns slotPolynomials with corrected energies. Moves the ghosts out of `data`.
@@ -44,7 +44,7 @@ std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTab
 ///
 /// Next to inconsistent edges (branch_check.hpp) the energies at the corners are moved towards the
 /// values that the forces imply (energyCorrections). Forces and stiffnesses at solved points stay
-/// as stored. The energy that a jump between branches loses becomes a ramp over some three leaves;
+/// as stored. The energy that a jump between branches loses is spread over about three leaves;
 /// there the force belongs to neither branch.
 ///
 /// The interpolant reproduces energies up to the fourth degree if solved points surround the leaf,

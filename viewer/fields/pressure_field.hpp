@@ -21,8 +21,8 @@ class PressureField {
   PressureField(const SpaceTable& space, std::span<const float> pressures);
 
   /// Adds `weight` times the pressures at a displacement of the active node (metres) to `out`,
-  /// [node], Pa. A displacement outside the ball counts as the nearest point of the ball's surface,
-  /// NaN as rest. Real time: does not allocate, lock, throw or log.
+  /// [node], Pa. A displacement outside the ball is replaced by the nearest point of the ball's
+  /// surface, NaN by rest. Real time: does not allocate, lock, throw or log.
   void add(const Eigen::Vector3d& displacement, double weight, std::span<float> out) const noexcept;
 
  private:

@@ -13,7 +13,7 @@ std::string_view nameOf(RbfKernel kernel) {
   return kernel == RbfKernel::linear ? "rbf-linear" : "rbf-cubic";
 }
 
-/// Returns the lattice numbers of the solved points. Error if there are none, or more than
+/// Returns the indices of the solved lattice points. Error if there are none, or more than
 /// most_rbf_points.
 std::vector<std::int32_t> solvedPoints(const SpaceTable& space) {
   std::vector<std::int32_t> solved;

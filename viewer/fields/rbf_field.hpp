@@ -13,8 +13,8 @@ enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 ///   force(p) = sum over solved points i of  w_i phi(|p - p_i| / spacing)
 struct RbfWeights {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  Rows position;  ///< of the solved points, in the order of their lattice numbers, in spacings
-  Rows weights;   ///< N, of the solved points
+  Rows position;         ///< of the solved points, in lattice order; in spacings
+  Rows weights;          ///< N, of the solved points
   double condition = 0;  ///< of the matrix phi(|p_i - p_j|), estimated in the 1-norm
   /// Largest error of a force component at a solved point, relative to the largest force component;
   /// infinite if the system has no solution.

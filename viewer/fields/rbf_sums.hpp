@@ -14,14 +14,14 @@ struct alignas(32) RbfBlock {
   double weight[3][rbf_lanes] = {};
 };
 
-/// Sum of w phi(|p - centre|) over all centres, and its derivative by p.
+/// Sum of w phi(|p - centre|) over all centres, and its derivative with respect to p.
 struct RbfSums {
   double value[3] = {};
   double gradient[3][3] = {};  ///< [component][axis]
 };
 
 /// Returns the sums for phi(r) = r at p, in the unit of the centres. At a centre, the derivative of
-/// that centre's term is undefined and counts as zero. Real time: does not allocate, lock, throw or
+/// that centre's term is undefined and set to zero. Real time: does not allocate, lock, throw or
 /// log.
 RbfSums linearRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 

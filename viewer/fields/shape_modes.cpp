@@ -6,8 +6,9 @@
 namespace palpate {
 namespace {
 
-/// At least this many shapes, less than twice as many, provide the first modes (or all shapes if
-/// there are fewer). More are not needed, because neighbours on a lattice are much alike.
+/// The first modes are chosen from at least this many, but fewer than twice as many, shapes (or
+/// from all shapes if there are fewer). More are not needed, because neighbours on a lattice are
+/// much alike.
 constexpr Eigen::Index electors = 400;
 /// Number of shapes checked together, so that their errors stay in a core's cache.
 constexpr Eigen::Index block = 256;

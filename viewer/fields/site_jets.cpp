@@ -16,8 +16,9 @@ class QuantityView {
     for (std::size_t n = 0; n < interpolated_.size(); ++n)
       view_.points[n].tag = interpolated_[n] ? Tag::expandable : Tag::failed;
   }
-  /// Returns the points with the quantity that set(from, to) writes into each equilibrium `to` from
-  /// the space's equilibrium `from`. The result is valid until the next call.
+  /// Returns a copy of the space with one quantity in its equilibria. Calls set(from, to) for each
+  /// interpolated point: `from` is the solved equilibrium, and `set` writes the quantity into `to`,
+  /// which is empty. The result is valid until the next call.
   template <class Set>
   const SpaceTable& of(Set set) {
     for (std::size_t n = 0; n < interpolated_.size(); ++n) {

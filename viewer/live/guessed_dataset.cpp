@@ -24,7 +24,8 @@ double springOf(const Scene& scene, double radius) {
   return stiffness_share * softest * radius;
 }
 
-/// Removes the probes and sets the coarsest lattice: a guess has nothing to refine or to measure.
+/// Removes the probes and sets the coarsest lattice, because a guess is neither refined nor
+/// measured.
 Problem withoutProbes(Problem problem) {
   PALPATE_ASSERT(problem.active.size() == problem.scene.active.size(),
                  "areas must be split into sites");

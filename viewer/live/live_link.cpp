@@ -15,10 +15,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto answer_poll = 1ms;
-/// Time for the live solver to load its libraries and analyse the pattern of a large body.
+/// Longest wait for the greeting. The live solver loads its libraries and analyses the sparsity
+/// pattern of the body first.
 constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
-/// A solve that begins from rest takes longer than any other.
+/// Longest wait for an answer. A solve that begins from rest takes longer than any other.
 constexpr auto answer_patience = 3s;
 /// The user is warned if an answer takes longer than this.
 constexpr auto late_after = 300ms;
@@ -187,7 +188,7 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   statistics_.largest_seconds = std::max(statistics_.largest_seconds, took.count());
 }
 
-/// Returns the answer of the live solver; nothing if it does not arrive in time, or if the process
+/// Returns the answer of the live solver; nullopt if it does not arrive in time, or if the process
 /// has ended.
 std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
                                            std::chrono::milliseconds patience,

@@ -16,7 +16,7 @@ namespace palpate {
 struct LiveLinkOptions {
   std::string problem;                 ///< encodeProblem()
   std::string endpoint;                ///< of a live solver; empty: start one on this machine
-  std::optional<KeyFolder> keys = {};  ///< nothing if the live solver needs no key
+  std::optional<KeyFolder> keys = {};  ///< nullopt if the live solver needs no key
 };
 
 /// Statistics of a live solver: how well it keeps up with the hand.

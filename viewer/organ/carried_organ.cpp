@@ -29,10 +29,11 @@ static_assert(std::endian::native == std::endian::little, "bytes must be little-
 // Largest Lattice::divisions that is accepted: more than the lattice of any page has, but small
 // enough that products of lattice coordinates do not overflow.
 constexpr std::int32_t most_divisions = 4096;
-/// Least share of the workspace ball that pushing reaches. Usually it is about half.
+/// Smallest accepted share of the workspace ball that pushing reaches (PushedPart). Usually it is
+/// about half.
 constexpr double least_share_of_ball = 1.0 / 64;
-/// Least width of the pushed part that checkLattice() assumes, as a share of the radius. A narrower
-/// part counts as this wide, so that few bytes cannot claim a lattice that takes much memory.
+/// Least width of the pushed part (PushedPart::width) that checkLattice() assumes, as a share of
+/// the radius. With a smaller width, few bytes could make the reader allocate a very large lattice.
 constexpr double least_narrow = 1.0 / 8;
 
 Error damaged(std::string_view how) {
@@ -164,8 +165,8 @@ void carryFinger(Bytes& bytes, Patch& patch) {
     throw damaged("invalid finger");
 }
 
-/// Checks a lattice before its points are made. Bytes that claim many points must also contain many
-/// points.
+/// Checks a lattice before its points are made. A lattice with many points is accepted only if the
+/// bytes contain many points.
 void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points,
                   const PushedPart& part) {
   const double ratio = radius / spacing, in_ball = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;

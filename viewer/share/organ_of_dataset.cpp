@@ -14,7 +14,8 @@
 namespace palpate {
 namespace {
 
-/// Largest number of modes. With more, one byte per mode and shape, a page would exceed 10 MB.
+/// Largest number of modes. Each mode takes one byte per shape; with more, a page would exceed 10
+/// MB.
 constexpr Eigen::Index most_modes = 255;
 /// No further modes are added once the remaining error is below this value, m, root mean square
 /// over the vertices of all shapes. Such an error is not visible.

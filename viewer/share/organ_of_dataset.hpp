@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Returns the part of a dataset that a page contains. Takes some seconds, because it reduces the
+/// Returns the part of a dataset that a page contains. Takes a few seconds, because it reduces the
 /// shapes to modes (proper orthogonal decomposition of all solved shapes). Error if the surface has
 /// more than 65,536 vertices.
 CarriedOrgan organOf(const Dataset& dataset);
