@@ -36,9 +36,9 @@ class LoadedModels {
   const HapticModel& first() const { return *models_.front(); }
   /// Returns the models for HapticTick and Picture; valid during the lifetime of this object.
   std::vector<const HapticModel*> pointers() const;
-  /// Returns the limits of the device that a scene names; the first scene that names one counts.
+  /// Returns the limits of the device named by the first scene that names one.
   const std::optional<DeviceProfile>& device() const { return device_; }
-  /// Returns the first file that has been replaced, rewritten or removed since it was read; nothing
+  /// Returns the first file that has been replaced, rewritten or removed since it was read; nullopt
   /// if there is none.
   std::optional<std::filesystem::path> replaced() const;
 
@@ -60,8 +60,8 @@ class LoadedModels {
 class ModelsReload {
  public:
   ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
-  /// Stops the thread and waits until it has ended: some tens of milliseconds, or longer while a
-  /// file is being opened.
+  /// Stops the thread and waits until it has ended: tens of milliseconds, or longer while a file is
+  /// being opened.
   ~ModelsReload();
   bool ended() const {
     return whole_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;

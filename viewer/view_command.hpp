@@ -22,7 +22,7 @@ struct ViewOptions {
   std::filesystem::path live;  ///< scene of the first dataset; empty: no live solver
   std::string follower;        ///< endpoint of a live solver; empty: one is started
   std::string method = "potential";
-  std::optional<ContactMode> contact;  ///< nothing: as the scene requests
+  std::optional<ContactMode> contact;  ///< nullopt: as the scene requests
   double friction = 0.2;
   double reach = 0;                       ///< m; passed to TouchSurface
   double rate = 1000;                     ///< Hz

@@ -104,7 +104,7 @@ class ViewSession {
     return options;
   }
 
-  /// Returns true if ticks and pictures alternate without a clock. The user cannot interact then.
+  /// Returns true if ticks and frames alternate without a clock. The user cannot interact then.
   bool stepped() const { return options_.fast && !options_.headless; }
   bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
 
@@ -131,7 +131,7 @@ class ViewSession {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
     const auto seen = [&](const HapticModel& model, double share) {
-      // Without a clock draw nothing here, because the pictures must be the same in every run.
+      // Without a clock draw nothing here, because the frames must be the same in every run.
       if (!picture_ || options_.fast) return true;
       PictureStatus waiting;
       waiting.notice =
@@ -216,8 +216,7 @@ class ViewSession {
       spdlog::warn("{}: {}", device_->name(), doubts);
   }
 
-  /// Alternates ticks and pictures in haptic time, so that the pictures are the same on every
-  /// machine.
+  /// Alternates ticks and frames in haptic time, so that the frames are the same on every machine.
   void runStepped() {
     const auto ticks_per_frame =
         std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
@@ -263,7 +262,7 @@ class ViewSession {
         continue;
       }
       obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
-      // After a slow picture, do not hurry to catch up.
+      // After a slow frame, do not hurry to catch up.
       next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                       std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);

@@ -277,9 +277,9 @@ PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* data
  * sample is computed for the point of the surface nearest to `at`; inside = 0 if that point is too
  * far away. displacement: of the finger from that point, m. Beyond the solved region the force
  * continues as in palpate_query. A place or displacement that is not finite gives zero force and
- * inside = 0. Any thread, real time (wait-free). Near fixed nodes the call takes some 100
- * microseconds longer, and about a millisecond longer if half of the finger rests on fixed
- * nodes. */
+ * inside = 0. Any thread, real time (wait-free). Near fixed nodes the call takes about 100
+ * microseconds longer, and about a millisecond longer if half of the finger rests on fixed nodes.
+ * */
 PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);

@@ -55,7 +55,7 @@ void DeviceServer::run(const std::stop_token& stop, double rate) {
 }
 
 void DeviceServer::turn() {
-  // Take all waiting messages, since only the newest force counts. In a flood, take a limited
+  // Take all waiting messages, since only the newest force is used. In a flood, take a limited
   // number, so that the loop still notices in time when a force expires.
   for (int n = 0; n < messages_per_turn; ++n) {
     const auto incoming = receiveDeviceMessage(socket_, true);

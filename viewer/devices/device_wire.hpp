@@ -24,7 +24,7 @@ struct IncomingDeviceMessage {
   std::string peer;              ///< routing id of the sender if a ROUTER received the message;
                                  ///< empty on a DEALER
   wire::DeviceMessage message;   ///< BODY_NOT_SET if the message is invalid: count it and drop it
-  std::optional<PublicKey> key;  ///< key of the sender; nothing if no keys are required
+  std::optional<PublicKey> key;  ///< key of the sender; nullopt if no keys are required
 };
 
 /// Create the ROUTER socket of a device and the DEALER socket of its client. Their queues are
@@ -37,10 +37,10 @@ zmq::socket_t makeDeviceDealer(zmq::context_t& context);
 /// message and returns false. Throws Error on any other ZeroMQ failure.
 bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
                        const wire::DeviceMessage& message);
-/// Receives a message without waiting. Returns nothing if no message has arrived.
+/// Receives a message without waiting. Returns nullopt if no message has arrived.
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router);
 
-/// Returns the limits in a hello message, as a profile named "network". Returns nothing if a limit
+/// Returns the limits in a hello message, as a profile named "network". Returns nullopt if a limit
 /// is not positive and finite.
 std::optional<DeviceProfile> profileOf(const wire::DeviceHello& hello);
 /// Returns the three components of a reading or a force, without checking them.

@@ -15,7 +15,7 @@ namespace palpate {
 
 struct NetworkDeviceOptions {
   std::string endpoint;                ///< tcp://HOST:PORT or ipc://PATH of a DeviceServer
-  std::optional<KeyFolder> keys = {};  ///< nothing if the server requires no keys
+  std::optional<KeyFolder> keys = {};  ///< nullopt if the server requires no keys
   /// Limits to use if no device answers within `wait`.
   DeviceProfile fallback = device_profiles.front();
   std::chrono::milliseconds wait{2000};
@@ -60,7 +60,7 @@ class NetworkDevice : public ThreadedDevice {
   mutable std::mutex mutex_;  ///< guards the members up to hello_
   std::condition_variable answered_;
   bool settled_ = false;                    ///< profile() and livesInScene() no longer change
-  std::optional<wire::DeviceHello> hello_;  ///< nothing if no device has reported its limits
+  std::optional<wire::DeviceHello> hello_;  ///< nullopt if no device has reported its limits
 
   // Owned by the device's thread.
   zmq::context_t context_;

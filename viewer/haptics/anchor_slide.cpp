@@ -10,10 +10,10 @@ namespace {
 
 constexpr int most_pieces = 3;
 /// Excess of |T| over the friction limit, relative to the force, below which one Newton step is
-/// enough. The step makes the excess some hundred times smaller, and the next tick slides the rest.
-/// Most ticks therefore need two evaluations of the spaces instead of four.
+/// enough. The step makes the excess about a hundred times smaller, and the next tick slides the
+/// rest. Most ticks therefore need two evaluations of the spaces instead of four.
 constexpr double small_excess = 0.02;
-/// A barycentric coordinate below this counts as zero, so the point is on an edge; about 1e-14 m.
+/// A smaller barycentric coordinate becomes zero, so the point lies on an edge; about 1e-14 m.
 constexpr double on_edge = 1e-12;
 
 /// Direction of steepest descent of W from a point of a triangle.

@@ -49,7 +49,7 @@ class BlendedForce {
   ///
   /// In an area W(X) = E(X, tool - X) and dW/dX = F - T, where T is the configurational force.
   /// `change` and `hessian` leave out the change of T, because they only bound the length of a
-  /// step. If a space has no energy, the tangent is that of the force alone.
+  /// step. If a space has no energy, the tangent contains only the force.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:

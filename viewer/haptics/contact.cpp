@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// A tool that is no further behind the surface than this, m, can still enter. Such a distance may
-/// come from rounding, which then decides whether the tool is inside or outside.
+/// A tool inside the body that is at most this far from its surface, m, can still enter. At such a
+/// depth, rounding decides whether the tool is inside or outside.
 constexpr double graze = 1e-6;
 Eigen::Vector3d nowhere() noexcept {
   return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -42,7 +42,7 @@ const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
       last_tool_ = tool;
       return touch_;
     }
-    // If the tool's own motion explains the loss of the force, it is no step.
+    // The force has made a step unless the tool's own motion explains its loss.
     end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
@@ -92,9 +92,9 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   press(tool);
 }
 
-/// Computes the touch. If the tissue would pull back a tool that leaves, returns false, and nothing
-/// is touched. A tool behind the surface presses whatever the direction of the force, because on a
-/// lobe that bends away the force no longer follows the normal at rest.
+/// Computes the touch. Returns false if the tissue would pull back a tool that leaves; the caller
+/// then ends the contact. A tool inside the body at rest presses whatever the direction of the
+/// force, because on a lobe that bends away the force no longer follows the normal at rest.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;

@@ -6,14 +6,14 @@
 namespace palpate {
 namespace {
 
-/// Factor on K (D + T/2). For a mass of 20 g the smallest factor that works is about 2.5.
+/// Factor on K (D + T/2), see EnergyLimit. Much smaller factors let light masses gain energy.
 constexpr double damping = 4;
 /// Factors on the measured acceleration. The measurement lags, and the true acceleration grows with
-/// the force. growing_out: for the force on the way out. growing_ahead: for predicting when the
-/// force must begin to fall.
+/// the force. growing_out: for the force while the hand moves out. growing_ahead: for predicting
+/// when the force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
-constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than the way
-                                       // of a slow press in rest_duration
+constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than the
+                                       // distance of a slow press in rest_duration
 constexpr double rest_duration = 0.1;  // s
 constexpr int halvings = 20;           // steps of the bisection for the force
 
@@ -130,7 +130,7 @@ EnergyLimit::Outward EnergyLimit::outward(const Eigen::Vector3d& direction,
 
 /// Returns the energy that is left when the next force begins to act, J. Until then the device
 /// holds the last forces that were written. If it holds a force for longer than a period, it skips
-/// some of them, and nobody knows which; the larger work counts.
+/// some of them. It is unknown which, so the larger work is assumed.
 double EnergyLimit::available(const Outward& path) const noexcept {
   constexpr double jitter = 0.25;  // of a period
   const auto more =
@@ -146,8 +146,9 @@ double EnergyLimit::available(const Outward& path) const noexcept {
   return std::max(left, 0.0);
 }
 
-/// Returns the force for the way out at which the available energy lasts until the hand reaches the
-/// undeformed surface, N.
+/// Returns the force while the hand moves out, N: the tissue's force in the middle of the period,
+/// times available / stored energy. The energy then lasts until the hand reaches the undeformed
+/// surface. The result is below `force` by at most damping K (D + T/2) v.
 double EnergyLimit::returned(double force, double stiffness, const Outward& path) const noexcept {
   const double middle = delay_ + 0.5 * hold_, speed = path.speedAt(middle);
   if (!(speed > 0)) return force;

@@ -13,24 +13,24 @@ namespace palpate {
 ///
 /// A device holds each force for a period T. A force that passes through another thread begins to
 /// act only one or two periods after its reading; D is this delay. A rendered spring therefore
-/// pushes harder on the way out than on the way in: with stiffness K and speed v it creates the
-/// power K v^2 (D + T/2). This class keeps two sums, J:
+/// pushes harder while the hand moves out than while it moves in: with stiffness K and speed v it
+/// creates the power K v^2 (D + T/2). This class keeps two sums, J:
 /// - energy: work of the hand against the force that the device held (HeldForces). If the device
-///   may have held any of several forces, the worst one counts.
+///   may have held any of several forces, the one that gave the hand most energy is assumed.
 /// - stored: energy that the tissue gives back, from Touch::energy or by integrating the force
 ///   along the path.
 ///
 /// While the hand moves in, the force equals the tissue's force. While it moves out, the force is
 /// the tissue's force at the position predicted for the middle of the force's period, multiplied by
 /// energy / stored. Both sums are predicted for the time when the force begins to act. The energy
-/// that the loop created is thus taken back over the rest of the way out. The force falls below the
-/// tissue's force by at most `damping` K (D + T/2) v, so it does not jump when the motion reverses.
-/// The force is also limited so that the available energy suffices to hold it for a period and then
-/// reduce it by max_slew.
+/// that the loop created is thus taken back before the hand reaches the undeformed surface. The
+/// force falls below the tissue's force by at most `damping` K (D + T/2) v, so it does not jump
+/// when the motion reverses. The force is also limited so that the available energy suffices to
+/// hold it for a period and then reduce it by max_slew.
 ///
 /// After a tenth of a second at rest a deficit of energy is forgiven. Positions of a device are
-/// multiples of a step, and flicker between two of them is not work. A motion outward counts only
-/// after two consecutive readings agree on it.
+/// multiples of a step, and flicker between two of them is not work. A motion outward is taken into
+/// account only after two consecutive readings agree on it.
 ///
 /// One thread; real time; deterministic.
 class EnergyLimit {

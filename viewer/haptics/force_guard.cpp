@@ -104,7 +104,6 @@ double ForceGuard::renderedShare(const Eigen::Vector3d& raw) const noexcept {
 /// tick.
 bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   const double since_fresh = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
-  // A motion faster than any hand.
   const bool jump =
       usable && usable_ && (input.tool - tool_).norm() > options_.max_speed * since_fresh;
   ticks_since_fresh_ = input.fresh ? 0 : ticks_since_fresh_ + 1;

@@ -23,8 +23,8 @@ struct GuardOptions {
   /// Delay from a reading to its force that the device does not report in its readings
   /// (HeldForces), s. It is added to the reported delay; at most 30 periods.
   double delay = 0;
-  double max_speed = 5;  ///< m/s; faster than any hand: such a motion is a false reading and counts
-                         ///< as a step
+  double max_speed = 5;  ///< m/s; faster than any hand: such a motion is a false reading and
+                         ///< causes a step
 };
 /// Returns the default limits, with max_force and max_stiffness taken from a device.
 GuardOptions guardFor(const DeviceProfile& profile, double period);
@@ -53,8 +53,8 @@ struct GuardInput {
   HeldForces held = {};
   bool fresh = true;  ///< the reading is from this tick
   bool lost = false;  ///< the device is gone
-  bool away = false;  ///< no hand is in the scene, so a tool position that is not finite is no
-                      ///< error
+  bool away = false;  ///< no hand is in the scene, so a tool position that is not finite is
+                      ///< not an error
   bool late = false;  ///< the loop hung before this tick
 };
 

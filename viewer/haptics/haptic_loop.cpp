@@ -177,8 +177,8 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.load(std::memory_order_acquire);
-  // This loop continues a tick that an earlier loop ran. The tick still holds the last force of
-  // that loop, but the device has rendered zero since then.
+  // An earlier loop ran this HapticTick. It still holds the last force of that loop, but the device
+  // has rendered zero since then.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 
@@ -190,7 +190,8 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   ticks_done_.store(statistics_.ticks, std::memory_order_release);
   lost_.store(lost, std::memory_order_release);
   if (halted && !lost) {
-    device_.resume();  // before the flag: the watchdog halts again only after it
+    // Clear the flag afterwards, because it lets the watchdog halt the device again.
+    device_.resume();
     halted_.store(false, std::memory_order_release);
   }
   return options_.ticks == 0 || statistics_.ticks < options_.ticks;
@@ -243,7 +244,8 @@ void HapticLoop::watch() {
     }
     const bool hangs = now - changed > limit && running() && !stop_;
     if (halted || !(hangs || lost_.load(std::memory_order_acquire))) continue;
-    device_.halt();  // before the flag: the loop resumes the device when it sees it
+    // Set the flag afterwards, because the loop resumes the device when it sees the flag.
+    device_.halt();
     if (hangs) ++halts_;
     halted_.store(true, std::memory_order_release);
   }

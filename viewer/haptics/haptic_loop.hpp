@@ -61,7 +61,7 @@ class HapticLoop {
   const HapticState& latest() noexcept { return states_.read(); }
   /// Sends a command to the loop. Returns false if the queue is full, because the loop hangs.
   bool command(const HapticCommand& command) noexcept { return commands_.push(command); }
-  /// Returns the next recorded state; nothing if no state is waiting.
+  /// Returns the next recorded state; nullopt if no state is waiting.
   std::optional<HapticState> takeRecorded();
   /// Returns the statistics so far. They may be a tenth of a second old; after stop() they are
   /// final.

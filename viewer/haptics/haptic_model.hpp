@@ -61,7 +61,7 @@ class HapticModel {
   }
 
   /// Prepares pressures(), if the options ask for them, in this thread alone until `stop` is
-  /// requested. Takes some milliseconds per space. Do not call it in two threads at the same time.
+  /// requested. Takes a few milliseconds per space. Do not call it in two threads at the same time.
   void preparePressures(const std::stop_token& stop = {});
 
   const std::string& name() const { return name_; }                ///< name of the scene

@@ -112,8 +112,8 @@ void HapticTick::obey(const HapticCommand& command) noexcept {
   const auto method = static_cast<std::size_t>(command.method);
   if (number >= models_.size() || !models_[number]->isPrepared(method)) return;
   contact_.use(*models_[number], method);
-  // The touch belongs to the previous model. If a picture is drawn before the next run(), it must
-  // not combine this touch with the new model.
+  // The touch belongs to the previous model. A frame that is drawn before the next run() must not
+  // combine this touch with the new model.
   state_.touch = {};
   state_.model = command.model;
   state_.method = command.method;

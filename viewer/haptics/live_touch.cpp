@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Largest change of the force in a tick by a new expansion, N and relative.
+/// Largest change of the force per tick of a fade, N and relative to the force.
 constexpr double largest_fade_step = 0.005, largest_fade_share = 0.01;
 /// s; a hand should not feel a wrong force for longer
 constexpr double longest_fade = 0.3;
@@ -15,7 +15,7 @@ constexpr double longest_fade = 0.3;
 void LiveTouch::begin(double period) noexcept {
   if (const Answer& answer = answers_.read(); answer.number != taken_) {
     taken_ = answer.number;
-    // An answer to a hand that has left the body meanwhile is of no use.
+    // If the hand has left the body meanwhile, the answer is of no use.
     if (last_.touching) correction_.add(answer.expansion, fadeOf(answer.expansion, period));
   }
   correction_.advance(period);

@@ -32,7 +32,6 @@ class LiveTouch {
   /// if it would otherwise take longer than 0.3 s, or if a different equilibrium arrives during the
   /// fade.
   void begin(double period) noexcept;
-  /// Publishes the hand.
   void publish(const LiveHand& hand) noexcept;
   /// As LiveCorrection::correct().
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,

@@ -97,7 +97,7 @@ struct Recording {
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
 };
 
-/// Reads a recording. Throws Error (bad input) if `file` is missing or is no recording, and Error
+/// Reads a recording. Throws Error (bad input) if `file` is missing or not a recording, and Error
 /// if it is damaged. Every array is compared with its hash, even if a replay does not need the
 /// array. The values that are used are also checked.
 Recording readRecording(const std::filesystem::path& file);

@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Returns the touch at the same surface point and displacement in another dataset, computed from
-/// that dataset's spaces. Returns nothing if the surfaces of the two bodies differ in a triangle or
+/// that dataset's spaces. Returns nullopt if the surfaces of the two bodies differ in a triangle or
 /// vertex, the point is not touchable there, or the method is not prepared. Any thread; not real
 /// time.
 std::optional<Touch> sameTouch(const HapticModel& touched, const Touch& touch,

@@ -59,8 +59,8 @@ class SurfacePressures {
   /// Returns the median of strengthOf() over all configurations, Pa.
   double usual() const noexcept { return usual_; }
   /// Returns whether every vertex has a pressure. The solver leaves zero at a vertex if no material
-  /// around it is solved with a pressure. A vertex that is zero in every configuration therefore
-  /// counts as one without a pressure.
+  /// around it is solved with a pressure. A vertex that is zero in every configuration is therefore
+  /// assumed to have no pressure.
   bool everywhere() const noexcept { return everywhere_; }
   /// Fills `out`, [vertex], Pa, with the pressures that a blend of spaces gives at a displacement
   /// (metres). An empty blend gives the pressures at rest. Vertices without a pressure get NaN.

@@ -79,7 +79,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     ActivePatch patch = space.patch;
     patch.node = vertexOf(patch.node);
     for (std::int32_t& node : patch.nodes) node = vertexOf(node);
-    std::erase(patch.nodes, -1);  // nodes that are no surface vertices: inside the body, or in the
+    std::erase(patch.nodes, -1);  // nodes that are not surface vertices: inside the body, or in the
                                   // middle of an edge
     active_vertices_.push_back(patch.node);
     // A site belongs to its area, and has no patch of its own.
