@@ -57,7 +57,7 @@ class BodyView {
   void deform(const Touch& touch);
   /// Computes positions, normals and colours. Call after deform().
   ///
-  /// method: must be prepared; its error bounds take some milliseconds when they are first shown.
+  /// method: must be prepared; its error bounds take a few milliseconds when they are first shown.
   /// If pressures are missing or not prepared yet, the surface is shown as tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 

@@ -27,9 +27,8 @@ class ForceHistory {
   }
   /// Returns the samples, the oldest first.
   const std::deque<Sample>& samples() const { return samples_; }
-  /// Returns the largest value of |force| + bound, N; 0 if the history is empty. A bound counts at
-  /// most as much as the force itself. Otherwise one uncertain force would make all other forces
-  /// look small.
+  /// Returns the largest value of |force| + bound, N; 0 if the history is empty. A bound adds at
+  /// most the force itself. Otherwise one uncertain force would make all other forces look small.
   double largest() const {
     float largest = 0;
     for (const auto& [time, force, bound] : samples_) {
@@ -40,7 +39,7 @@ class ForceHistory {
   }
 
  private:
-  static constexpr std::size_t most_samples = 1024;  ///< enough for 200 pictures per second
+  static constexpr std::size_t most_samples = 1024;  ///< enough for 200 frames per second
   std::deque<Sample> samples_;
 };
 

@@ -93,7 +93,7 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
     points.clear();
     double last = -1;
     for (const auto& [time, force, bound] : history.samples()) {
-      // Choose the samples by time, not by screen position, so that consecutive pictures show the
+      // Choose the samples by time, not by screen position, so that consecutive frames show the
       // same samples.
       const double slot = std::floor(time / slot_length);
       if (slot == last && time != area.end) continue;

@@ -37,11 +37,9 @@ class GuardLamps {
  public:
   static constexpr double hold = 0.5;  ///< s
 
-  /// Updates the lamps.
-  ///
   /// now: s, of any clock that does not go back. active: Guarded bits of the last tick. ticks:
   /// number of ticks with each bit (LoopStatistics::guards); a lamp is also lit if its number has
-  /// grown, because a guard may act between two pictures.
+  /// grown, because a guard may act between two frames.
   void update(double now, std::uint32_t active,
               const std::array<std::uint64_t, guard_count>& ticks) {
     for (int bit = 0; bit < guard_count; ++bit) {

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Input by mouse and keys for one picture.
+/// Input by mouse and keys for one frame.
 struct PersonsInput {
   MouseMotion motion = {};
   HandInput hand = {};  ///< only the input by keys; that of the mouse is in `motion`
@@ -19,8 +19,8 @@ struct PersonsInput {
 /// Independent of the graphics. One thread.
 class HandControl {
  public:
-  /// Handles the input of one picture of the model in `state`, and updates marks(). Returns the
-  /// target of the tool; nothing if another device moves the tool.
+  /// Handles the input of one frame for the model in `state`, and updates marks(). Returns the
+  /// target of the tool; nullopt if another device moves the tool.
   std::optional<MouseTarget> apply(const PersonsInput& input, const HapticModel& model,
                                    const HapticState& state, const PictureStatus& status,
                                    OrbitCamera& camera);

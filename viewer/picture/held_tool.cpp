@@ -7,9 +7,9 @@
 namespace palpate {
 namespace {
 
-constexpr double turned_per_picture = 0.2;  // fraction of a turn that one picture makes; avoids
-                                            // jumps to the other side
-constexpr double high = 0.5;                // in extents: a tool at this height casts no shadow
+constexpr double turned_per_frame = 0.2;  // fraction of the remaining turn in one frame; avoids
+                                          // jumps to the other side
+constexpr double high = 0.5;              // in extents: a tool at this height casts no shadow
 constexpr double darkest = 0.45;
 constexpr double contact_reach = 1.7;  // in radii of the tool
 
@@ -35,7 +35,7 @@ void HeldTool::update(const HapticModel& model, const HapticState& state, bool t
 }
 
 void HeldTool::turnOutward(const Eigen::Vector3d& wanted) {
-  const double share = known_ ? turned_per_picture : 1;
+  const double share = known_ ? turned_per_frame : 1;
   known_ = true;
   pose_.outward = (pose_.outward + share * (wanted - pose_.outward)).normalized();
 }

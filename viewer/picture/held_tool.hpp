@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// Pose of a tool as a hand would hold it: away from the skin and toward the eye, so that it hides
-/// little of the touched place. It is updated with every picture. Independent of the graphics. One
+/// little of the touched place. It is updated with every frame. Independent of the graphics. One
 /// thread.
 class HeldTool {
  public:

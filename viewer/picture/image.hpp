@@ -16,7 +16,7 @@ struct Image {
 /// or a complete new one. Throws Error with the name of the file, and then leaves nothing behind.
 void writePng(const Image& image, const std::filesystem::path& file);
 
-/// Pictures of a run as numbered files (DIR/frame-000001.png and so on), which video encoders can
+/// Frames of a run as numbered files (DIR/frame-000001.png and so on), which video encoders can
 /// read.
 class VideoFrames {
  public:

@@ -41,7 +41,7 @@ struct CellError {
   double relative = 0;
 };
 /// Evaluates the field at the centres of all cells of the uniform lattice that lie in the ball.
-/// Takes some milliseconds.
+/// Takes a few milliseconds.
 std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& field);
 
 /// Ends of the colour scale of errors: a tenth of usual_force_error, and ten times that error. They

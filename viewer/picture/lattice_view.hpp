@@ -20,7 +20,7 @@ namespace palpate {
 class LatticeView {
  public:
   /// Shows the dots that the user chose, or none. body: view of the model in `state`. When the
-  /// errors of a method are first shown, all cells are evaluated, which takes some milliseconds.
+  /// errors of a method are first shown, all cells are evaluated, which takes a few milliseconds.
   void show(const BodyView& body, const HapticState& state, const ViewChoices& choices);
   /// Returns the space that was shown last; 0 if the model has changed since.
   std::int32_t space() const { return space_; }

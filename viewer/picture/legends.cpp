@@ -147,7 +147,6 @@ void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour c
   legend.gap();
 }
 
-/// Adds the colours of the surface.
 void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
                    float bar_height) {
   tissueLegend(legend, contents, colour);
@@ -158,7 +157,6 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
     pressureBar(legend, bar_height, contents.pressure.full);
 }
 
-/// Adds the colours of the lattice's dots.
 void latticeLegend(Legend& legend, bool errors, float bar_height) {
   if (errors) {
     errorBar(legend, bar_height, "error bound, % of the force");

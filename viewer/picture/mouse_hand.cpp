@@ -11,16 +11,16 @@
 namespace palpate {
 namespace {
 
-constexpr double largest_share = 0.95;    // of the reach, which ends at the edge of the workspace
-constexpr double notches = 50;            // notches of the wheel for the whole reach
-constexpr double waiting_share = 0.03;    // of the body's radius; distance of the waiting tool from
-                                          // the skin
-constexpr double lifted = 0.75;           // of that distance; from there on the tool may go to
-                                          // another place
-constexpr double fastest = 6;             // radii of the body per second, along the skin
-constexpr double stroke = 0.015;          // heights of the view per stroke of an arrow key
-constexpr double longest_picture = 0.05;  // s; after a longer picture the hand continues where it
-                                          // was
+constexpr double largest_share = 0.95;  // largest depth or pull, as a share of reach()
+constexpr double notches = 50;          // notches of the wheel for the whole reach
+constexpr double waiting_share = 0.03;  // of the body's radius; distance of the waiting tool from
+                                        // the skin
+constexpr double lifted = 0.75;         // share of that distance; a tool that has come out this
+                                        // far may go to another place
+constexpr double fastest = 6;           // radii of the body per second, along the skin
+constexpr double stroke = 0.015;        // heights of the view per stroke of an arrow key
+constexpr double longest_frame = 0.05;  // s, longest time step; a slower frame moves the tool no
+                                        // further
 
 /// Returns whether two places are equal. Two places that are not finite are equal too.
 bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -33,7 +33,7 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
                        const HandInput& input) {
   use(model, contact == ContactMode::glued);
   seen_ = placeUnder(model.surface(), camera, input.pointer);
-  double seconds = std::clamp(input.seconds, 0.0, longest_picture);
+  double seconds = std::clamp(input.seconds, 0.0, longest_frame);
   const bool pressed = input.button && !last_.button;
   if (pressed && seen_ && seen_->touchable) {
     // Take over from the keys: the tool disappears at their place and appears at this one.

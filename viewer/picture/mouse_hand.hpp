@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Input for the hand by mouse and keys since the last picture.
+/// Input for the hand by mouse and keys since the last frame.
 struct HandInput {
   /// in heights of the view, (0, 0) at its middle; not finite while the pointer is not over the
   /// view
@@ -22,7 +22,7 @@ struct HandInput {
   Eigen::Vector2d strokes = Eigen::Vector2d::Zero();
   bool take = false;   ///< the key that presses or grips, and then releases, was pressed
   bool out = false;    ///< the key that only releases was pressed
-  double seconds = 0;  ///< time since the last picture, s
+  double seconds = 0;  ///< time since the last frame, s
 };
 
 /// A hand without a device: turns mouse and keys into a position of the tool.
@@ -42,7 +42,7 @@ struct HandInput {
 /// a pointer that does not move. One thread.
 class MouseHand {
  public:
-  /// Handles the input of one picture. contact: contact mode of the loop. The model may change
+  /// Handles the input of one frame. contact: contact mode of the loop. The model may change
   /// between calls.
   void update(const HapticModel& model, ContactMode contact, const OrbitCamera& camera,
               const HandInput& input);

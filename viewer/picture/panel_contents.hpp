@@ -70,7 +70,7 @@ struct Choice {
   double prepared = 1;  ///< progress of its preparation; it can be chosen at 1
 };
 
-/// Contents of the panels in one picture. The references need to be valid during the call only.
+/// Contents of the panels in one frame. The references need to be valid during the call only.
 struct PanelContents {
   const HapticState& state;
   const PictureStatus& status;

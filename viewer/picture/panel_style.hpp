@@ -28,7 +28,7 @@ inline constexpr ImGuiWindowFlags fixed_panel =
     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 /// Sets the colours, paddings, spacings and font of all panels of the current ImGui context. If the
-/// scale changes, call it again between two pictures.
+/// scale changes, call it again between two frames.
 ///
 /// scale: pixels per pixel of a 96 dpi screen. units: pixels per ImGui unit. If none of the fonts
 /// is installed, ImGui's own font is used.

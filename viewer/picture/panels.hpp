@@ -17,7 +17,7 @@ class Panels {
   Panels(const Panels&) = delete;
   Panels& operator=(const Panels&) = delete;
 
-  /// Begins a picture and updates the input.
+  /// Begins a frame and updates the input.
   void begin();
   /// Returns the part of the window that no panel covers, pixels. Call after begin().
   Viewport view() const;

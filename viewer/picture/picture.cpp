@@ -244,7 +244,7 @@ struct Picture::Impl {
   PictureRequests draw(const HapticState& state, const PictureStatus& status) {
     PictureRequests requests;
     window.poll();
-    // The input up to this point takes effect in this picture.
+    // The input up to this point takes effect in this frame.
     panels.begin();
     viewport = panels.view();
     const auto last = static_cast<std::int32_t>(shown.size()) - 1;
@@ -270,15 +270,15 @@ struct Picture::Impl {
   std::vector<std::unique_ptr<BodyView>> shown;  ///< in the order of HapticState::model
   Stage stage;
   LatticeView lattice;
-  Shot shot;  ///< of the last picture
+  Shot shot;  ///< of the last frame
   HeldTool held;
   HandControl control;
-  double listened = 0;  ///< s, glfwGetTime() of the last picture
+  double listened = 0;  ///< s, glfwGetTime() of the last frame
   ViewChoices view;
   ForceHistory history;
   GuardLamps lamps;
-  std::int32_t model = -1;  ///< of the last picture
-  Viewport viewport;        ///< of the last picture
+  std::int32_t model = -1;  ///< of the last frame
+  Viewport viewport;        ///< of the last frame
   double full_force = 0.5;  ///< force of the longest arrow, N: a round number that grows with the
                             ///< largest force seen
   /// The other dataset, if it is shown. The body is at rest if it has no touch.

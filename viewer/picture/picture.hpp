@@ -36,9 +36,9 @@ class Picture {
   /// Returns whether the user or the system closed the window. The window stays visible until this
   /// object is destroyed.
   bool wantsClose() const;
-  /// Processes events, draws one picture and shows it. Returns what the user requested.
+  /// Processes events, draws one frame and shows it. Returns what the user requested.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  /// Draws the last picture again and returns its pixels. Call it only after draw().
+  /// Draws the last frame again and returns its pixels. Call it only after draw().
   Image grab();
 
  private:

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Requests that the user made since the last picture.
+/// Requests that the user made since the last frame.
 struct PictureRequests {
   struct Use {
     std::int32_t model = 0, method = 0;

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Contents of a picture in addition to the state of the tick.
+/// Contents of a frame in addition to the state of the tick.
 struct PictureStatus {
   std::string device = {};   ///< HapticDevice::name()
   std::string trouble = {};  ///< sentences about problems of device and loop, shown in red; empty

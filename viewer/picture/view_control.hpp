@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Input for the camera by mouse and keys since the last picture. Lengths are in heights of the
-/// view, y upward.
+/// Input for the camera by mouse and keys since the last frame. Lengths are in heights of the view,
+/// y upward.
 struct MouseMotion {
   double right = 0, upward = 0;  ///< distance that the mouse moved
   double wheel = 0;              ///< notches, positive away from the user

@@ -10,7 +10,7 @@ namespace palpate {
 
 /// Help text for keys and mouse, one line per entry.
 extern const char* const key_help;
-/// Handles the keys that were pressed since the last picture: changes `choices` and adds to
+/// Handles the keys that were pressed since the last frame: changes `choices` and adds to
 /// `requests`. Skips datasets and methods that are not prepared yet.
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
 /// Adds the keys' input for the hand and the camera. keys, strokes: as the Window returns them.

@@ -28,7 +28,7 @@ class Window {
   const std::vector<int>& keys() const { return keys_; }
   /// Returns the same keys, and the repeats of keys that are held down.
   const std::vector<int>& strokes() const { return strokes_; }
-  void swap();  ///< shows the picture that was drawn
+  void swap();  ///< shows the frame that was drawn
 
  private:
   GLFWwindow* window_ = nullptr;
