@@ -59,8 +59,8 @@ double smallestDetF(const Mesh& mesh, std::size_t element, std::span<const float
     at_edges.col(e) = displacementOf(displacement, mesh.mid_edge_nodes[element][at(e)]);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Barycentric& x : lookedAt()) {
-    // Derivatives of the displacement by the barycentric coordinates x, from the quadratic shape
-    // functions x_n (2 x_n - 1) and 4 x_i x_j.
+    // Derivatives of the displacement with respect to the barycentric coordinates x, from the
+    // quadratic shape functions x_n (2 x_n - 1) and 4 x_i x_j.
     Eigen::Matrix<double, 3, 4> slopes;
     for (int n = 0; n < 4; ++n) slopes.col(n) = (4 * x[n] - 1) * at_vertices.col(n);
     for (int e = 0; e < 6; ++e) {

@@ -8,7 +8,6 @@
 namespace palpate {
 namespace {
 
-/// Adds factor * values to `sum`.
 void addTo(Eigen::VectorXd& sum, double factor, const std::vector<float>& values) {
   if (sum.size() == 0) sum = Eigen::VectorXd::Zero(std::ssize(values));
   PALPATE_ASSERT(sum.size() == std::ssize(values),

@@ -28,7 +28,7 @@ class InterpolatedShape {
   NodalFields at(const std::optional<Eigen::Vector3d>& place, const Eigen::Vector3d& displacement);
 
  private:
-  /// Key of a configuration: index of the space and lattice number.
+  /// Key of a configuration: index of the space and of the lattice point.
   using Key = std::pair<std::size_t, std::int32_t>;
   std::vector<std::pair<std::size_t, double>> spacesAt(const std::optional<Eigen::Vector3d>& place);
 

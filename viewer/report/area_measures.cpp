@@ -35,8 +35,8 @@ std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& 
           (along - normal).normalized(), (-along - normal).normalized()};
 }
 
-/// Returns the factor that makes an error relative, 1/N. The error is relative to the force, or, if
-/// that is larger, to the force at which the allowed error equals the floor.
+/// Returns the factor that makes an error relative, 1/N: 1 / force, or force_error / force_floor if
+/// that is smaller.
 double relativeTo(double force, const AccuracyTarget& target) {
   return 1 / std::max(force, target.force_floor / target.force_error);
 }
@@ -45,7 +45,7 @@ double relativeTo(double force, const AccuracyTarget& target) {
 using Samples = std::vector<std::array<std::vector<Sample>, depths.size()>>;
 
 /// Samples the area at the centroid of every triangle. Leaves out displacements without a bound,
-/// and those whose force is larger than the scene's largest.
+/// and those with a force above the scene's max_force.
 Samples samplesOf(const AreaField& area, const Dataset& dataset, double radius,
                   const AccuracyTarget& target) {
   const Mesh& mesh = dataset.mesh();
@@ -98,7 +98,6 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
       "each triangle must be evaluated, at each depth");
 }
 
-/// Assigns the errors at the probes to the depths.
 void measureDepths(AreaMeasures& measures) {
   std::vector<double> all;
   for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);

@@ -61,7 +61,7 @@ struct AreaMeasures {
   std::size_t jumps = 0;  ///< lattice edges of the sites whose ends are on different branches
 };
 
-/// Measures all areas of a dataset, in the order of the scene. Takes some seconds per area, on all
+/// Measures all areas of a dataset, in the order of the scene. Takes a few seconds per area, on all
 /// cores.
 std::vector<AreaMeasures> measureAreas(const Dataset& dataset, const AccuracyTarget& target);
 

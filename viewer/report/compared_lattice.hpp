@@ -17,18 +17,19 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor);
 /// origin.
 bool isThinnable(const Lattice& lattice, std::int32_t factor);
 
-/// A lattice on which methods are compared: a dataset as it is, or a coarser lattice made of its
-/// points.
+/// A lattice on which methods are compared: all points of a dataset, or a coarser lattice made of
+/// some of them.
 struct ComparedLattice {
   std::size_t dataset = 0;  ///< index of the dataset
-  std::int32_t factor = 0;  ///< 0: the dataset as it is; otherwise thinned by this factor
+  std::int32_t factor = 0;  ///< 0: all points of the dataset; otherwise thinned by this factor
   std::string label;        ///< "liver.h5", "liver.h5, every 2nd point"
   double spacing = 0;       ///< m, before refinement
 };
 
-/// Returns the lattices that can be made of the datasets: each dataset as it is, each refined
-/// dataset before its refinement, and every 2nd, 3rd and 4th point of each dataset. Leaves out a
-/// thinned lattice if it has hardly any points, or if another uniform lattice has the same spacing.
+/// Returns the lattices that can be made of the datasets: all points of each dataset, the points
+/// before refinement of each refined dataset, and every 2nd, 3rd and 4th point of each dataset.
+/// Leaves out a thinned lattice if it has hardly any points, or if another uniform lattice has the
+/// same spacing.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
 /// Returns the table of active node number `space` on a lattice. `datasets` must outlive the table.

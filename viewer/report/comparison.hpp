@@ -52,16 +52,16 @@ struct Comparison {
   std::vector<std::string> differences;  ///< as sceneDifferences() returns them
   std::vector<ComparedProperty> properties;
   std::size_t common = 0;                   ///< number of active nodes that both datasets have
-  std::vector<ComparedPlace> places;        ///< some of the common active nodes, evenly chosen if
-                                            ///< there are many
-  std::vector<PlaceDifference> everywhere;  ///< all common active nodes, or some hundreds of them
+  std::vector<ComparedPlace> places;        ///< the common active nodes, or an even choice of
+                                            ///< them if there are many
+  std::vector<PlaceDifference> everywhere;  ///< at most 400 of the common active nodes
   std::vector<std::string> limits;          ///< sentences about the limits of the comparison, with
                                             ///< remedies
 };
 
 /// Compares two datasets of different scenes by `method`. Compares up to `most_places` active nodes
-/// that have the same name in both datasets; sites of areas must also have the same place. Takes
-/// some seconds. Throws Error (bad input) if the datasets have no active node in common.
+/// that have the same name in both datasets; sites of areas must also have the same place. Takes a
+/// few seconds. Throws Error (bad input) if the datasets have no active node in common.
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places = 6);
 

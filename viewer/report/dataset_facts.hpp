@@ -34,7 +34,6 @@ struct FailureCount {
   std::int64_t probes = 0;
 };
 
-/// Returns the causes of failures in a dataset, with their counts.
 std::map<Cause, FailureCount> failuresOf(const Dataset& dataset);
 
 /// Returns the differences between the scenes of two datasets, as keys of scene files ("material",

@@ -89,7 +89,7 @@ ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
 
 ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
                                    const AccuracyTarget& target) {
-  // measureErrors() needs contiguous memory; some thousands of elements at most.
+  // Copy them, because measureErrors() needs contiguous memory.
   std::vector<ForceComparison> covered;
   std::ranges::copy_if(comparisons, std::back_inserter(covered), &ForceComparison::covered);
   return measureErrors(covered, target);

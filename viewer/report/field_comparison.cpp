@@ -92,7 +92,7 @@ class RandomCircles {
   std::mt19937 random_{20};
 };
 
-/// Returns the relative work around a circle; nothing if the coverage is too low anywhere on it.
+/// Returns the relative work around a circle; nullopt if the coverage is too low anywhere on it.
 std::optional<double> relativeWork(const ForceField& field, const Circle& circle,
                                    double least_coverage) {
   double work = 0, effort = 0;

@@ -25,8 +25,7 @@ struct ForceWay {
                                       ///< not be made
 };
 
-/// A point counts as on the path if its distance from the path is at most this fraction of the
-/// radius.
+/// A point is on the path if its distance from the path is at most this fraction of the radius.
 inline constexpr double on_way = 1e-6;
 
 /// Returns the solved points of a space that lie on the path from rest along `direction`. With

@@ -51,8 +51,8 @@ struct NodePictures {
   /// Pictures of the planes xy, xz and yz, for the default method on the shown lattice; empty if
   /// that method cannot be made.
   std::vector<SliceMap> slices;
-  /// Forces along x, y and z through rest, in the first dataset as it is. The interpolations are
-  /// the methods, in the order of Report::methods.
+  /// Forces along x, y and z through rest, with all points of the first dataset. The interpolations
+  /// are the methods, in the order of Report::methods.
   std::vector<ForceWay> axes;
   /// Forces on at most three paths from rest through held-out solutions, which tellingOnes()
   /// chooses by their errors; on the shown lattice.
@@ -62,8 +62,8 @@ struct NodePictures {
 /// Samples the pictures of one node. The caller sets NodePictures::node.
 ///
 /// shown: the space on the shown lattice; the slices show the first of `methods` on it, and the
-/// paths show all methods. whole: the space as it is in the dataset; the axes show all methods on
-/// it. Any thread; takes some tenths of a second.
+/// paths show all methods. whole: the space with all points of the dataset; the axes show all
+/// methods on it. Any thread; takes a few tenths of a second.
 NodePictures sampleNode(const SpaceTable& shown, const SpaceTable& whole,
                         const std::vector<std::string>& methods,
                         const std::vector<HeldOutSolution>& held_out);

@@ -92,8 +92,8 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   return measures;
 }
 
-/// Returns the first dataset as it is if its errors can be measured, otherwise the densest lattice
-/// for which they can.
+/// Returns the lattice of all points of the first dataset if its errors can be measured, otherwise
+/// the densest lattice whose errors can.
 std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
                                       const HeldOut& held_out) {
   std::optional<std::size_t> measured;

@@ -22,7 +22,7 @@ struct ReportOptions {
   /// first. Takes a few seconds per node.
   std::size_t looped_nodes = 2;
   /// Number of active nodes that have pictures on the page. The nodes with the largest errors come
-  /// first. Sampling takes some tenths of a second per node.
+  /// first. Sampling takes a few tenths of a second per node.
   std::size_t pictured_nodes = 0;
 };
 
@@ -75,9 +75,9 @@ struct Report {
   bool target_of_scene = false;  ///< true if the scene sets the target; a default target otherwise
   HeldOut held_out;
   std::vector<LatticeMeasures> lattices;  ///< ascending in the number of configurations
-  /// Index into `lattices` of the lattice whose errors represent the dataset. With probes it is the
-  /// first dataset as it is. Otherwise it is the densest lattice that leaves out some of the solved
-  /// points. Empty if no errors can be measured.
+  /// Index into `lattices` of the lattice whose errors represent the dataset. It has all points of
+  /// the first dataset or, if these include the held-out solutions, it is the densest lattice
+  /// without them. Empty if no errors can be measured.
   std::optional<std::size_t> measured;
   /// Errors on the measured lattice, by distance from rest. Empty if no errors can be measured, or
   /// if areas_alone.
@@ -102,8 +102,8 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
 /// Opens datasets. Throws Error (bad input) if one cannot be opened or `files` is empty.
 std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 
-/// Returns the lattice for pictures and summaries: the measured lattice, or the first dataset as it
-/// is if no lattice is measured.
+/// Returns the lattice for pictures and summaries: the measured lattice if there is one, otherwise
+/// that of all points of the first dataset.
 const LatticeMeasures& shownLattice(const Report& report);
 
 /// Returns the indices of all active nodes, ordered by the mean error of the default method. The

@@ -65,8 +65,8 @@ std::string frontier(const Report& report) {
          wrapped(fmt::format(
              "Configs: configurations per active node. Errors: |interpolated - exact force| in "
              "N, in the whole ball, over {}. Covered: all 8 surrounding corners are solved and "
-             "on one branch. Loop work: work along closed loops, relative to the total effort. "
-             "In target: share of errors <= {}.",
+             "on one branch. Loop work: |net work| around circles, divided by the integral of "
+             "|force| along them. In target: share of errors <= {}.",
              nodes, describeTarget(report)));
 }
 

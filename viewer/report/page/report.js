@@ -636,10 +636,10 @@ function areaContent(area, drawn) {
 
 const areasSection = () => ({
   id: "areas", heading: "Accuracy over the surface",
-  how: `Error bound of the energy over the finger's whole area, as a share of the force. A small
-force counts as the force at which the allowed error equals the floor. Displacements are within 45
-degrees of the inward normal, forces at most the largest of the scene. Discs show errors at probes:
-exact solutions that are used for this measurement only.`,
+  how: `Error bound of the energy over the finger's whole area, as a share of the force, or of
+force_floor / force_error if the force is smaller. Displacements are within 45 degrees of the inward
+normal, forces at most max_force of the scene. Discs show errors at probes: exact solutions that are
+used for this measurement only.`,
   content: report.areas.map((area, n) => areaContent(area, drawings.areas[n])),
 });
 
@@ -793,7 +793,7 @@ At jumps between branches, methods that fall back to tri-linear interpolation ga
       layout: "single",
       panels: [plot({
         title: "Work around closed loops", width: 640,
-        x: logarithmic("configurations per active node"), y: logarithmic("work / effort"),
+        x: logarithmic("configurations per active node"), y: logarithmic("relative work"),
         series: methodSeries((name) => report.lattices.map((one) => pointOf(name, one))),
       })],
       caption: `Work around closed loops, |sum of F·dp| / sum of |F||dp| (dimensionless), against
@@ -1057,7 +1057,7 @@ function nodeCurves({ node, axes, ways }) {
     panels: axes.map((way) => forcePlot(way, methods, "Along " + way.name, "along " + way.name)),
     caption: `Force at ${name} along the axes through rest: the force of the tissue on the tool
 along the direction of motion, in newtons, against the displacement in mm. Each curve is one method
-on ${file} as it is. Marks are exact: solved equilibria that the methods interpolate.`,
+on all points of ${file}. Marks are exact: solved equilibria that the methods interpolate.`,
   });
   if (!ways.length) return [html`<h3>${name}</h3>`, alongAxes];
   return [html`<h3>${name}</h3>`, alongAxes, figure({
