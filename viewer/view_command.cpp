@@ -110,7 +110,7 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
   app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
   app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE as PNG")
       ->type_name("FILE");
-  app.add_option("--record-video", options->video, "Write every picture to DIR as numbered PNG")
+  app.add_option("--record-video", options->video, "Write every frame to DIR as numbered PNG")
       ->type_name("DIR");
   app.add_flag("--json", options->json, "Print the statistics of the loop as one JSON object");
   return [options, contact] {

@@ -412,9 +412,10 @@ class ViewSession {
         static_cast<double>(std::max<std::uint64_t>(1, live.answers + live.failures));
     spdlog::info(
         "the live solver found {}, on average {:.1f} ms and at most {:.1f} ms after the request; "
-        "it found none for {} and was restarted {}",
+        "it found none for {} of the hand and was restarted {}",
         counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.seconds / count,
-        1e3 * live.largest_seconds, counted(live.failures, "hand"), counted(live.restarts, "time"));
+        1e3 * live.largest_seconds, counted(live.failures, "position"),
+        counted(live.restarts, "time"));
   }
 
   void finish(std::ostream& output) {
@@ -424,7 +425,7 @@ class ViewSession {
       writePng(picture_->grab(), options_.screenshot);
     }
     if (link_) tellLive(link_->statistics());
-    if (video_) spdlog::info("{}: {} pictures", options_.video.string(), video_->count());
+    if (video_) spdlog::info("{}: {} frames", options_.video.string(), video_->count());
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 

@@ -35,7 +35,8 @@ struct ForceAnswer {
 /// Immutable, so any thread may use it. Real time, except the constructor.
 class AreaPlaces {
  public:
-  /// sites: centres of the fingers that were solved, metres, at least one; fixed: sorted.
+  /// sites: centres of the fingers that were solved, metres, at least one. fixed: the fixed nodes,
+  /// sorted.
   AreaPlaces(const Mesh& mesh, const NodeSet& fixed, const std::vector<Eigen::Vector3d>& sites,
              double finger_radius);
 

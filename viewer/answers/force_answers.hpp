@@ -22,7 +22,7 @@ class ForceAnswers {
   /// with_places: whether touches have a place (--at). The dataset must outlive this object.
   ///
   /// Error (bad input) for an unknown name or method, for places without a finger, and for an area
-  /// without places. With places, also for any method but the first of forceFieldMethods().
+  /// without places. With places, the method must be the first of forceFieldMethods().
   ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
                const std::string& method);
 

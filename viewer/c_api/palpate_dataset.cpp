@@ -57,7 +57,7 @@ palpate_status palpate_dataset_open(const char* file, const palpate_open_options
   bool known = true;
   const char* const function = __func__;
   const palpate_status status = withoutExceptions(function, [&] {
-    // Inside withoutExceptions: listing the methods allocates.
+    // Check inside withoutExceptions(), because listing the methods allocates.
     known = methodsAreKnown(function, chosen);
     if (!known) return;
     const std::lock_guard lock(readingMutex());

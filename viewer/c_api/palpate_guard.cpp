@@ -62,7 +62,8 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
                   const palpate_touch* touch, std::uint32_t flags,
                   palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
-  // Comes before all other checks, so that a caller that ignores the status sends no harmful force.
+  // Set the force to zero before all other checks, so that a caller that ignores the status does no
+  // harm.
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
       !sizeIsKnown(function, "touch", touch))

@@ -55,7 +55,7 @@ void DeviceExchange::deliver(const DeviceReading& reading, Clock::time_point now
 }
 
 Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
-  constexpr int share = 64;          // 1/share of the longest turn is forgotten per turn
+  constexpr int share = 64;          // next_.turn decays by 1/share per turn
   constexpr double at_once = 0.125;  // fraction of a turn: a shorter delay counts as none
   if (taken_ != Clock::time_point{})
     next_.turn =

@@ -17,7 +17,6 @@ namespace palpate {
 /// Protocol version; raised with each incompatible change.
 inline constexpr std::uint32_t device_protocol = 2;
 
-/// The default address of `palpate device`.
 inline constexpr const char* default_device_endpoint = "tcp://127.0.0.1:7412";
 
 struct IncomingDeviceMessage {

@@ -119,8 +119,8 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
   const auto tangential = [&unit](const Eigen::Vector3d& v) -> Eigen::Vector3d {
     return v - unit.dot(v) * unit;
   };
-  // Hessian of the energy at the edge and its parts, and the force that the continuation adds along
-  // `unit`.
+  // Hessian of the energy at the edge, its products with `unit`, and the force that the
+  // continuation adds along `unit`.
   const double radius = edge.radius, length = radius + depth, share = radius / length;
   const Eigen::Matrix3d hessian = -0.5 * (at_edge.stiffness + at_edge.stiffness.transpose());
   const Eigen::Vector3d along = hessian * unit, sideways = tangential(along);

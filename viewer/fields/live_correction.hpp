@@ -31,7 +31,6 @@ class LiveCorrection {
   /// Begins to fade to this expansion and the one before, within `seconds`, 0 or more. A fade in
   /// progress continues at its rate, toward the new pair.
   void add(const Expansion& expansion, double seconds) noexcept;
-  /// Advances the fade by `seconds`.
   void advance(double seconds) noexcept;
   /// Begins to fade to the area alone.
   void release() noexcept;

@@ -62,7 +62,7 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
 /// Called when the tool was outside and is now inside.
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
-  // Rounding can carry a tool that lies on the surface through it without a crossing.
+  // Because of rounding, a tool on the surface can get inside without a crossing.
   SurfacePoint entry = nearest;
   if (crossing.triangle >= 0) entry = crossing;
   if (model_->surface().touchable(entry.triangle)) {

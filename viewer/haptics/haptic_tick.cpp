@@ -16,8 +16,8 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Returns the options with the guard's period and the contact's equilibria set to the tick's. The
-/// force limit is never above the device's, whatever the options say.
+/// Returns the options with the tick's period in those of the guard, and its LiveTouch in those of
+/// the contact. The force limit is never above the device's, whatever the options say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   options.contact.live = options.live;

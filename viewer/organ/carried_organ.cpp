@@ -14,9 +14,9 @@ namespace {
 // The first line of the bytes is organ_mark followed by organ_version.
 constexpr std::string_view organ_mark = "palpate-organ-";
 constexpr std::string_view organ_version = "3";
-/// Shares and entries of a mode are stored as integers. The largest share of a mode becomes
-/// share_steps, the largest entry of a mode mode_steps. Vertices are then wrong by about a tenth of
-/// a millimetre.
+/// Shares and entries of a mode are stored as integers. In each mode the largest share becomes
+/// share_steps, and the largest entry becomes mode_steps. Vertices are then wrong by about a tenth
+/// of a millimetre.
 constexpr float share_steps = 127;
 constexpr float mode_steps = 32767;
 

@@ -27,8 +27,8 @@ class ForceHistory {
   }
   /// Returns the samples, the oldest first.
   const std::deque<Sample>& samples() const { return samples_; }
-  /// Returns the largest value of |force| + bound, N; 0 if the history is empty. A bound adds at
-  /// most the force itself. Otherwise one uncertain force would make all other forces look small.
+  /// Returns the largest value of |force| + bound, N; 0 if the history is empty. The bound is
+  /// limited to |force|. Otherwise one uncertain force would make all other forces look small.
   double largest() const {
     float largest = 0;
     for (const auto& [time, force, bound] : samples_) {

@@ -33,7 +33,6 @@ class Legend {
  public:
   Legend(ImDrawList& draw, ImVec2 lower_left) : draw_(draw), at_(lower_left) {}
 
-  /// Adds a coloured square with its meaning.
   void swatch(const Rgb& colour, const std::string& meaning, bool hatched = false) {
     at_.y -= line();
     const float top = at_.y + (line() - px(swatch_size)) / 2, size = px(swatch_size);

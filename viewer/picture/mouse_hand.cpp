@@ -65,7 +65,7 @@ void MouseHand::use(const HapticModel& model, bool glued) {
   radius_ = sphereAround(model.surface().vertices()).radius;
 }
 
-/// Returns the place at which a key begins if the pointer is over no place.
+/// Returns the place where a press by key begins if the pointer is over no place.
 PointedPlace MouseHand::placeInFront(const OrbitCamera& camera) const {
   const auto middle = placeUnder(model_->surface(), camera, Eigen::Vector2d::Zero());
   if (middle && middle->touchable) return *middle;

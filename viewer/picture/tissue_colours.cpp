@@ -12,8 +12,8 @@ constexpr Rgb pale_tissue = {196, 158, 148};
 constexpr double paleness = 0.62;
 constexpr double blotch_frequency = 8;  // blotches per radius of the body
 constexpr double covered_from = 0.2;
-/// Colours at even distances on the scale. It begins beside red, because there is grey between red
-/// and the blue of viridis.
+/// Colours at even distances on the scale. It begins with plum instead of red, because a blend from
+/// red to the blue of viridis passes through grey.
 constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {104, 79, 146},
                                       {70, 102, 158},

@@ -25,8 +25,8 @@ std::string lastTrouble() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// Returns the units that bars and docks leave for a window. There is no limit if the screen is
-/// unknown or the window is not visible.
+/// Returns the width and height, in units, that bars and docks leave for a window. There is no
+/// limit if the screen is unknown or the window is not visible.
 std::array<int, 2> roomOnScreen(bool visible) {
   std::array<int, 2> size{};
   if (GLFWmonitor* const screen = visible ? glfwGetPrimaryMonitor() : nullptr)
