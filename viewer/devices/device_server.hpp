@@ -20,9 +20,9 @@ namespace palpate {
 /// A thread of its own reads the device at `rate`, sends each reading to the client that holds the
 /// device, and writes the newest force of that client to the device. The client is not trusted:
 /// - A force that is not finite is ignored. A force above the device's limit is scaled down to it.
-/// - Each force states how long it is valid. The time counts from the moment when the server sent
-///   the reading that the force answers. A force that arrives after that time is ignored, and the
-///   device gets zero while no force is valid.
+/// - Each force states how long it is valid. This time begins when the server sends the reading
+///   that the force answers. A force that arrives after that time is ignored, and the device gets
+///   zero while no force is valid.
 /// - A client that is silent for a second loses the device, and the next client can have it.
 ///
 /// At the end the server writes a force of zero.

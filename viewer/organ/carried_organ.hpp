@@ -41,7 +41,7 @@ struct CarriedShapes {
 ///
 /// The bytes contain patch.finger, lattice and splits of each space, and the tags and equilibria of
 /// its points. Energy, force and stiffness are exact; numbers that only a finger has (the
-/// derivatives by its place, and stiffness_by_p) are rounded to 37 significant bits.
+/// derivatives with respect to its place, and stiffness_by_p) are rounded to 37 significant bits.
 struct CarriedOrgan {
   std::string name;                             ///< name of the scene
   double max_force = 0;                         ///< N, largest force that the scene asks for

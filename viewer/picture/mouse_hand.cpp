@@ -154,7 +154,7 @@ void MouseHand::moveTool(double seconds) {
   goTo(place_->position - depth_ * place_->normal + pulled_);
 }
 
-/// Returns the largest displacement for which the spaces at the place have an answer, m.
+/// Returns the largest workspace radius of the spaces at the place, m.
 double MouseHand::reach() const {
   double reach = 0;
   for (const CornerShares& share : model_->surface().cornerSharesOf(place_->triangle))
