@@ -39,7 +39,6 @@ Cover coverOf(const Rgb& colour, double share) {
 
 using Covers = std::array<Cover, levels>;
 
-/// Returns a table of cover(place) for places from 0 to 1.
 template <class CoverOf>
 Covers coversBy(const CoverOf& cover) {
   Covers covers;

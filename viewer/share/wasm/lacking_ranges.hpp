@@ -1,9 +1,9 @@
 #pragma once
 
 // Parts of C++20 that the fields use and the standard library of Emscripten 3.1.6 (libc++ 13)
-// lacks. Included before their sources when they are compiled to WebAssembly. They call the
-// algorithms with iterators. If all sorted keys differ, as ours do, the results are the same as
-// with any other library.
+// lacks. The build includes this file before the sources of the fields when it compiles them to
+// WebAssembly. The functions call the algorithms with iterators. If all sorted keys differ, as ours
+// do, the results are the same as with any other library.
 #include <version>
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
 
