@@ -225,7 +225,7 @@ TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftAfterKills) {
     return std::ranges::count(all, '\n') == 8 && all.find("RUNNING") == std::string::npos;
   };
   auto first = held("10.77.0.1");
-  EXPECT_TRUE(test::says(*first, "8 are queued (8 JobHeldUser)")) << first->output();
+  EXPECT_TRUE(test::says(*first, "8 queued (8 JobHeldUser)")) << first->output();
   EXPECT_TRUE(eightAreHeld()) << "in arrays of at most three, the limit of this Slurm";
   first->stop(SIGKILL);
 
