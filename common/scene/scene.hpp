@@ -145,7 +145,7 @@ struct Accuracy {
   /// where the estimated error is larger. 0 for a uniform lattice.
   double force_error = 0;
   double force_floor = 0.01;  ///< N; smaller errors are always allowed
-  std::int32_t levels = 3;    ///< largest number of halvings of a cell, 0..6
+  std::int32_t levels = 3;    ///< how often a cell may be split, 0..6
   /// Number of probes per active node, 0..100000: exact solutions that interpolation does not use.
   /// If a finger touches a surface, the whole surface has this number of random probe places
   /// (probePlaces, common/problem/sites.hpp).

@@ -75,7 +75,7 @@ def rows(folder, name):
         ("materials", "; ".join(f"{region['group'] or name}: {region['law']}" for region in check["regions"])),
         ("held", f"{check['fixed_nodes']} nodes"),
         ("finger", f"radius {unit * active['radius']:.0f} mm, pressed by up to {1e3 * dataset['radius']:.0f} mm, "
-                   f"cells of {1e3 * dataset['spacing']:.0f} mm" + (", halved where needed" if scene["accuracy"]["levels"] else "")),
+                   f"cells of {1e3 * dataset['spacing']:.0f} mm" + (", split where needed" if scene["accuracy"]["levels"] else "")),
         ("computed", f"{len(check['active'])} places of the finger, {dataset['configurations']} configurations"),
         ("failed", failures or "none"),
         ("build", f"{elapsed:.0f} s, {processor:.0f} s of processors"),

@@ -18,7 +18,7 @@ namespace {
 constexpr int samples = 5;
 
 /// Likely error as a fraction of the bound of field_error.hpp. The bound holds at 99 % of
-/// positions; in the median it is then 6 to 10 times the error.
+/// positions; in the median it is 6 to 11 times the error.
 ///
 /// Measured at 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm), for an accuracy of 3 % or 10
 /// mN: with 0.2, refinement makes 83 configurations, which meet the accuracy at 99.5 % of the
@@ -37,8 +37,8 @@ constexpr double enough_of_finger = 0.99;
 /// folds, and splitting the leaf works as well.
 constexpr double reach_outside = 0.25;
 
-/// Average number of points that halving a cell adds: seven amid other cells, fewer at the rim of
-/// the ball.
+/// Average number of points that the split of a cell adds: seven amid other cells, fewer at the rim
+/// of the ball.
 constexpr double points_of_cell = 5;
 
 /// Compares the likely error of one configuration space with the allowed error, leaf by leaf.
@@ -116,9 +116,9 @@ class CellInspection {
     return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
-  /// Estimates how many cells, including this leaf, must be halved until the leaf meets the
-  /// accuracy. A leaf with a failed corner is halved as often as levels allow. For a finger it is
-  /// halved only once (isAtEnd), unless endsBesideRest() is true.
+  /// Estimates how many cells, including this leaf, must be split until the leaf meets the
+  /// accuracy. A leaf with a failed corner is split as often as levels allow. For a finger it is
+  /// split only once (isAtEnd), unless endsBesideRest() is true.
   double halvedIn(std::int32_t leaf, double ratio) const {
     const int left = accuracy_.levels - tree_.leaves()[at(leaf)].level;
     if (!hasFailedCorner(leaf)) return cellsHalved(ratio, left);
@@ -139,13 +139,13 @@ class CellInspection {
     return any;
   }
 
-  /// True if halving the leaf is useless because a jump between branches crosses it: the jump would
-  /// stay where it is.
+  /// True if it is useless to split the leaf, because a jump between branches crosses it: the jump
+  /// would stay where it is.
   ///
   /// On the coarsest level, inconsistent edges count as jumps. On finer levels, suspect edges do
-  /// too: halving a suspect edge once tells a jump from a smooth branch. For a finger, both begin
-  /// one level later: along a coarse edge, tissue can stiffen and soften again, which looks like a
-  /// jump because neither end shows it.
+  /// too: one split tells whether a suspect edge has a jump. For a finger, both begin one level
+  /// later: along a coarse edge, tissue can stiffen and soften again, which looks like a jump
+  /// because neither end shows it.
   bool isAtJump(std::int32_t leaf) const {
     const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
     if (level < first) return false;
@@ -154,11 +154,11 @@ class CellInspection {
     });
   }
 
-  /// True if the leaf of a finger has a failed corner and has been halved once. The finger then has
+  /// True if the leaf of a finger has a failed corner and comes from a split. The finger then has
   /// no solved positions beyond this leaf: they lie behind a fold, or above the forces that matter.
   /// Smaller cells would trace the border of that region, at many failing transitions each, and
-  /// stay empty beyond it. One halving locates the border. Applies only to fingers: at sharp rims
-  /// up to half of the ball lies in such a region.
+  /// stay empty beyond it. One split locates the border. Applies only to fingers: at sharp rims, up
+  /// to half of the ball lies in regions without solved positions.
   bool isAtEnd(std::int32_t leaf) const {
     return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
            !endsBesideRest(leaf);
@@ -166,7 +166,7 @@ class CellInspection {
 
   /// True if the leaf of a finger has an edge from the rest position to a failed corner, because
   /// the tissue is stiff relative to the spacing. Nearly everything that a hand feels there lies
-  /// within this leaf, although rest may be its only solved corner. Such a leaf is halved as often
+  /// within this leaf, although rest may be its only solved corner. The leaf is then split as often
   /// as levels allow.
   bool endsBesideRest(std::int32_t leaf) const {
     if (!space_.patch.finger) return false;

@@ -130,7 +130,7 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   if (keeping < judged)
     text += fmt::format(
         "; this holds everywhere for {} of {}, the worst is {} with {:.4g} %. More "
-        "`levels` help where cells have been halved as often as `levels` allows, but not between "
+        "`levels` help where cells have been split as often as `levels` allows, but not between "
         "neighbours on different branches",
         keeping, counted(judged, "active node"), least_name, 100 * least);
   return text + '\n';

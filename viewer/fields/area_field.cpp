@@ -194,7 +194,7 @@ AreaField::AreaField(std::vector<const SpaceTable*> sites, CollocationPoints col
                    "all sites of an area must have the same lattice");
     if (std::ranges::any_of(space->splits, isTooFine))
       throw badInput(
-          "a lattice has cells halved more than {} times, which no build makes: the file is "
+          "a lattice has cells split more than {} times, which no build makes: the file is "
           "damaged; copy it again",
           most_levels);
   }

@@ -68,7 +68,7 @@ class AreaField {
   };
   /// Prepares nothing yet. `sites`: spaces of one build, with fingers of the same radius; they must
   /// outlive the preparation. `collocation_points`: all collocation points of the area, at least
-  /// one. Error if a site has cells that are halved more often than a build can halve them.
+  /// one. Error if a site has cells that are split more often than a build can split them.
   AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points);
   /// Prepares everything and calls `progress`, as prepareAll() does. `surface`: as in
   /// collocationPointsOf().

@@ -12,17 +12,17 @@ namespace palpate {
 namespace {
 
 /// If a point cannot be reached from one neighbour, a build tries it from others. The estimate
-/// assumes two tries in total for such a point, and that every second such point is reached.
+/// assumes two tries in total for each of these points, and that half of the points are reached.
 constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
 /// Factor on the time of a build for waiting: for ready transitions, for messages, and for the
 /// disk.
 constexpr double waiting = 1.2;
 
 /// Ratio of two errors. The first is the likely error at the worst place of a cell, which decides
-/// whether the cell is halved (nextRefinement). The second is measured half-way along a step of a
+/// whether the cell is split (nextRefinement). The second is measured half-way along a step of a
 /// path.
 constexpr double worst_in_cell = 5;
-/// Number of points that a halved cell adds if its neighbours are halved too.
+/// Number of points that a split cell adds if its neighbours are split too.
 constexpr double points_of_cell = 7;
 
 /// Estimates for the lattice points between n and n + 1 spacings from rest.
@@ -30,13 +30,13 @@ struct Shell {
   double points = 0;
   double seconds = 0;  ///< average over all points; zero for points that are not tried
   double reached = 0;  ///< share of the points that are reached
-  double more = 0;     ///< average number of points that halving adds per point
+  double more = 0;     ///< average number of points that splits add per point
 };
 
-/// Returns how many points halving adds per lattice point, for lattice points like the end of step
-/// n of `path`. The cells at a reached point are halved as often as its error demands. The cells at
-/// an unreached point are halved at every level. For a finger, however, they are halved only once;
-/// if they touch the rest position (n = 0), their part at rest is halved at every level
+/// Returns how many points splits add per lattice point, for lattice points like the end of step n
+/// of `path`. The cells at a reached point are split as often as its error demands. The cells at an
+/// unreached point are split at every level. For a finger, however, they are split only once; if
+/// they touch the rest position (n = 0), their part at rest is split at every level
 /// (nextRefinement).
 double added(const Path& path, std::size_t n, bool finger, std::int32_t levels) {
   const PathStep& step = path.steps[n];

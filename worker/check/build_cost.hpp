@@ -16,8 +16,8 @@ struct BuildCost {
   /// The cost of the uniform lattices and the probes. A build without a required accuracy computes
   /// nothing else.
   Estimate least;
-  /// The cost with the points that an adaptive build adds when it halves cells. The errors measured
-  /// along the paths predict how many cells are halved (PathStep::error).
+  /// The cost with the points that an adaptive build adds when it splits cells. The errors measured
+  /// along the paths predict how many cells are split (PathStep::error).
   Estimate likely;
   /// Expected share of the lattice points that are reached; the others fail or lie beyond
   /// max_force.

@@ -114,7 +114,7 @@ void sayDevice(std::string& text, const Scene& scene, double stiffness) {
 void sayAccuracy(std::string& text, const Scene& scene) {
   const Accuracy& accuracy = scene.accuracy;
   if (accuracy.adaptive())
-    say(text, "accuracy   force to {:.3g} % or {:.3g} N: cells are halved {}\n",
+    say(text, "accuracy   allowed force error max({:.3g} %, {:.3g} N); cells are split {}\n",
         100 * accuracy.force_error, accuracy.force_floor,
         accuracy.levels == 1 ? "at most once" : fmt::format("up to {} times", accuracy.levels));
   std::map<std::string, int> places;

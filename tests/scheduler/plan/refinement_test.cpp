@@ -291,8 +291,7 @@ TEST(Refinement, ForAFingerHalvesCellsAtRestUntilCornersAreKnown) {
     space = refined(space, next, energy);
   }
   failBeyond(space);
-  EXPECT_EQ(finest, 3)
-      << "cells of 30 mm / 8 resolve the known points; no fourth halving is needed";
+  EXPECT_EQ(finest, 3) << "cells of 30 mm / 8 resolve the known points; no fourth split is needed";
   EXPECT_TRUE(nextRefinement(space, scene).empty());
 }
 

@@ -76,7 +76,7 @@ TEST_F(AreaPreparation, FarFromAllCollocationPointsThereIsNoAnswer) {
 TEST_F(AreaPreparation, CellsFinerThanThoseOfABuildAreRefused) {
   for (std::int32_t level = 0; level <= 6; ++level)
     body.spaces[0].splits.push_back({{0, 0, 0}, level});
-  test::expectBadInput([&] { area(); }, {"halved more than 6 times"});
+  test::expectBadInput([&] { area(); }, {"split more than 6 times"});
 }
 
 }  // namespace

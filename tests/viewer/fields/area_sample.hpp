@@ -64,7 +64,7 @@ struct PaperArea {
              .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))}};
   }
 
-  /// `refined`: the eight cells around the origin are halved.
+  /// `refined`: the eight cells around the origin are split.
   static SpaceTable space(const Eigen::Vector3d& s, bool refined = false) {
     constexpr std::int32_t divisions = 4;
     SpaceTable space;

@@ -83,7 +83,7 @@ TEST_F(BuildCosts, OfAdaptiveBuildsGrowWithTheErrorOfTheTrialSolves) {
   };
   EXPECT_EQ(cost({path({{1, true, 0.01}, {1, true, 0.01}})}).least.configurations, 33 + 10);
   EXPECT_EQ(likely(0.01), 33 + 10);
-  EXPECT_EQ(likely(1), 33 * 8 + 10) << "halved once, a point is eight";
+  EXPECT_EQ(likely(1), 33 * 8 + 10) << "split once, a point is eight";
   EXPECT_EQ(likely(100), 33 * (8 + 4 * 7) + 10) << "no more often than levels allow";
 }
 
