@@ -285,10 +285,11 @@ int main(int count, char** words) {
   CLI::App app(
       "Simulates scheduler, workers, network, disk and clocks under many seeds, with accidents, in "
       "one thread each (tests/simulation/README.md)");
-  app.add_option("--seeds", options.seeds, "So many, one after another")->capture_default_str();
-  app.add_option("--first", options.first, "The first of them")->capture_default_str();
+  app.add_option("--seeds", options.seeds, "Number of seeds, one after another")
+      ->capture_default_str();
+  app.add_option("--first", options.first, "The first seed")->capture_default_str();
   app.add_option("-j,--jobs", options.jobs, "Processes")->check(CLI::Range(1, 1024));
-  app.add_option("--only", options.only, "Of each history only the accidents with these numbers")
+  app.add_option("--only", options.only, "Only the accidents with these numbers in each history")
       ->delimiter(',');
   app.add_flag("--story", options.story, "Tell what happens under the first seed");
   app.add_flag("--json", options.json, "The last line of the output is JSON");

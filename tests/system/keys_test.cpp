@@ -67,7 +67,7 @@ TEST_F(KeysTest, AWorkerWaitsForAdmissionAndLeavesOnWithdrawal) {
     return scheduler->output().find("joined") != std::string::npos || !worker->running();
   }));
   if (scheduler->running()) expectDone("head", "key withdraw node");
-  // It may have completed before.
+  // The build may have completed before.
   EXPECT_THAT(worker->wait(), testing::AnyOf(0, 1)) << worker->output();
   EXPECT_THAT(worker->output(),
               testing::AnyOf(HasSubstr("no longer allowed"), HasSubstr("no more work")));

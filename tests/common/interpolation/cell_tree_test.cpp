@@ -57,8 +57,8 @@ TEST(CellTree, FindsNoLeafOutsideTheBall) {
 }
 
 TEST(CellTree, HasOnlyCellsThatReachIntoTheBall) {
-  // Of the 27 cells of an octant, those whose nearest corner is closer than 3 spacings: not (2, 2,
-  // 1) and its permutations, which lie on the sphere, and not (2, 2, 2).
+  // 23 of the 27 cells of an octant have their nearest corner closer than 3 spacings. Those of (2,
+  // 2, 1) and its permutations lie on the sphere, and that of (2, 2, 2) lies outside.
   EXPECT_EQ(CellTree(spaceWithSplits({})).leaves().size(), 184U);
 }
 

@@ -200,12 +200,13 @@ int run(int argc, char** argv) {
   app.add_option("--workers", options.workers, "Workers, all in this process")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--solve-ms", options.solve_ms, "What a worker takes for each result")
+  app.add_option("--solve-ms", options.solve_ms, "Time that a worker takes for each result")
       ->capture_default_str();
   app.add_option("--cells", options.cells, "Edges of the cube: its results hold 12 (n + 1)^3 bytes")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
-  app.add_option("--points", options.points, "Of each of 20 spaces, about")->capture_default_str();
+  app.add_option("--points", options.points, "Points of each of 20 spaces, about")
+      ->capture_default_str();
   app.add_option("--directory", options.directory, "A folder on the disk that is measured [/tmp]")
       ->check(CLI::ExistingDirectory);
   app.add_flag("--insecure", options.insecure, "Without keys");

@@ -477,27 +477,29 @@ int main(int argc, char** argv) try {
   app.add_option("--constraint", options.constraint)->check(CLI::IsMember({"ln-det-F", "det-F-1"}));
   app.add_option("--tool", options.tool)
       ->check(CLI::IsMember({"rigid", "weighted-average", "finger"}));
-  app.add_option("--radius", options.radius, "Of the patch or finger, m; 0: a single node");
+  app.add_option("--radius", options.radius, "Radius of the patch or finger, m; 0: a single node");
   app.add_option("--transition", options.transition, "Distance between configurations, m");
   app.add_option("--nodes", options.nodes, "Active nodes")->check(CLI::PositiveNumber);
   app.add_option("--budget", options.budget, "Factorisations a transition may take");
   app.add_flag("--every-path", options.every_path, "Print every path, not only those that stopped");
-  app.add_option("--axis", options.axis, "Only with the body held below 15 % of this one")
+  app.add_option("--axis", options.axis, "Only with the body held below 15 % of this axis")
       ->check(CLI::IsMember({"both", "x", "y"}));
-  app.add_option("--only-node", options.only_node, "Only from this one of the active nodes, 0 on");
-  app.add_option("--directions", options.directions, "So many of the 26")->check(CLI::Range(1, 26));
+  app.add_option("--only-node", options.only_node, "Only from this active node, counted from 0");
+  app.add_option("--directions", options.directions, "Number of directions, of 26")
+      ->check(CLI::Range(1, 26));
   app.add_option("--random", options.random,
-                 "Instead so many random paths from each node, through places that are uniform in "
-                 "the ball")
+                 "Number of random paths from each node, instead of straight ones; they lead "
+                 "through places that are uniform in the ball")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--steps", options.steps, "Transitions of a random path")
       ->check(CLI::PositiveNumber);
-  app.add_option("--seed", options.seed, "Of the random paths");
+  app.add_option("--seed", options.seed, "Seed of the random paths");
   app.add_flag("--fixed-steps", options.fixed_steps, "No step is halved, and there are no detours");
   app.add_flag("--merely-converged", options.merely_converged,
                "As the paper counts: its elements (P1/P1, det F - 1), inverted ones and any "
                "inertia accepted, no detours");
-  app.add_option("--iterations", options.iterations, "Of Newton at most, of what merely converges")
+  app.add_option("--iterations", options.iterations,
+                 "Limit of Newton's iterations with --merely-converged")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);

@@ -49,7 +49,7 @@ def built(record, row, divisions, workers):
 
 
 def wants_all_nodes(row, divisions):
-    """Of linear elements only the smallest lattice: the sizes of larger ones follow in proportion."""
+    """True only for linear elements on the smallest lattice; sizes on larger lattices follow in proportion."""
     return row.order == 1 and divisions == min(organs.LATTICES)
 
 

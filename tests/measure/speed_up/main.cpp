@@ -106,17 +106,18 @@ int run(int argc, char** argv) {
   app.add_option("state", options.state, "State directory of a build that is complete")
       ->required()
       ->check(CLI::ExistingDirectory);
-  app.add_option("--workers", options.workers, "How many, once for each number")
+  app.add_option("--workers", options.workers, "Numbers of workers; one simulation for each")
       ->delimiter(',')
       ->check(CLI::Range(1, 10000));
-  app.add_option("--solve-ms", options.solve_ms, "Solves take so long on average [as recorded]");
+  app.add_option("--solve-ms", options.solve_ms, "Mean time of a solve [as recorded]");
   app.add_option("--cut-ms", options.cut_ms,
                  "Solves recorded as longer took that long: something else stopped them");
-  app.add_option("--latency-ms", options.latency_ms, "Of a message, one way")
+  app.add_option("--latency-ms", options.latency_ms, "Delay of a message, one way")
       ->capture_default_str();
-  app.add_option("--scheduler-us", options.scheduler_us, "What a result costs the scheduler")
+  app.add_option("--scheduler-us", options.scheduler_us, "Time that a result costs the scheduler")
       ->capture_default_str();
-  app.add_flag("--measured", options.measured, "It costs what it really does here");
+  app.add_flag("--measured", options.measured,
+               "Use the processor time that the scheduler takes here");
   app.add_flag("--no-checks", options.no_checks, "Nothing is solved twice");
   app.add_option("--directory", options.directory, "Where the simulated scheduler keeps its state")
       ->check(CLI::ExistingDirectory)
