@@ -33,9 +33,9 @@ class Backoff {
 /// Decides, from the outcome of earlier jobs, how many more to request and on which nodes.
 ///
 /// A job that fails within seconds of its start would be replaced for ever: its program or a
-/// library may be missing, its CPU too old, or its key not allowed. After several such failures in
+/// library may be missing, its CPU too old, or its key not allowed. After several early failures in
 /// a row, one job at a time is tried, with growing pauses, until one survives. (HyperQueue pauses a
-/// queue in such a case.) A node that fails jobs while other nodes work would be idle soonest and
+/// queue in this case.) A node that fails jobs while other nodes work would be idle soonest and
 /// attract every job, so it is excluded.
 ///
 /// Independent of the engine; time comes from the caller. One thread.

@@ -120,7 +120,7 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
     if (plan.complete()) continue;
     forecast.ready += plan.openCount();
     if (problem.active[space].probe) {
-      // Such a space consists of the rest position, which is ready at once, and of one probe.
+      // A space with a probe consists of the rest position, which is ready at once, and the probe.
       forecast.expected += plan.stage() < Stage::probes ? 1 : 0;
       continue;
     }

@@ -74,7 +74,7 @@ class Leases {
   /// finish() ends the check.
   void addCheck(const ResultKey& key);
   /// Leases one waiting check that `may` accepts to `worker`, as a job of its own. Returns none if
-  /// there is no such check.
+  /// `may` accepts no waiting check.
   using May = std::function<bool(const ResultKey&)>;
   std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
   const std::set<ResultKey>& waitingChecks() const { return waiting_checks_; }

@@ -195,8 +195,8 @@ std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   return positions_.size() - 1;
 }
 
-/// Returns the nearest expandable points, at most maxAttempts() of them. Of equally near points,
-/// those nearest to the origin come first, then those with lower numbers.
+/// Returns the nearest expandable points, at most maxAttempts() of them. Equally near points are
+/// sorted by their distance from the origin, then by number.
 std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) const {
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();

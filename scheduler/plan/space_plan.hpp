@@ -76,7 +76,7 @@ class SpacePlan {
 
   Stage stage() const { return stage_; }
   /// Number of stages begun after the stage `lattice`. A stage that is repeated is counted each
-  /// time. Every transition that was open before a stage began has been recorded.
+  /// time. A stage begins only when no transition is open: all earlier ones are then recorded.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Number of transitions that are ready and not recorded.
@@ -90,7 +90,7 @@ class SpacePlan {
   /// All positions: the points of the lattice, then the probes.
   const Lattice& positions() const { return positions_; }
   std::int32_t size() const { return positions_.size(); }
-  /// Number of the first probe, one past the last point.
+  /// One past the number of the last point; probes are numbered from here.
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
   /// Recorded results of points and probes. A point is failed once no further attempt will be made.
   const CompactPoints& points() const { return points_; }
@@ -172,8 +172,8 @@ class PlanRows : public SpaceRows {
 /// Returns the rows of several plans. The plans must outlive the rows.
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 
-/// Returns the transition with this key from the plan of its space. Returns none if there is no
-/// such space or if SpacePlan::find() returns none.
+/// Returns the transition with this key from the plan of its space. Returns none if the space does
+/// not exist or if SpacePlan::find() returns none.
 std::optional<Transition> findIn(const std::vector<SpacePlan>& plans, const ResultKey& key);
 
 /// Returns `count` positions of the workspace ball for probes, from a low-discrepancy sequence

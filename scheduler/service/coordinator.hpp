@@ -31,8 +31,8 @@ enum class Next : std::uint8_t {
 /// (SpotChecks). Plans do not wait for these checks, but the build is complete only after them.
 ///
 /// Throws if the journal or the tables fail, and DamagedRecord if a result that is needed can no
-/// longer be read. After an exception, and after Next::anew, the object must not be used. Only
-/// results that are on disk have been acknowledged even then.
+/// longer be read. After an exception, and after Next::anew, the object must not be used; every
+/// acknowledged result is then on disk.
 class Coordinator {
  public:
   using Time = ServiceState::Time;

@@ -19,8 +19,8 @@ class Handouts {
   /// rest, proven workers come before new ones, and then those with the fewest targets.
   void handOut();
   void sendProblem(const Worker& worker);
-  /// Sends the nodal fields that a job starts from. If workers have left too many such messages
-  /// unread, sends nothing; the worker asks again.
+  /// Sends the nodal fields that a job starts from. If workers have left too many bytes of fields
+  /// unread (unread_starts), sends nothing; the worker asks again.
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
   /// Returns true if the result carries the seal of a lease to this worker (LeaseSeal).
   bool asked(const Worker& worker, const wire::Result& result) const;

@@ -29,8 +29,8 @@ class People {
 
  private:
   const std::string& recentStatus();
-  /// Returns the estimated time left, s, without Hindsight, if a fraction `share` of
-  /// Forecast::expected is made; 0 while it is unknown.
+  /// Returns the estimated time left, s, without Hindsight, if a fraction `share` of the expected
+  /// attempts (Forecast::expected) will be made; 0 while the time is unknown.
   double timeLeft(double share, Time now) const;
   void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();

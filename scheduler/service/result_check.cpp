@@ -165,7 +165,7 @@ double oddnessBeside(const ToolEquilibrium& parent, const ToolEquilibrium& found
       std::abs(found.energy - parent.energy - work) / (odd_energy * force * way.norm() / 2);
   const double by_force = (found.force - parent.force - rise).norm() / (odd_force * force);
   const double oddness = std::max(by_energy, by_force);
-  // Without any force both ratios are 0/0. Such a result counts as odd.
+  // If both forces are zero, both ratios are 0/0. The result then counts as odd.
   return std::isnan(oddness) ? std::numeric_limits<double>::infinity() : oddness;
 }
 

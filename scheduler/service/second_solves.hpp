@@ -27,7 +27,7 @@ class SecondSolves {
   /// Number of checks that are open or are still to be opened.
   std::size_t left() const { return checks_.openCount() + due_.size(); }
 
-  /// Handles a second result of a recorded transition. It may be the answer to a check, a
+  /// Handles a second result of a recorded transition. The result may be the answer to a check, a
   /// repetition because its acknowledgement was lost, or the late result of a worker that was
   /// believed dead. Returns true if it ended a check in which no worker was wrong.
   bool compare(Worker& worker, const wire::Result& first, const wire::Result& second);

@@ -39,7 +39,7 @@ class Server : private Transport {
   zmq::socket_t socket_;
   Inbox inbox_;
   Connections connections_;
-  /// A token of each peer. It is shared by the peer's large answers that libzmq still has.
+  /// One token per peer, shared by the peer's large answers that libzmq still holds.
   std::map<std::string, std::weak_ptr<const void>> unread_;
   std::string endpoint_;
 };

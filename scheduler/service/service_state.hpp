@@ -30,7 +30,7 @@ struct CoordinatorSettings {
   /// its workers may then lie unread, so their silence in that time does not count.
   std::chrono::milliseconds own_gap{3000};
   /// If a worker holds leases but its heartbeats report no solve for this long, it never received
-  /// them or has forgotten them.
+  /// the leases or has forgotten them.
   std::chrono::milliseconds idle_with_leases{30000};
   AllotmentSettings allotment;
   /// A solve is hung if it takes hung_factor times the longest recorded one, and at least

@@ -44,7 +44,7 @@ Next exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
     if (coordinator.next() == Next::anew) return Next::anew;
   }
   coordinator.noteClosed(transport.takeClosed(), now);
-  // Act only after the received messages are handled, so that their results share a group.
+  // Advance only after these messages are handled, so that one commit covers their results.
   if (coordinator.advance(now, all_read) == Next::anew) return Next::anew;
   // A peer that is gone or does not read loses its leases, which may cause new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())

@@ -31,8 +31,8 @@ struct Worker {
   /// Time since when its heartbeats have reported no solve although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< number of its results recorded in this run
-  /// Number of results since it joined, or since its last lease went to another worker. It may hold
-  /// as many targets (Allotment::limitOf).
+  /// Number of results since it joined, or since its last lease went to another worker. The worker
+  /// may hold as many targets (Allotment::limitOf).
   std::uint32_t earned = 0;
   /// Recent mean time between its results, s; 0 before the first.
   double between_results = 0;
@@ -74,8 +74,8 @@ class WorkerRegistry {
   /// Returns true if the worker supports the kernels of this build but uses other ones, so that it
   /// must change them before it may join.
   bool wouldChangeKernels(const wire::Hello& hello) const;
-  /// Adds a worker to which there is no objection. A known worker starts anew, without credit and
-  /// without work in progress. The peer must not belong to another worker.
+  /// Adds a worker to which there is no objection. A known worker loses its credit and its work in
+  /// progress. The peer must not belong to another worker.
   Worker& admit(const std::string& peer, const wire::Hello& hello,
                 const std::optional<PublicKey>& key, Time now);
   /// Removes a worker. `state` is "left" or "lost", for the tables.

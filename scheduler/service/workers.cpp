@@ -138,8 +138,9 @@ bool Workers::asksForWork(const Worker& worker) const {
   return held + roomOf(worker) > 0 && (worker.credit > 0 || held > 0);
 }
 
-/// If no transition waits and a proven worker is idle, hands out the last targets of overdue
-/// workers again. As always, the first result is recorded.
+/// If no transition waits, hands out the last targets of overdue workers again, at most one per
+/// idle worker. An idle worker without results is counted only if no worker has delivered a result
+/// (Worker::earned). As always, the first result of a target is recorded.
 void Workers::reassignOverdue() {
   if (!state_.handsOut() || leases.waiting() > 0) return;
   const bool all_are_new = std::ranges::none_of(

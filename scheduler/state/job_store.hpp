@@ -8,7 +8,7 @@ namespace palpate {
 /// The stored state of one build: the journal, which holds the results, and the tables. Only one
 /// scheduler at a time may open it.
 ///
-/// A result is recorded by append() and then commit(), which syncs the journal. It may be
+/// A result is recorded by append() and then commit(), which syncs the journal. A result may be
 /// acknowledged only after commit() has returned. Nothing that goes into a dataset is read from the
 /// tables. Errors of the journal or the tables are fatal for the scheduler, except DamagedRecord.
 /// One thread.

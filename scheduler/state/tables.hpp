@@ -57,8 +57,8 @@ class StoredTables {
   /// Returns the priorities that users have set, keyed by the name of a status row (rowNameOf).
   std::map<std::string, std::int32_t> priorities();
   std::vector<KeptOut> keptOut();
-  /// Returns the results that other workers are to solve again. They may not be recorded yet. The
-  /// value is true if two results of the transition differ.
+  /// Returns the results that other workers are to solve again, including results that are not
+  /// recorded yet. The value is true if two results of the transition differ.
   std::map<ResultKey, bool> checks();
 
  protected:
@@ -92,8 +92,8 @@ class Tables : public StoredTables {
   /// Limit on the rows of workers that left without having delivered a result. The latest rows are
   /// kept.
   static constexpr std::int64_t most_idle_departed = 1000;
-  /// Replaces the rows of these workers. Each heard_seconds_ago counts back from the time of the
-  /// call.
+  /// Inserts or replaces the rows of these workers, then applies the limit most_idle_departed. Each
+  /// heard_seconds_ago counts back from the time of the call.
   void writeServers(std::span<const wire::WorkerStatus> servers);
   void writeCounters(const Counters& counters);
 

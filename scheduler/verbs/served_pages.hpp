@@ -14,7 +14,7 @@ namespace palpate {
 
 /// Addresses of the pages that `serve` offers over HTTP; none by default.
 struct PageOptions {
-  std::string metrics;    ///< an HttpAddress; empty if there is no such page
+  std::string metrics;    ///< an HttpAddress; empty: no page of metrics
   std::string dashboard;  ///< port on 127.0.0.1; the system chooses for "0"; may be empty
 
   /// Declares --metrics and --dashboard.
