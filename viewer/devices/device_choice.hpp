@@ -52,8 +52,8 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceCo
 /// Returns a profile with the smaller force, the smaller stiffness and the smaller workspace radius
 /// of the two, and the name of the first.
 DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second);
-/// Returns a warning, as a sentence, if no haptic device has such limits: more than 100 N, or a
-/// workspace radius below 5 mm or above 2 m. Otherwise returns an empty string.
+/// Returns a warning, as a sentence, if no haptic device has limits like these: more than 100 N, or
+/// a workspace radius below 5 mm or above 2 m. Otherwise returns an empty string.
 std::string doubtsOf(const DeviceProfile& profile);
 
 }  // namespace palpate

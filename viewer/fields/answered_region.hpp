@@ -74,7 +74,7 @@ inline constexpr double farthest_in_radii = 4;
 
 /// Evaluates a field at a displacement, m. Calls inRegion(p) if the displacement is in the answered
 /// region, otherwise beyond(edge, unit, depth), which continues the field from the edge. A NaN
-/// gives a default sample.
+/// displacement gives a default sample.
 ///
 /// radius: of the ball, m. least_radius: m, a length up to which every displacement is in the
 /// region. edgeAlong(unit): returns the RegionEdge along a unit direction. Real time.

@@ -5,16 +5,16 @@
 namespace palpate {
 
 /// Returns energy, force and stiffness at every slot of a tree (a slot is a grid position where
-/// leaves meet), for methods that interpolate nodal data. They depend on the kind of the slot:
+/// leaves meet), for methods that interpolate nodal data. The data depend on the kind of the slot:
 ///
 ///   solved   the data of the lattice point
 ///   ghost    not solved: the values of a local polynomial of the energy (energy_jets.hpp)
 ///   hanging  zero, because the method interpolates them itself (fillHanging in cell_tree.hpp)
 ///
 /// A ghost's polynomial fits the data of the nearest solved points. It is exact for energies up to
-/// the third degree if enough solved points are near, and of lower order with fewer. With a single
-/// point it is the second-order expansion of the energy there. If the force of the polynomial
-/// differs too much from the forces of these points, its degree is lowered, down to 2.
+/// the third degree if enough solved points are near; with fewer points its order is lower. With a
+/// single point it is the second-order expansion of the energy there. If the force of the
+/// polynomial differs too much from the forces of these points, its degree is lowered, down to 2.
 ///
 /// ghosts: ghostPolynomials of the same tree and space, one per slot; no polynomial is fitted to
 /// both ends of an inconsistent edge. The result is the same on all machines of one kind. Any

@@ -49,7 +49,7 @@ CellField::CellField(std::string_view name, const CellData& data, Limit limit)
 }
 
 void CellField::setFlags(const std::vector<std::int32_t>& leaves) {
-  // Without such leaves flags_ stays empty, so the limiter costs nothing.
+  // If no leaf needs the limiter, flags_ stays empty and the limiter costs nothing.
   if (leaves.empty()) return;
   flags_.assign(nodes_.size(), 0);
   for (const std::int32_t leaf : leaves)

@@ -11,9 +11,9 @@ namespace palpate {
 /// Interpolation is tri-linear in the leaf around a displacement (PointBlend). The shape is
 /// therefore continuous over the whole ball, and its error is proportional to spacing^2.
 ///
-/// Each shape is a sum of a few orthonormal *modes*, enough to reproduce every coordinate of a
-/// stored shape within `largest_shape_error` (shape_modes.hpp). A corner of a leaf stores one
-/// factor per mode instead of the displacements of all nodes.
+/// Each shape is a linear combination of a few orthonormal *modes*, enough to reproduce every
+/// coordinate of a stored shape within `largest_shape_error` (shape_modes.hpp). A corner of a leaf
+/// stores one factor per mode instead of the displacements of all nodes.
 ///
 /// float32 throughout. Copies everything, so the dataset may be destroyed. Immutable: any number of
 /// threads may evaluate at the same time.

@@ -22,8 +22,8 @@ struct ForceSample {
   double coverage = 0;
   /// Whether the displacement is in the answered region (answered_region.hpp) and a corner of the
   /// cell around it is solved. Beyond that region the sample is a continuation, which only gets
-  /// stiffer and is not reliable; the error bound grows with the added force. A NaN gives false and
-  /// zero force.
+  /// stiffer and is not reliable; the error bound grows with the added force. False for a NaN
+  /// displacement, for which the force is zero.
   bool inside = false;
   double beyond = 0;  ///< m, length of the displacement's part beyond the answered region
 

@@ -16,9 +16,8 @@ using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
   return pack;
 }
 
-/// Returns sum + a * b, rounded only once if the machine has such an instruction. The code for
-/// WebAssembly imitates that with doubles, so that a page computes the same sums as the machine
-/// that made it.
+/// Returns sum + a * b. Machines with fused multiply-add round only once. The code for WebAssembly
+/// imitates this with doubles, so that a page computes the same sums as the machine that made it.
 template <class Factor>
 [[gnu::always_inline]] inline JetPack addedProduct(JetPack sum, Factor a, JetPack b) {
 #ifdef __wasm__

@@ -8,7 +8,7 @@ namespace palpate {
 /// Radial basis function phi(r).
 enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 
-/// Weights of the global interpolation of a space's force over its solved points (paper, Eq. 12):
+/// Weights that interpolate a space's force over its solved points (Peterlik et al. 2010, Eq. 12):
 ///
 ///   force(p) = sum over solved points i of  w_i phi(|p - p_i| / spacing)
 struct RbfWeights {
@@ -32,7 +32,7 @@ inline constexpr std::size_t most_rbf_points = 5000;
 /// thread.
 RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel);
 
-/// The paper's other method: one sum of radial functions over all solved points. One formula holds
+/// The paper's global method: one sum of radial functions over all solved points. One formula holds
 /// in the whole ball, without cells. The force therefore has continuous derivatives everywhere;
 /// with phi(r) = r, everywhere but at the solved points. The time of a query grows with the number
 /// of solved points, and the force is not conservative.

@@ -7,11 +7,11 @@ namespace palpate {
 /// One shape or mode per row: [shape][node, axis].
 using ShapeRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Returns orthonormal modes, one per row. Sums of modes reproduce all `shapes` (at least one
-/// shape, all finite). The error of every entry of a shape is at most `tolerance`, in the unit of
-/// the shapes, or the float precision of the largest shape. The modes are a reduced basis, chosen
-/// greedily (Buffa et al., ESAIM: M2AN 46, 2012): each mode is the direction of the shape with the
-/// largest remaining error.
+/// Returns orthonormal modes, one per row. Their linear combinations reproduce all `shapes` (at
+/// least one shape, all finite). The error of every entry of a shape is at most `tolerance`, in the
+/// unit of the shapes, or the float precision of the largest shape. The modes are a reduced basis,
+/// chosen greedily (Buffa et al., ESAIM: M2AN 46, 2012): each mode is the direction of the shape
+/// with the largest remaining error.
 ///
 /// If there are many shapes, the first modes are chosen from a few hundred shapes that are spread
 /// evenly over the list. Then all shapes are checked, and shapes with too large an error provide

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// The paper's other baseline (Lekien and Marsden 2005). In a leaf, each force component h is a
+/// The paper's tri-cubic method (Lekien and Marsden 2005). In a leaf, each force component h is a
 /// tensor product cubic Hermite polynomial. Its data are the eight derivatives d^(a+b+c) h / dx^a
 /// dy^b dz^c, a, b, c <= 1, at the corners. The derivatives are finite differences of the forces,
 /// so a cell depends on the 4 x 4 x 4 points around it. All leaves around a slot use the same

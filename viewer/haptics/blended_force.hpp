@@ -37,8 +37,8 @@ class BlendedForce {
   const Eigen::Vector3d& force() const { return sum_.force; }
   const Eigen::Matrix3d& stiffness() const { return sum_.stiffness; }
   /// Returns the sample of the anchor's area or, outside of areas, the weighted sums of the samples
-  /// of the spaces. In such a sum energy and error_bound are NaN if one space has none, inside is
-  /// true if all samples are inside, and beyond is the largest of all samples.
+  /// of the spaces. In a weighted sum, energy and error_bound are NaN if one space has none, inside
+  /// is true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
   /// Returns the share of the live solver's equilibria in the force, 0 to 1.
   double followed() const { return followed_; }

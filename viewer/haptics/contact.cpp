@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// A tool inside the body that is at most this far from its surface, m, can still enter. At such a
+/// A tool inside the body that is at most this far from its surface, m, can still enter. At this
 /// depth, rounding decides whether the tool is inside or outside.
 constexpr double graze = 1e-6;
 Eigen::Vector3d nowhere() noexcept {

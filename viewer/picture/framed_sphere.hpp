@@ -12,8 +12,8 @@ struct FramedSphere {
   double radius = 0.1;                               ///< m
 };
 
-/// Returns a sphere around all vertices (m). It is centred in their bounding box, and nearly the
-/// smallest such sphere.
+/// Returns a sphere around all vertices (m), nearly the smallest. Its centre is that of their
+/// bounding box.
 inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);

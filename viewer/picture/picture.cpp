@@ -121,8 +121,8 @@ struct Picture::Impl {
       BodyView& other = *shown[(at(model) + 1) % shown.size()];
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
-      // If the other dataset has no such touch, the two are not compared and each has its own
-      // scale. A larger scale would make the colours of the other one pale.
+      // If the other dataset cannot repeat this touch, the two are not compared and each has its
+      // own scale. A larger scale would make the colours of the other one pale.
       const bool compared = beside->touch.has_value();
       if (compared) other.useScaleOf(inUse());
       showBody(other, beside->touch.value_or(Touch()), state.method);

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Error bounds of a finger's area at one depth, over its whole surface. Also the errors at those
+/// Error bounds of a finger's area at one depth, over its whole surface, and the errors at the
 /// probes that are deeper than the previous depth, but not deeper than this one.
 struct DepthMeasures {
   double depth = 0;  ///< m, length of the displacements

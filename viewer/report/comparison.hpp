@@ -11,7 +11,7 @@ struct ComparedSide {
   double stiffness = not_measured;  ///< N/m at rest, mean over directions
   double mean_force = not_measured, largest_force = not_measured;  ///< N, over the displacements
                                                                    ///< that are compared
-  double mean_bound = not_measured;  ///< mean error bound of its interpolation, N
+  double mean_bound = not_measured;  ///< mean error bound of the interpolated forces, N
 };
 
 /// Mean magnitudes of the forces over 26 directions, at one distance from rest.
@@ -31,7 +31,7 @@ struct ComparedPlace {
   std::size_t displacements = 0;   ///< number of displacements that are compared
   Spread difference;               ///< N, |second force - first force|
   double relative = not_measured;  ///< sum of differences / sum of the forces of the first dataset
-  /// Forces along x, y and z through rest, [axis][dataset], each with one interpolation.
+  /// Forces on lines through rest along x, y and z, [axis][dataset]; interpolated by `method` only.
   std::array<std::array<ForceWay, 2>, 3> axes;
   std::vector<ForceAtDistance> distances;
 };

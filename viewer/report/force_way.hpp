@@ -15,7 +15,7 @@ struct AxisForces {
   void add(double displacement, double force);
 };
 
-/// Interpolated and exact forces along a straight path from rest.
+/// Interpolated and exact forces along a straight path from rest, or through rest.
 struct ForceWay {
   std::string name;                                      ///< a name for people
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit

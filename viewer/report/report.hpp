@@ -40,7 +40,7 @@ struct MethodMeasures : MethodTiming {
 struct LatticeMeasures : ComparedLattice {
   double configurations = 0;                      ///< number of solved points, mean over the
                                                   ///< compared active nodes
-  double factorizations = 0;                      ///< number of factorizations for these points,
+  double factorizations = 0;                      ///< number of factorisations for these points,
                                                   ///< per active node
   std::vector<MethodMeasures> methods;            ///< in the order of Report::methods
   std::vector<std::int64_t> node_configurations;  ///< number of solved points of each compared

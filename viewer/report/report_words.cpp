@@ -19,8 +19,8 @@ std::string describeHeldOut(const Report& report) {
         "There are no solved probes. The coarser lattices below are measured at {} that they leave "
         "out; the densest lattice cannot be measured.",
         counted(report.held_out.count, "lattice point"));
-  return "There are no solved probes, and no coarser lattice leaves out points that were solved: "
-         "errors cannot be measured.";
+  return "Errors cannot be measured: there are no solved probes, and no solved points that a "
+         "coarser lattice leaves out.";
 }
 
 std::vector<std::string> describeGaps(const Report& report) {
