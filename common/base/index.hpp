@@ -9,7 +9,7 @@
 namespace palpate {
 
 /// Converts the number of a node, point or cell to an index into a standard container, as in
-/// `nodes[at(number)]`. Such numbers are signed, so that -1 can mean "none", but `number` must not
+/// `nodes[at(number)]`. These numbers are signed, so that -1 can mean "none", but `number` must not
 /// be negative here. Real time.
 template <std::signed_integral Number>
 constexpr std::size_t at(Number number) noexcept {

@@ -63,8 +63,8 @@ class TextLines {
     return word;
   }
 
-  /// Reads the number of items that follow according to the file. It may be wrong, so pass it
-  /// through reserveFor() before memory is allocated for the items.
+  /// Reads the count of the items that follow. The count may be wrong, so pass it through
+  /// reserveFor() before memory is allocated for the items.
   std::size_t takeCount(const char* what) {
     const auto count = take<std::int64_t>(what);
     constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();

@@ -120,7 +120,7 @@ void CellTree::hang(CellSlot& slot) const {
 
 LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {
   // Position in the octant, a quarter of a coordinate unit from the point on each axis. Its
-  // coordinates are in such quarters.
+  // coordinates are multiples of this quarter.
   Eigen::Vector3d beside;
   for (std::size_t axis = 0; axis < 3; ++axis)
     beside[static_cast<Eigen::Index>(axis)] =

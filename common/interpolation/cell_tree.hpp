@@ -11,7 +11,7 @@ namespace palpate {
 enum class SlotKind : std::uint8_t {
   /// A lattice point with an equilibrium that interpolation uses (interpolatedPoints).
   solved,
-  /// A position without such an equilibrium: outside the ball, failed, or with too large a force.
+  /// A position without a usable equilibrium: outside the ball, failed, or with too large a force.
   /// Its data are extrapolated from solved points.
   ghost,
   /// A position on the boundary of a coarser leaf, but not at one of its corners. Its data are

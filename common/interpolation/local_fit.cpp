@@ -79,9 +79,9 @@ constexpr double distance_power = 4;  // weight of a source = distance^-distance
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
-/// A slope is used if its prediction is at most this many times as bad as predicting no change.
-/// Even such a slope is useful in the middle of a coarse cell. Near a point with singular
-/// stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
+/// A slope is used if its prediction is at most this many times as bad as predicting no change. In
+/// the middle of a coarse cell, even a slope with a bad prediction is useful. Near a point with
+/// singular stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 
 /// Returns the symmetric matrix with these components, in the order of symmetric_axes.

@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Fast test of FingerWeights::free_share, for fingers of one radius: whether a finger at a given
-/// place rests mostly on movable nodes. Copies the data it needs. Immutable, so any thread may use
-/// it.
+/// Tests quickly whether a finger at a given place rests mostly on movable nodes
+/// (FingerWeights::free_share). All fingers have one radius. Copies the data it needs. Immutable,
+/// so any thread may use it.
 class FreeShare {
  public:
   /// radius > 0, metres; `fixed` sorted.

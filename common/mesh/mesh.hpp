@@ -93,11 +93,11 @@ void addMidEdgeNodes(Mesh& mesh);
 inline constexpr double coincident_distance = 1e-6;
 
 /// Returns the nodes that coincide with a node of lower number, each as {node, lowest node that it
-/// coincides with}, ascending. Nodes coincide if they are at most `near` metres apart, directly or
-/// through a chain of such nodes.
+/// coincides with}, ascending. Nodes coincide if they are at most `near` metres apart, or joined by
+/// a chain of nodes whose distances are at most `near`.
 std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, double near);
 
-/// Returns whether the nodes (at least one) lie on one line. A body that is fixed only at such
+/// Returns whether the nodes (at least one) lie on one line. A body that is fixed only at collinear
 /// nodes can turn around the line.
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh);
 

@@ -38,13 +38,13 @@ class NearPoints {
 
 /// Chooses some of `places` by farthest-point sampling, so that every place has a chosen one near
 /// it. `distances` holds the largest wanted distance from each place to a chosen one, > 0. The
-/// first place is chosen first. The next choice is always the place that exceeds its wanted
-/// distance by the largest factor, until no place exceeds it. Distances are along straight lines,
-/// metres. Returns the chosen places in the order of choice, the same on every machine.
+/// first place is chosen first. The next is always the place whose distance to the nearest chosen
+/// place is the largest multiple of its wanted distance, until all multiples are at most 1.
+/// Distances are straight, metres. Returns the places in order of choice, the same on all machines.
 ///
 /// `accepts` is called before a place is chosen, with the number of places `taken` so far. Places
-/// that it refuses are never chosen and need no chosen place near them. It may throw, for instance
-/// if too many places are chosen.
+/// that it refuses are never chosen and need no chosen place near them. `accepts` may throw, for
+/// instance if too many places are chosen.
 std::vector<Eigen::Vector3d> farthestPoints(
     const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts);

@@ -172,7 +172,7 @@ class Warnings {
   }
 
   /// Warns about single layers of linear elements between the tool and nodes that are fixed or
-  /// belong to a nearly rigid region, because such elements cannot bulge.
+  /// belong to a nearly rigid region, because the elements of such a layer cannot bulge.
   void warnOfLayers() {
     if (scene_.discretization.displacement != DisplacementSpace::p1) return;
     const std::vector<Tetrahedron>& elements = problem_.mesh.tetrahedra;

@@ -78,8 +78,8 @@ std::string activeToml(const ActiveSelection& active) {
   return text;
 }
 
-/// Returns the table [accuracy]. It is empty if all values are defaults, so that such scenes keep
-/// their ids from before [accuracy] existed.
+/// Returns the table [accuracy]. It is empty if all values are defaults, so that scenes from before
+/// [accuracy] existed keep their ids.
 std::string accuracyToml(const Accuracy& accuracy) {
   if (accuracy == Accuracy{}) return {};
   const std::string error =

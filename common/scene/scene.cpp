@@ -95,7 +95,7 @@ void checkPressure(const TomlSection& section, const Discretization& d,
                         "P2 is of higher order than the displacement: write P1-stabilized or P1");
   if (!p1 && d.pressure == PressureSpace::p1_stabilized)
     throw section.wrong("pressure",
-                        "P1-stabilized is for P1 displacement; with P2 displacement P1 is stable");
+                        "P1-stabilized is only for displacement P1; with P2, write pressure = P1");
   if (d.pressure == PressureSpace::none && anyMaterial(regions, isIncompressible))
     throw section.wrong(
         "pressure",

@@ -30,7 +30,7 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
     std::ranges::copy(bytes.substr(0, length), reinterpret_cast<char*>(values->data()));
     bytes.remove_prefix(length);
     for (const float value : *values)
-      // Refuse such a value here. Newton's method would start from it and fail far from the cause.
+      // Refuse NaN and infinity here. Newton's method would start from them and fail elsewhere.
       if (!std::isfinite(value)) throw failure("nodal fields hold a value that is not finite");
   }
   return fields;

@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds reconnect_after{20000};
 /// network.
 constexpr std::uint32_t jobs_in_advance = 2;
 /// If this thread does not run for this long, the process was suspended or had no processor time.
-/// Such a gap is added neither to the silence of the scheduler nor to the time of the solver.
+/// This time is added neither to the silence of the scheduler nor to the time of the solver.
 constexpr std::chrono::milliseconds own_gap{3000};
 
 using Seconds = std::chrono::duration<double>;

@@ -20,8 +20,8 @@ struct NewtonOptions {
   /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). For bodies with a
   /// nearly rigid part, where a rotation increases the residual.
   bool affine_descent = false;
-  /// The same tangent is used again if the last iteration multiplied the residual norm by at most
-  /// this factor ...
+  /// After a full step (unless renew_always), the same tangent is used again if the step multiplied
+  /// the residual norm by at most this factor ...
   double slow_contraction = 0.5;
   /// ... or if, at that rate of convergence, at most this many iterations are left.
   int iterations_worth_a_tangent = 8;
