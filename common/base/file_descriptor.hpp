@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Owns a file descriptor; -1 means none. The destructor ignores errors of close(), so sync data
-/// that must reach the disk before this object is destroyed.
+/// Owns a file descriptor; -1 means none. The destructor ignores errors of close(). If data must
+/// reach the disk, sync them before this object is destroyed.
 class FileDescriptor {
  public:
   FileDescriptor() = default;

@@ -365,8 +365,7 @@ void finishMesh(Mesh& mesh, const std::string& source) {
   dropOrphans(mesh);
   orient(mesh, source);
   deriveSurface(mesh, source);
-  // Tetrahedra with positive volumes have an outer surface; without one their volumes would add up
-  // to zero.
+  // Without an outer surface the signed volumes would add up to zero, but here all are positive.
   PALPATE_ASSERT(!mesh.surface.empty(), "a mesh needs a surface triangle");
 }
 

@@ -56,9 +56,8 @@ struct FleetLimits {
 };
 
 /// Returns the number of workers to request, or, if too few transitions are ready, minus the number
-/// of queued workers to cancel. Running workers leave by themselves when they are idle. Follows
-/// HyperQueue's automatic allocation (backlog, most workers, least use), with ready transitions in
-/// place of its task queue.
+/// of queued workers to cancel. Running workers leave by themselves when they are idle. Follows the
+/// automatic allocation of HyperQueue, with ready transitions in place of HyperQueue's task queue.
 int moreWorkers(const FleetView& view, const FleetLimits& limits);
 
 }  // namespace palpate

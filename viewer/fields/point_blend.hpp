@@ -20,7 +20,7 @@ using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// configurations. Forces are interpolated by ForceField instead.
 ///
 /// Interpolation is tri-linear in the leaf around a displacement. A ghost corner is extrapolated
-/// from the nearest solved corners, at most 20, without corners on another branch than the nearest.
+/// from the nearest solved corners, at most 20, but only from those on the branch of the nearest.
 /// The extrapolation is exact for linear functions, and nearer points weigh more. If these corners
 /// do not span the space, only the nearest is used. A hanging corner is interpolated in its coarser
 /// leaf. Factors sum to 1; some may be negative.

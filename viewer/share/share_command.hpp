@@ -15,8 +15,8 @@ struct ShareOptions {
 
 /// Runs `palpate share`: writes a dataset as one HTML file that can be touched, and prints its
 /// size. Error (bad input) as in Dataset, or if the page would replace the dataset. Error if the
-/// page cannot be written, in which case no incomplete file is left, or if this palpate contains no
-/// fields for pages (requirePageField).
+/// page cannot be written (no incomplete file is left), or if this build of palpate contains no
+/// force fields for pages (requirePageField).
 ExitCode share(const ShareOptions& options, std::ostream& output);
 
 /// The command `share` of palpate-answers, on standard output.

@@ -64,9 +64,9 @@ struct ElementParameters {
   LawName law = LawName::mooney_rivlin;
   double lambda = 0, mu = 0;                     ///< Pa; as in the formula of the law
   double c10 = 0, c01 = 0, c20 = 0, c30 = 0;     ///< Pa
-  double c1 = 0, c2 = 0;                         ///< Pa, -
-  double k1 = 0, k2 = 0, dispersion = 0;         ///< Pa, -, -
-  double ogden_mu[3] = {}, ogden_alpha[3] = {};  ///< Pa, -
+  double c1 = 0, c2 = 0;                         ///< Pa; c2 has no unit
+  double k1 = 0, k2 = 0, dispersion = 0;         ///< Pa; k2 and dispersion have no unit
+  double ogden_mu[3] = {}, ogden_alpha[3] = {};  ///< Pa; alpha has no unit
   int ogden_terms = 0;
 };
 

@@ -42,8 +42,8 @@ PALPATE_INLINE void addAtVertices(const Point& x, const Pack (&nodal)[Space::nod
       for (int i = 0; i < 3; ++i) d[Space::end[a][e]][i] += Space::slope(a, e, x) * nodal[a][i];
 }
 
-/// Returns the derivative with respect to component i of u_a. `vertex` has the derivatives with
-/// respect to d.
+/// Returns the derivative with respect to component i of u_a, the displacement of node a. `vertex`
+/// has the derivatives with respect to the vertex displacements of addAtVertices().
 template <class Space>
 PALPATE_INLINE Pack atNode(int a, int i, const Point& x, const PerVertex& vertex) {
   Pack sum = Space::slope(a, 0, x) * vertex[Space::end[a][0]][i];
