@@ -121,7 +121,7 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
   for (const wire::SpaceStatus& space : snapshot().status->spaces()) points += space.points();
   if (points > most_points_explained)
     return httpError(
-        413, fmt::format("{} points are too many to read beside the scheduler; run instead: "
+        413, fmt::format("{} points are too many to read in the scheduler; run instead: "
                          "palpate explain {} --active {} {:g} {:g} {:g}",
                          points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
                          point[0], point[1], point[2]));

@@ -59,7 +59,7 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
       counts.unsolved());
   if (probes.area.count > 0)
     text += fmt::format(
-        " Of those within max_force, {} meet the target {}; with the nearest site alone, {} do. "
+        " Within max_force, {} meet the target {}; with the nearest site alone, {} do. "
         "The error bound holds at {}; it is {} times the error in the median and {} times at 95 "
         "%.",
         formatShare(probes.area.within_target), describeTarget(report),
