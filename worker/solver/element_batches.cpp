@@ -38,7 +38,8 @@ std::vector<ElementParameters> elementParameters(const BodyModel& model, double 
     p.mu = shearModulus(m);
     if (m.poisson) p.lambda = 2 * p.mu * *m.poisson / (1 - 2 * *m.poisson);
     // The pressure replaces the term with lambda (addTraceConstraint()).
-    if (isCompressible(m.law) && p.pressure != PressureSpace::none) p.bulk = std::exchange(p.lambda, 0);
+    if (isCompressible(m.law) && p.pressure != PressureSpace::none)
+      p.bulk = std::exchange(p.lambda, 0);
     p.c10 = m.c10;
     p.c01 = m.c01;
     p.c20 = m.c20;
