@@ -22,8 +22,6 @@ constexpr std::uint32_t most_segments = 999999;
 /// The beginning of a record, of fixed size. The header and the payload follow.
 struct Head {
   static constexpr std::string_view whole = "PJR3", dropped = "PJRX";
-  /// written by older versions; no longer readable
-  static constexpr std::string_view older = "PJR2";
 
   std::array<char, 4> magic = {'P', 'J', 'R', '3'};
   std::uint32_t header_bytes = 0, payload_bytes = 0;
@@ -48,7 +46,7 @@ std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
   return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
 }
 
-/// `place` is placeCrcOf(), or 0 for the older format, whose checksum does not cover the place.
+/// `place` is placeCrcOf().
 std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
   return crcOf(header, crcOf(lengths, place));
@@ -105,10 +103,18 @@ class SegmentFile {
   /// Returns the Head and the header of the record at `offset`; none if either is damaged or if the
   /// record would not fit into the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
-    return headAt(offset, Head::whole, placeCrcOf(number_, offset));
+    Head head;
+    const std::string_view bytes = peek(offset, sizeof head);
+    if (bytes.size() < sizeof head) return std::nullopt;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    if (!head.is(Head::whole) && !head.is(Head::dropped)) return std::nullopt;
+    if (head.recordBytes() > bytes_ - offset) return std::nullopt;
+    const std::string_view header = peek(offset + sizeof head, head.header_bytes);
+    const std::uint32_t place = placeCrcOf(number_, offset);
+    if (header.size() != head.header_bytes || headerCrcOf(head, header, place) != head.header_crc)
+      return std::nullopt;
+    return std::pair(head, std::string(header));
   }
-  /// True if the segment begins with a record of the previous format.
-  bool isOlder() const { return headAt(0, Head::older, 0).has_value(); }
   bool payloadIsWhole(std::uint64_t offset, const Head& head) const {
     const std::string_view payload =
         peek(offset + sizeof head + head.header_bytes, head.payload_bytes);
@@ -137,20 +143,6 @@ class SegmentFile {
   }
 
  private:
-  std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset, std::string_view whole,
-                                                     std::uint32_t place) const {
-    Head head;
-    const std::string_view bytes = peek(offset, sizeof head);
-    if (bytes.size() < sizeof head) return std::nullopt;
-    std::memcpy(&head, bytes.data(), sizeof head);
-    if (!head.is(whole) && !head.is(Head::dropped)) return std::nullopt;
-    if (head.recordBytes() > bytes_ - offset) return std::nullopt;
-    const std::string_view header = peek(offset + sizeof head, head.header_bytes);
-    if (header.size() != head.header_bytes || headerCrcOf(head, header, place) != head.header_crc)
-      return std::nullopt;
-    return std::pair(head, std::string(header));
-  }
-
   /// Does the same as read(), but the bytes are valid only until the next call. Buffers sequential
   /// reads: small records then need no system call each, and for large records little more than the
   /// head is read.
@@ -221,11 +213,6 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
     else
       gap(Kind::damaged, from, to, no_record);
   };
-  if (file.isOlder())
-    throw badInput(
-        "{}: was written by an older Palpate, whose records this version cannot read: continue "
-        "with the older version, or use another --state directory",
-        file.path().string());
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
     auto record = file.headAt(at);

@@ -95,8 +95,7 @@ class JournalReader {
   using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
   /// Finds all records, even between damaged bytes, and passes them to `visit` in the order of
   /// appending. Reads the header of every record. In the last segment, where a crash may leave a
-  /// partial record, reads and checks the payloads too. Throws (bad input) if an older Palpate
-  /// wrote the journal.
+  /// partial record, reads and checks the payloads too.
   JournalScan scan(const Visit& visit) const;
   /// Reads a record. Throws DamagedRecord if the record is missing or is not what was written.
   JournalRecord read(const JournalPosition& position) const;

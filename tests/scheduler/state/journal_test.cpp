@@ -236,14 +236,6 @@ TEST_F(JournalTest, ACopyOfASegmentUnderAnotherNumberHoldsNoRecord) {
   EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat")));
 }
 
-TEST_F(JournalTest, RefusesAndKeepsFilesOfAnOlderPalpate) {
-  using std::string_literals::operator""s;
-  const std::string older = "PJR2\4\0\0\0\0\0\0\0\x90\xd4\x64\xfe\0\0\0\0head"s;
-  putInto(first, older);
-  test::expectBadInput([&] { open(); }, {"segment-000001.dat", "older Palpate", "--state"});
-  EXPECT_EQ(bytesIn(first), older);
-}
-
 TEST_F(JournalTest, AStretchTooShortForARecordIsDropped) {
   Journal journal = open(10);
   const JournalPosition before = journal.append("before", "payload");
