@@ -62,14 +62,9 @@ class Inspector {
                                                        : Database::Access::read_untouched);
       tables.verify();
       const StoredBuild& build = tables.build();
-      std::optional<Problem> problem;
-      try {
-        problem = decodeProblem(build.problem);
-      } catch (const Error& error) {
-        throw DamagedDatabase(file, error.what());
-      }
-      if (problemId(*problem) != build.build)
-        throw DamagedDatabase(file, "its problem does not match its build id");
+      std::optional<Problem> problem = problemOf(build);
+      if (!problem)
+        throw DamagedDatabase(file, "its problem is damaged or does not match its build id");
       found_.build = build.build;
       found_.scene_name = build.scene_name;
       found_.problem = std::move(problem);

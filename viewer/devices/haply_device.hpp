@@ -15,8 +15,7 @@ namespace palpate {
 inline constexpr DeviceProfile inverse3_profile{"inverse3", 4, 1000, 0.115};
 
 struct HaplyDeviceOptions {
-  std::string id = {};                ///< "049D", as the service shows it; empty: the first device
-  std::string address = "127.0.0.1";  ///< IP address of the Haply Inverse Service
+  std::string id = {};  ///< "049D", as the service shows it; empty: the first device
   std::uint16_t port = 10001;
   /// Middle of the workspace relative to the origin of the device's own frame, which lies on the
   /// mounting plate; along our axes, m. The default is the position of the resting cursor in the
@@ -38,7 +37,7 @@ struct HaplyDeviceOptions {
 /// The connection is restored automatically.
 class HaplyDevice : public ThreadedDevice {
  public:
-  /// Does not wait for the service. Throws Error (bad input) if the address is not an IP address.
+  /// Does not wait for the service.
   explicit HaplyDevice(HaplyDeviceOptions options);
 
   std::string name() const override;

@@ -226,21 +226,14 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
-  // If an older recording has no such arrays, assume a device that was read within the tick.
-  const bool held =
-      std::ranges::count(in.arrays(), "/device/held_times", &hdf5::ArrayInfo::path) > 0;
-  std::vector<Eigen::Vector3d> times;
-  std::vector<std::uint32_t> forces;
-  if (held) {
-    times = in.readList<Eigen::Vector3d>("/device/held_times", positions.size());
-    forces = in.readList<std::uint32_t>("/device/held_forces", positions.size());
-  }
+  const auto times = in.readList<Eigen::Vector3d>("/device/held_times", positions.size());
+  const auto forces = in.readList<std::uint32_t>("/device/held_forces", positions.size());
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::away)
       throw in.damaged("/device/status", fmt::format("entry {} is not a known status", tick));
-    recording.readings.push_back({positions[tick], buttons[tick], status[tick],
-                                  held ? heldForces(forces[tick], times[tick]) : HeldForces{}});
+    recording.readings.push_back(
+        {positions[tick], buttons[tick], status[tick], heldForces(forces[tick], times[tick])});
   }
   return recording;
 }

@@ -11,7 +11,6 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/expect_error.hpp"
 #include "tests/viewer/devices/polling.hpp"
 #include "tests/viewer/devices/real_time_threads.hpp"
 #include "viewer/devices/haply_message.hpp"
@@ -270,16 +269,6 @@ TEST(HaplyDevice, LeavesTheDeviceWithZeroForce) {
   EXPECT_TRUE(eventually([&] {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));
   }));
-}
-
-TEST(HaplyDevice, RefusesAnAddressThatIsNotANumber) {
-  test::expectBadInput(
-      [] {
-        HaplyDeviceOptions options;
-        options.address = "nowhere";
-        HaplyDevice device(options);
-      },
-      {"nowhere", "127.0.0.1"});
 }
 
 }  // namespace
