@@ -3,13 +3,13 @@
 #include <spdlog/spdlog.h>
 #include <strings.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <iostream>
 #include <sstream>
 
 #include "common/base/foreign_program.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/text.hpp"
 #include "viewer/view_command.hpp"
 
@@ -119,11 +119,10 @@ ExitCode makeScene(const TouchOptions& options, const path& scene) {
 std::function<ExitCode()> prepareTouch(CLI::App& app) {
   auto options = std::make_shared<TouchOptions>();
   auto view_options = std::make_shared<ViewOptions>();
-  app.add_option("ORGAN", options->organ,
-                 "A closed surface (.stl, .obj, .ply, .off), a mesh of tetrahedra (.msh, .vtu, or "
-                 "another format that palpate mesh reads), or a scene (.toml)")
-      ->required()
-      ->type_name("FILE");
+  addRequired(app, "ORGAN", options->organ,
+              "A closed surface (.stl, .obj, .ply, .off), a mesh of tetrahedra (.msh, .vtu, or "
+              "another format that palpate mesh reads), or a scene (.toml)",
+              "FILE");
   app.add_option("--nodes", options->nodes,
                  fmt::format("Approximate number of nodes for a surface [{}]", usual_nodes))
       ->type_name("N");

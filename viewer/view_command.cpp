@@ -1,8 +1,8 @@
 #include "viewer/view_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "common/base/required_option.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/fields/field_choice.hpp"
 
@@ -62,12 +62,11 @@ void addTouchOptions(CLI::App& app, ViewOptions& options, std::string& contact) 
 
 std::function<ExitCode()> prepareView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
-  app.add_option(
-         "DATASET", options->datasets,
-         "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
-         "which is solved near the hand")
-      ->required()
-      ->type_name("FILE");
+  addRequired(
+      app, "DATASET", options->datasets,
+      "Sealed datasets, OUT.h5; the picture can switch between them. Or a scene, SCENE.toml, "
+      "which is solved near the hand",
+      "FILE");
   app.add_option("--live", options->live,
                  "Scene of the first dataset: solve it near the hand, and correct the forces")
       ->type_name("SCENE");

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-
+#include "common/base/required_option.hpp"
 #include "common/base/terminal.hpp"
 #include "worker/check/scene_report.hpp"
 #include "worker/verbs.hpp"
@@ -14,9 +13,7 @@ struct CheckOptions {
   bool json = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("SCENE", scene, "The scene, a TOML file (docs/scene.md)")
-        ->required()
-        ->type_name("FILE");
+    addRequired(app, "SCENE", scene, "The scene, a TOML file (docs/scene.md)", "FILE");
     app.add_flag("--json", json, "Print one JSON object, lengths in metres");
     app.footer(
         "palpate check DIRECTORY checks a state directory for damage, and repairs it with "

@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
+#include "common/base/required_option.hpp"
 #include "common/keys/key_options.hpp"
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/link/follow_server.hpp"
@@ -17,10 +16,8 @@ struct FollowOptions {
   KeyOptions keys;
 
   void addTo(CLI::App& app) {
-    app.add_option("--listen", endpoint,
-                   "Endpoint for `palpate view --live`: tcp://HOST:PORT or ipc://PATH")
-        ->required()
-        ->type_name("ENDPOINT");
+    addRequired(app, "--listen", endpoint,
+                "Endpoint for `palpate view --live`: tcp://HOST:PORT or ipc://PATH", "ENDPOINT");
     keys.addTo(app, "Serve clients without a key");
     app.footer(
         "Solves configurations near the hand of one haptic client at a time, so that this client\n"

@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
+#include "common/base/required_option.hpp"
 #include "common/base/scratch_folder.hpp"
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
@@ -27,13 +26,12 @@ struct MeshOptions {
   bool largest = false, straight = false, weld = false;
 
   void addTo(CLI::App& app) {
-    app.add_option(
-           "INPUT", input,
-           "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, .inp, "
-           ".feb, .node, .msh, or another format that meshio reads)")
-        ->required()
-        ->type_name("FILE");
-    app.add_option("-o,--output", output, "The mesh to write")->required()->type_name("FILE.msh");
+    addRequired(
+        app, "INPUT", input,
+        "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, .inp, "
+        ".feb, .node, .msh, or another format that meshio reads)",
+        "FILE");
+    addRequired(app, "-o,--output", output, "The mesh to write", "FILE.msh");
     app.add_option("--nodes", nodes, "Approximate number of nodes for a surface [1000]")
         ->check(CLI::Range(4, most_nodes))
         ->type_name("N");

@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <cctype>
 
+#include "common/base/required_option.hpp"
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
@@ -15,13 +15,10 @@ struct NewOptions {
   std::string place, mesh, unit;
 
   void addTo(CLI::App& app) {
-    app.add_option("PLACE", place,
-                   "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml")
-        ->required()
-        ->type_name("FOLDER|FILE");
-    app.add_option("--mesh", mesh, "Mesh, written by palpate mesh or Gmsh")
-        ->required()
-        ->type_name("FILE.msh");
+    addRequired(app, "PLACE", place,
+                "Folder to make, for scene.toml and the mesh; or the scene, NAME.toml",
+                "FOLDER|FILE");
+    addRequired(app, "--mesh", mesh, "Mesh, written by palpate mesh or Gmsh", "FILE.msh");
     app.add_option("--unit", unit, "Length unit of the mesh: m, cm or mm [guessed]")
         ->type_name("UNIT");
     app.footer(

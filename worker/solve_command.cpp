@@ -1,12 +1,12 @@
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/base/assertion.hpp"
 #include "common/base/displacement_input.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/required_option.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -25,9 +25,7 @@ struct SolveOptions {
   bool json = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("SCENE", scene, "The scene, a TOML file (docs/scene.md)")
-        ->required()
-        ->type_name("FILE");
+    addRequired(app, "SCENE", scene, "The scene, a TOML file (docs/scene.md)", "FILE");
     app.add_option("--active", active,
                    "Active node, or surface that a finger touches; not needed if there is only one")
         ->type_name("NAME");

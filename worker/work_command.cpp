@@ -236,23 +236,19 @@ class Supervisor {
 
 std::function<ExitCode()> prepareWork(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
-  app.add_option("--connect", options->session.endpoint, "The scheduler, tcp://HOST:PORT")
-      ->capture_default_str();
+  app.option_defaults()->always_capture_default();
+  app.add_option("--connect", options->session.endpoint, "The scheduler, tcp://HOST:PORT");
   app.add_option("-j,--workers", options->workers, "Worker processes; each uses one core")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 4096));
   app.add_option("--give-up", options->session.give_up_s,
                  "End after this many seconds without a message from the scheduler")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   app.add_option("--drain", options->session.drain_s,
                  "On SIGTERM, wait at most this many seconds for the running solve")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--leave-idle", options->session.leave_idle_s,
                  "Leave after this many seconds without work; 0: never")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   options->keys.addTo(app, "Connect without a key, to a scheduler that asks for none");
   // Options from a supervisor to its children.
   app.add_flag("--alone", options->alone)->group("");

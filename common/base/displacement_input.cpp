@@ -48,28 +48,27 @@ std::vector<std::string> wordsIn(std::string line) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+/// Adds an option for three numbers, or for - alone.
+CLI::Option* addTriple(CLI::App& app, const char* name, std::vector<std::string>& words,
+                       const char* help) {
+  CLI::Option* const option = app.add_option(name, words, help)->expected(1, 3);
+  return option->allow_extra_args(false)->type_name("X Y Z");
+}
+
 }  // namespace
 
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words) {
-  return app
-      .add_option(
-          "--at", words,
-          "Place of a finger, m (the nearest surface point is used); or - to read the six numbers "
-          "X Y Z of place and displacement from each line")
-      ->expected(1, 3)
-      ->allow_extra_args(false)
-      ->type_name("X Y Z");
+  return addTriple(
+      app, "--at", words,
+      "Place of a finger, m (the nearest surface point is used); or - to read the six numbers "
+      "X Y Z of place and displacement from each line");
 }
 
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words) {
-  return app
-      .add_option(
-          "--displacement", words,
-          "Displacement of the active node, metres; or - to read one per line from standard input")
-      ->required()
-      ->expected(1, 3)
-      ->allow_extra_args(false)
-      ->type_name("X Y Z");
+  CLI::Option* const option = addTriple(
+      app, "--displacement", words,
+      "Displacement of the active node, metres; or - to read one per line from standard input");
+  return option->required();
 }
 
 void forEachTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,

@@ -1,5 +1,5 @@
-#include <CLI/CLI.hpp>
 
+#include "common/base/required_option.hpp"
 #include "scheduler/verbs/inspection_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
@@ -12,7 +12,7 @@ struct CheckStateOptions {
   bool json = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("DIRECTORY", directory, "State directory (docs/internals/state.md)")->required();
+    addRequired(app, "DIRECTORY", directory, "State directory (docs/internals/state.md)");
     app.add_flag("--repair", repair,
                  "Drop damaged records and rebuild damaged tables; no scheduler may run");
     app.add_flag("--json", json, "Print one JSON object (docs/commands.md)");

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <deque>
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/required_option.hpp"
 #include "scheduler/events/event_log.hpp"
 #include "scheduler/events/event_reader.hpp"
 #include "scheduler/state/state_directory.hpp"
@@ -22,8 +22,7 @@ struct EventsOptions {
   bool follow = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("STATE", state, "State directory, with or without a running scheduler")
-        ->required();
+    addRequired(app, "STATE", state, "State directory, with or without a running scheduler");
     app.add_flag("-f,--follow", follow, "Continue with new events until interrupted");
     app.add_option("--last", last, "Print the last N events")->type_name("N");
     app.add_option("--event", words, "Print only these events (docs/commands.md)")

@@ -1,5 +1,5 @@
-#include <CLI/CLI.hpp>
 
+#include "common/base/required_option.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/verbs/explanation.hpp"
 #include "scheduler/verbs/verbs.hpp"
@@ -17,14 +17,13 @@ struct ExplainOptions {
   bool json = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("WHERE", where, "Dataset (OUT.h5) or state directory")->required();
+    addRequired(app, "WHERE", where, "Dataset (OUT.h5) or state directory");
     app.add_option("--active", active, "Name of the active node, area or site [the only one]");
     app.add_option("--at", at, "For an area: use the site nearest to this place, metres")
         ->expected(3);
-    app.add_option(
-           "I", point[0],
-           "Lattice coordinates of the point, in spacings; those of refined points have fractions")
-        ->required();
+    addRequired(
+        app, "I", point[0],
+        "Lattice coordinates of the point, in spacings; those of refined points have fractions");
     app.add_option("J", point[1])->required();
     app.add_option("K", point[2])->required();
     app.add_flag("--json", json, "Print one JSON object (docs/commands.md)");

@@ -1,10 +1,10 @@
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <thread>
 
 #include "common/base/number_text.hpp"
+#include "common/base/required_option.hpp"
 #include "scheduler/fleet/slurm_fleet.hpp"
 #include "scheduler/fleet/ssh.hpp"
 #include "scheduler/state/tables.hpp"
@@ -180,9 +180,8 @@ void addTo(CLI::App& app, SlurmFleetOptions& options) {
 
 void addTo(CLI::App& app, SshFleetOptions& options) {
   addTo(app, static_cast<FleetOptions&>(options));
-  app.add_option("--hosts", options.hosts,
-                 "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]")
-      ->required();
+  addRequired(app, "--hosts", options.hosts,
+              "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]");
   app.add_option("--program", options.program, "Path or name of palpate on the machines")
       ->capture_default_str();
   app.add_option("SSH", options.ssh.more, "Options for ssh, after --: -- -p 2222 -i KEY");

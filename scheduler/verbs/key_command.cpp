@@ -1,5 +1,5 @@
-#include <CLI/CLI.hpp>
 
+#include "common/base/required_option.hpp"
 #include "common/keys/key_folder.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/verbs/verbs.hpp"
@@ -89,18 +89,15 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   declare(app, order, "show", "Print your public key, the allowed keys and the known servers",
           show);
   CLI::App& allowed = declare(app, order, "allow", "Allow the holder of a key to connect", allow);
-  allowed.add_option("KEY", order->key, "Public key of the holder, from palpate key show")
-      ->required();
-  allowed
-      .add_option("ROLES", order->roles, "worker, observer, operator, or several (worker,observer)")
-      ->required();
+  addRequired(allowed, "KEY", order->key, "Public key of the holder, from palpate key show");
+  addRequired(allowed, "ROLES", order->roles,
+              "worker, observer, operator, or several (worker,observer)");
   allowed.add_option("NAME", order->name, "Readable name of the key");
   declare(app, order, "withdraw", "Withdraw the permission of a key", withdraw)
       .add_option("KEY", order->key, "Digits or name of the key")
       ->required();
   CLI::App& trusted = declare(app, order, "trust", "Record the public key of a server", trust);
-  trusted.add_option("KEY", order->key, "Public key of the server, from palpate key show")
-      ->required();
+  addRequired(trusted, "KEY", order->key, "Public key of the server, from palpate key show");
   trusted.add_option("--at", order->endpoint, "Endpoint of the server [every server]");
   app.require_subcommand(1);
   app.footer(

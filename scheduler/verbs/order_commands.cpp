@@ -1,7 +1,7 @@
-#include <CLI/CLI.hpp>
 
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/text.hpp"
 #include "scheduler/builds/asked_scheduler.hpp"
 #include "scheduler/builds/recorded_build.hpp"
@@ -57,10 +57,9 @@ struct PriorityOptions {
 
   void addTo(CLI::App& app) {
     asked.addTo(app);
-    app.add_option("SPACE", space, "Name of the space, as status prints it")->required();
-    app.add_option("PRIORITY", priority,
-                   "Priority, initially 0; spaces with a higher priority are computed first")
-        ->required();
+    addRequired(app, "SPACE", space, "Name of the space, as status prints it");
+    addRequired(app, "PRIORITY", priority,
+                "Priority, initially 0; spaces with a higher priority are computed first");
     app.footer("Priorities do not change the dataset.");
   }
 };

@@ -1,5 +1,5 @@
-#include <CLI/CLI.hpp>
 
+#include "common/base/required_option.hpp"
 #include "common/base/whole_file.hpp"
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/verbs/status_text.hpp"
@@ -24,9 +24,8 @@ struct SealOptions {
   bool replace = false;
 
   void addTo(CLI::App& app) {
-    app.add_option("STATE", state, "State directory, with or without a running scheduler")
-        ->required();
-    app.add_option("-o,--output", out, "Dataset to write")->required();
+    addRequired(app, "STATE", state, "State directory, with or without a running scheduler");
+    addRequired(app, "-o,--output", out, "Dataset to write");
     app.add_flag("--replace", replace, "Replace OUTPUT if it holds something else");
     app.footer(
         "Until the build is complete, the dataset is partial, and marked as such: you can touch "

@@ -4,12 +4,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/terminal.hpp"
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
@@ -329,9 +329,7 @@ class ServedBuild {
 }  // namespace
 
 void BuildOrder::addTo(CLI::App& app) {
-  app.add_option("SCENE", scene, "Scene, a TOML file (docs/scene.md)")
-      ->required()
-      ->type_name("FILE");
+  addRequired(app, "SCENE", scene, "Scene, a TOML file (docs/scene.md)", "FILE");
   app.add_option("-o,--output", out,
                  "Dataset to write [the scene's name with .h5, in the current directory]");
   app.add_option("--state", state, "State directory, on a local disk [OUTPUT.state]");

@@ -2,12 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "common/base/number_text.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/configuration_source.hpp"
@@ -136,14 +136,12 @@ ExitCode exportCurve(const std::vector<WayStep>& way, const ExportTarget& target
 
 std::function<ExitCode()> prepareExport(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  app.add_option("DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5")
-      ->required()
-      ->type_name("FILE");
-  app.add_option(
-         "-o,--output", options->output,
-         fmt::format("Output file; its ending selects the format: {}", ExportTarget::endings()))
-      ->required()
-      ->type_name("FILE");
+  addRequired(app, "DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5",
+              "FILE");
+  addRequired(
+      app, "-o,--output", options->output,
+      fmt::format("Output file; its ending selects the format: {}", ExportTarget::endings()),
+      "FILE");
   app.add_option("--active", options->active,
                  "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");

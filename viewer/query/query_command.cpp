@@ -1,11 +1,11 @@
 #include "viewer/query/query_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/base/assertion.hpp"
+#include "common/base/required_option.hpp"
 #include "common/dataset/dataset.hpp"
 #include "viewer/answers/force_answers.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -141,9 +141,7 @@ std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
 }  // namespace
 
 void QueryOptions::addTo(CLI::App& app) {
-  app.add_option("DATASET", dataset, "Sealed dataset from palpate build, OUT.h5")
-      ->required()
-      ->type_name("FILE");
+  addRequired(app, "DATASET", dataset, "Sealed dataset from palpate build, OUT.h5", "FILE");
   app.add_option("--active", active, "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");
   addPlaceOption(app, at);

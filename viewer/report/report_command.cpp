@@ -1,10 +1,10 @@
 #include "viewer/report/report_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 
 #include "common/base/error.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/report/comparison.hpp"
@@ -41,12 +41,10 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
 }  // namespace
 
 void ReportCommandOptions::addTo(CLI::App& app) {
-  app.add_option(
-         "DATASET", report.datasets,
-         "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
-         "points to the curves; two of different organs or materials are compared")
-      ->required()
-      ->type_name("FILE");
+  addRequired(app, "DATASET", report.datasets,
+              "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
+              "points to the curves; two of different organs or materials are compared",
+              "FILE");
   app.add_option("--methods", report.methods,
                  fmt::format("Methods to measure, separated by commas [all]: {}",
                              fmt::join(forceFieldMethods(), ", ")))

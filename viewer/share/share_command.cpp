@@ -1,9 +1,9 @@
 #include "viewer/share/share_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "common/base/error.hpp"
+#include "common/base/required_option.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/dataset/dataset.hpp"
 #include "viewer/share/organ_of_dataset.hpp"
@@ -12,10 +12,8 @@
 namespace palpate {
 
 void ShareOptions::addTo(CLI::App& app) {
-  app.add_option("DATASET", dataset, "Sealed dataset from palpate build, OUT.h5")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("-o,--output", output, "Page to write")->required()->type_name("FILE.html");
+  addRequired(app, "DATASET", dataset, "Sealed dataset from palpate build, OUT.h5", "FILE");
+  addRequired(app, "-o,--output", output, "Page to write", "FILE.html");
   app.footer(
       "The page needs no other file, no server and no network: send it, open it, press the organ\n"
       "with the mouse or a finger. Its forces are those of palpate query (docs/sharing.md).");
