@@ -84,16 +84,6 @@ constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e
 /// singular stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 
-/// Returns the symmetric matrix with these components, in the order of symmetric_axes.
-Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
-  Eigen::Matrix3d matrix;
-  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
-    const auto [a, b] = symmetric_axes[c];
-    matrix(a, b) = matrix(b, a) = components[static_cast<Eigen::Index>(c)];
-  }
-  return matrix;
-}
-
 KnownOrders oneLess(KnownOrders known) {
   return static_cast<KnownOrders>(static_cast<int>(known) - 1);
 }
@@ -193,6 +183,22 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
       .first->second;
 }
 
+Eigen::VectorXd LocalFits::fitted(const Factors& factors, const std::vector<FitSource>& sources,
+                                  const LocalPolynomial& known) const {
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
+  Eigen::Index row = 0;
+  for (const FitSource& source : sources) {
+    const LatticePoint& o = source.offset;
+    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
+    right.segment(row, numbers) =
+        dataOf(*source.data, known.scale, kind_.known).head(numbers) -
+        known.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
+    row += numbers;
+  }
+  right.head(factors.weights.size()).array() *= factors.weights.array();
+  return factors.qr.solve(right);
+}
+
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
   PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "solved points must have first derivatives");
   // Sums of squared residuals of difference quotients, with the prediction of the derivative and
@@ -231,15 +237,7 @@ LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, st
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const Factors& factors = factorsOf(sources, edge, 0, degree);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
-  Eigen::Index row = 0;
-  for (const FitSource& source : sources) {
-    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
-    right.segment(row, numbers) = dataOf(*source.data, result.scale, kind_.known).head(numbers);
-    row += numbers;
-  }
-  right.head(factors.weights.size()).array() *= factors.weights.array();
-  result.derivatives.head(factors.qr.cols()) = factors.qr.solve(right);
+  result.derivatives.head(factors.qr.cols()) = fitted(factors, sources, result);
   return result;
 }
 
@@ -254,18 +252,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   if (sources.empty()) return result;
   const Factors& factors =
       factorsOf(sources, edge, static_cast<int>(known) + 1, kind_.highest_completed);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
-  Eigen::Index row = 0;
-  for (const FitSource& source : sources) {
-    const LatticePoint& o = source.offset;
-    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
-    right.segment(row, numbers) =
-        dataOf(*source.data, result.scale, kind_.known).head(numbers) -
-        result.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
-    row += numbers;
-  }
-  right.head(factors.weights.size()).array() *= factors.weights.array();
-  result.derivatives.segment(n_known, factors.qr.cols()) = factors.qr.solve(right);
+  result.derivatives.segment(n_known, factors.qr.cols()) = fitted(factors, sources, result);
   return result;
 }
 

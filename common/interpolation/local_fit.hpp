@@ -102,6 +102,9 @@ class LocalFits {
   };
   const Factors& factorsOf(const std::vector<FitSource>& sources, std::int32_t edge, int from,
                            int degree);
+  /// Returns the fitted terms. The terms of `known` are subtracted from the data of the sources.
+  Eigen::VectorXd fitted(const Factors& factors, const std::vector<FitSource>& sources,
+                         const LocalPolynomial& known) const;
   double unit_;
   Kind kind_;
   std::map<Key, Factors> factors_;  ///< by the offsets and known orders of the sources

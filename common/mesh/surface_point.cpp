@@ -3,22 +3,8 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
-#include "common/base/index.hpp"
 
 namespace palpate {
-namespace {
-
-std::array<Eigen::Vector3d, 3> cornersOf(const Mesh& mesh, std::int32_t triangle) {
-  const Triangle& t = mesh.surface[triangle];
-  return {mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]]};
-}
-
-Eigen::Vector3d combined(const std::array<Eigen::Vector3d, 3>& corners,
-                         const Eigen::Vector3d& barycentric) {
-  return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
-}
-
-}  // namespace
 
 Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept {
@@ -52,7 +38,7 @@ SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
   SurfacePoint nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::int32_t triangle = 0; at(triangle) < mesh.surface.size(); ++triangle) {
-    const auto corners = cornersOf(mesh, triangle);
+    const auto corners = cornersOf(mesh.nodes, mesh.surface[triangle]);
     const Eigen::Vector3d barycentric = nearestInTriangle(corners, point);
     const double distance = (combined(corners, barycentric) - point).squaredNorm();
     if (distance >= least) continue;
@@ -64,7 +50,7 @@ SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
 }
 
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point) {
-  return combined(cornersOf(mesh, point.triangle), point.barycentric);
+  return combined(cornersOf(mesh.nodes, mesh.surface[point.triangle]), point.barycentric);
 }
 
 Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
@@ -74,7 +60,7 @@ Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
 }
 
 Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle) {
-  const auto [a, b, c] = cornersOf(mesh, triangle);
+  const auto [a, b, c] = cornersOf(mesh.nodes, mesh.surface[triangle]);
   return (b - a).cross(c - a).normalized();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/index.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace palpate {
@@ -9,6 +10,17 @@ struct SurfacePoint {
   std::int32_t triangle = -1;  ///< -1: none
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
+
+/// Returns the values of `vertices` at the corners of triangle `t`. Real time.
+inline std::array<Eigen::Vector3d, 3> cornersOf(const std::vector<Eigen::Vector3d>& vertices,
+                                                const Triangle& t) noexcept {
+  return {vertices[at(t[0])], vertices[at(t[1])], vertices[at(t[2])]};
+}
+/// Returns the sum of the corners, each times its barycentric coordinate. Real time.
+inline Eigen::Vector3d combined(const std::array<Eigen::Vector3d, 3>& corners,
+                                const Eigen::Vector3d& barycentric) noexcept {
+  return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
+}
 
 /// Returns the barycentric coordinates of the point of a triangle that is nearest to `point`
 /// (Ericson, Real-Time Collision Detection, 5.1.5). If that point lies on an edge or corner, the

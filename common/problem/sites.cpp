@@ -119,12 +119,6 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
   return x;
 }
 
-/// Maps the unit square to the unit sphere so that areas are preserved up to a factor (Archimedes).
-Eigen::Vector3d onSphere(double height, double turn) {
-  const double z = 2 * height - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
-
 }  // namespace
 
 double siteDistance(const Scene& scene, double radius) {
@@ -211,7 +205,7 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
   for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
     const Eigen::Vector4d x = quasiRandom(n);
     if (x[1] < least_length) continue;
-    const Eigen::Vector3d p = reach * x[1] * onSphere(x[2], x[3]);
+    const Eigen::Vector3d p = reach * x[1] * onSphere(2 * x[2] - 1, x[3]);
     const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
     const PushedPart part =
         contact == ContactMode::unilateral ? pushedAt(normals[at(piece)], radius) : PushedPart{};

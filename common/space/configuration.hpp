@@ -30,6 +30,13 @@ struct NodalFields {
 inline constexpr std::array<std::array<int, 2>, 6> symmetric_axes = {
     {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
+/// Returns the symmetric matrix with these components, in the order of symmetric_axes.
+inline Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& c) {
+  Eigen::Matrix3d matrix;
+  matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return matrix;
+}
+
 /// Derivative of a symmetric 3x3 matrix with respect to a vector: one row per component
 /// (symmetric_axes), one column per axis of the vector.
 using SymmetricSlope = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;

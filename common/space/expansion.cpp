@@ -3,14 +3,6 @@
 namespace palpate {
 namespace {
 
-/// Returns the sum over k of slope_k * v_k as a symmetric matrix.
-Eigen::Matrix3d along(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
-  const Eigen::Matrix<double, 6, 1> c = slope * v;
-  Eigen::Matrix3d m;
-  m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return m;
-}
-
 /// Returns v^T slope_k v for each axis k.
 Eigen::Vector3d twice(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
   Eigen::Matrix<double, 6, 1> products;
@@ -28,8 +20,9 @@ Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d&
                         force_by_s = e.drive_stiffness.transpose() * ds,
                         drive_by_s = e.drive_slope * ds;
   // The second derivatives of the force, applied to (dp, dp), (dp, ds) and (ds, ds).
-  const Eigen::Vector3d pp = along(e.stiffness_by_p, dp) * dp,
-                        ps = along(e.stiffness_by_s, ds) * dp, ss = twice(e.drive_slope_by_p, ds);
+  const Eigen::Vector3d pp = symmetricOf(e.stiffness_by_p * dp) * dp,
+                        ps = symmetricOf(e.stiffness_by_s * ds) * dp,
+                        ss = twice(e.drive_slope_by_p, ds);
   const Eigen::Vector3d third = 0.5 * pp + ps + 0.5 * ss;
   Sample sample;
   sample.energy = e.energy - e.force.dot(dp) - e.drive.dot(ds) -
@@ -37,7 +30,7 @@ Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d&
                   (pp / 6 + 0.5 * ps + 0.5 * ss).dot(dp);
   sample.force = e.force + force_by_p + force_by_s + third;
   sample.drive = e.drive + e.drive_stiffness * dp + drive_by_s + 0.5 * twice(e.stiffness_by_s, dp) +
-                 along(e.drive_slope_by_p, dp) * ds;
+                 symmetricOf(e.drive_slope_by_p * dp) * ds;
   sample.last_terms = third.norm();
   return sample;
 }

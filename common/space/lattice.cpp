@@ -81,6 +81,11 @@ Eigen::Vector3d evenlySpread(std::int64_t n) {
   return place - place.floor();
 }
 
+Eigen::Vector3d onSphere(double z, double turn) {
+  const double r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
 std::int64_t squaredNorm(const LatticePoint& p) {
   return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
 }

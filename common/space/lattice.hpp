@@ -36,6 +36,10 @@ inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std:
 /// length: the fractional parts of 0.5 + n / g^k for k = 1, 2, 3, with g^4 = g + 1.
 Eigen::Vector3d evenlySpread(std::int64_t n);
 
+/// Returns the point of the unit sphere with coordinate z (-1 to 1), `turn` (0 to 1) around the z
+/// axis. Preserves areas up to a factor (Archimedes).
+Eigen::Vector3d onSphere(double z, double turn);
+
 /// The part of the workspace ball that a contact reaches if it can only push. These are the
 /// displacements p with p . outward <= pull |p| that lie within `width` of the line along
 /// `outward`. The default is the whole ball.

@@ -95,11 +95,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
     const auto set = [axis](const Equilibrium& e, Equilibrium& drive) {
       drive.energy = e.drive[axis];
       drive.force = -e.drive_stiffness.row(axis);
-      for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
-        const auto [a, b] = symmetric_axes[c];
-        drive.stiffness(a, b) = drive.stiffness(b, a) =
-            -e.stiffness_by_s(static_cast<Eigen::Index>(c), axis);
-      }
+      drive.stiffness = -symmetricOf(e.stiffness_by_s.col(axis));
     };
     setQuantity(jets, 1 + axis, jetsOf(view.of(set), fits.drive));
   }

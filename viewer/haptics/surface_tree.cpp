@@ -21,11 +21,6 @@ double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Ei
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-Eigen::Vector3d combine(const std::array<Eigen::Vector3d, 3>& corners,
-                        const Eigen::Vector3d& barycentric) {
-  return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
-}
-
 double squaredDistance(const Eigen::Vector3d& center, const Eigen::Vector3d& half,
                        const Eigen::Vector3d& point) noexcept {
   return ((point - center).cwiseAbs() - half).cwiseMax(0.0).squaredNorm();
@@ -114,7 +109,7 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     for (const std::int32_t corner : t)
       PALPATE_ASSERT(corner >= 0 && at(corner) < vertices.size(),
                      "triangles must refer to existing vertices");
-    for (std::size_t c = 0; c < 3; ++c) face.corners[c] = vertices[at(t[c])];
+    face.corners = cornersOf(vertices, t);
     face.normal =
         (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
     for (std::size_t c = 0; c < 3; ++c) {
@@ -177,7 +172,7 @@ NearestPoint SurfaceTree::nearest(const Eigen::Vector3d& point, std::int32_t hin
   const auto consider = [&](std::int32_t triangle) {
     const std::array<Eigen::Vector3d, 3>& corners = faces_[at(triangle)].corners;
     const Eigen::Vector3d barycentric = nearestInTriangle(corners, point);
-    const Eigen::Vector3d position = combine(corners, barycentric);
+    const Eigen::Vector3d position = combined(corners, barycentric);
     const double squared = (point - position).squaredNorm();
     if (!(squared < best_squared)) return;
     best_squared = squared;

@@ -253,16 +253,12 @@ void TouchSurface::setTouchable() {
 }
 
 Eigen::Vector3d TouchSurface::position(const SurfacePoint& point) const noexcept {
-  const Triangle& t = triangles_[at(point.triangle)];
-  return point.barycentric[0] * vertices_[at(t[0])] + point.barycentric[1] * vertices_[at(t[1])] +
-         point.barycentric[2] * vertices_[at(t[2])];
+  return combined(cornersOf(vertices_, triangles_[at(point.triangle)]), point.barycentric);
 }
 
 Eigen::Vector3d TouchSurface::normal(const SurfacePoint& point) const noexcept {
   const Triangle& t = triangles_[at(point.triangle)];
-  const Eigen::Vector3d sum = point.barycentric[0] * normals_[at(t[0])] +
-                              point.barycentric[1] * normals_[at(t[1])] +
-                              point.barycentric[2] * normals_[at(t[2])];
+  const Eigen::Vector3d sum = combined(cornersOf(normals_, t), point.barycentric);
   const double length = sum.norm();
   return length > 1e-6 ? Eigen::Vector3d(sum / length) : faceNormal(point.triangle);
 }

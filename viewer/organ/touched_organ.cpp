@@ -33,11 +33,8 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
 }
 
 Eigen::Vector3d TouchedOrgan::positionOf(const SurfacePoint& point) const {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (std::size_t c = 0; c < 3; ++c)
-    position += point.barycentric[static_cast<Eigen::Index>(c)] *
-                organ_.vertices[at(organ_.triangles[at(point.triangle)][c])];
-  return position;
+  return combined(cornersOf(organ_.vertices, organ_.triangles[at(point.triangle)]),
+                  point.barycentric);
 }
 
 bool TouchedOrgan::prepare(std::size_t touch, const Eigen::Vector3d& s) {

@@ -85,8 +85,8 @@ class RandomCircles {
  private:
   double uniform() { return (static_cast<double>(random_()) + 0.5) / 4294967296.0; }
   Eigen::Vector3d direction() {
-    const double z = 2 * uniform() - 1, angle = 2 * M_PI * uniform(), r = std::sqrt(1 - z * z);
-    return {r * std::cos(angle), r * std::sin(angle), z};
+    const double z = 2 * uniform() - 1, turn = uniform();
+    return onSphere(z, turn);
   }
   double radius_;
   std::mt19937 random_{20};

@@ -14,12 +14,6 @@ namespace {
 /// Returns processor time; wall-clock time would include other programs that keep the cores busy.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Maps two numbers from 0 to 1 to the unit sphere, preserving area.
-Eigen::Vector3d directionAt(double height, double turn) {
-  const double z = 1 - 2 * height, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
-
 /// Returns `direction` if a contact that only pushes can reach it. Otherwise returns its mirror
 /// image, which points into the tissue.
 Eigen::Vector3d pushed(const Eigen::Vector3d& direction, const PushedPart& part) {
@@ -120,8 +114,8 @@ MeasuredPaths measurePaths(const Problem& problem, const MeasuringLimits& limits
     solver.chooseTool(space);
     const ActivePatch& active = problem.active[space];
     const PushedPart part = active.finger ? active.finger->reach : PushedPart{};
-    walkOutward(solver, problem, active, part, pushed(directionAt(place[0], place[1]), part), over,
-                found);
+    walkOutward(solver, problem, active, part, pushed(onSphere(1 - 2 * place[0], place[1]), part),
+                over, found);
   }
   PALPATE_ASSERT(!found.paths.empty() || !found.no_rest.empty(),
                  "a body with a rest state must have a measured path");
