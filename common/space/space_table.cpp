@@ -91,6 +91,21 @@ SpaceTable tableOf(const SpaceRows& rows) {
   return table;
 }
 
+double largestForce(const SpaceTable& space) {
+  double largest = 0;
+  for (const PointRecord& point : space.points)
+    if (isSolved(point.tag)) largest = std::max(largest, point.equilibrium.force.norm());
+  return largest;
+}
+
+std::size_t nearestSite(const std::vector<SpaceTable>& spaces,
+                        const std::vector<std::size_t>& sites, const Eigen::Vector3d& place) {
+  return *std::ranges::min_element(sites, {}, [&](std::size_t site) {
+    PALPATE_ASSERT(spaces[site].patch.finger, "a site of an area must be a finger");
+    return (spaces[site].patch.finger->center - place).squaredNorm();
+  });
+}
+
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
                  "each lattice point must have a record");

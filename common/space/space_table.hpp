@@ -114,6 +114,14 @@ SpaceTable tableOf(const SpaceRows& rows);
 /// interpolates it is wrong in the whole cell.
 inline constexpr double largest_force_share = 3;
 
+/// Returns the largest force of the solved points, N.
+double largestForce(const SpaceTable& space);
+
+/// Returns the element of `sites`, which are indices into `spaces`, with the finger nearest to a
+/// place, metres.
+std::size_t nearestSite(const std::vector<SpaceTable>& spaces,
+                        const std::vector<std::size_t>& sites, const Eigen::Vector3d& place);
+
 /// Returns for each point, by lattice number, whether interpolation uses it. It uses a solved point
 /// unless the point is terminating and its force exceeds the limit of largest_force_share. At all
 /// other points data are extrapolated from neighbours.

@@ -56,10 +56,7 @@ const SpaceTable& KnownSpaces::named(const std::string& active,
   PALPATE_ASSERT(choice.spaces.back() < spaces.size(), "each active node must have a table");
   if (!place) return spaces[choice.spaces.front()];
   if (!place->allFinite()) throw badInput("--at: give three finite numbers, metres");
-  return spaces[*std::ranges::min_element(choice.spaces, {}, [&](std::size_t site) {
-    PALPATE_ASSERT(spaces[site].patch.finger, "a site of an area must be a finger");
-    return (spaces[site].patch.finger->center - *place).squaredNorm();
-  })];
+  return spaces[nearestSite(spaces, choice.spaces, *place)];
 }
 
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {

@@ -1,19 +1,10 @@
 #include "viewer/c_api/loaded_dataset.hpp"
 
-#include <algorithm>
-
 #include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
 
 namespace palpate {
 namespace {
-
-double largestForce(const SpaceTable& space) {
-  double largest = 0;
-  for (const PointRecord& point : space.points)
-    if (isSolved(point.tag)) largest = std::max(largest, point.equilibrium.force.norm());
-  return largest;
-}
 
 /// Describes a space for the C API. The name in the result points into `space`. vertex: surface
 /// vertex of the active node, -1 if the node lies inside the body.

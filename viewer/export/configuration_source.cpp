@@ -62,7 +62,7 @@ std::size_t ConfigurationSource::spaceOf(const std::string& active,
   const ActiveChoice choice = chooseActive(dataset_.scene(), active);
   requirePlace(choice, place.has_value());
   if (!place) return choice.spaces.front();
-  return nearestSite(dataset_, choice.spaces,
+  return nearestSite(dataset_.spaces(), choice.spaces,
                      fingerNear("--at", dataset_.mesh(), *place, 0).center);
 }
 

@@ -64,16 +64,9 @@ std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
   }
   // The place is outside the area, so no answer there is reliable; the nearest site gives the
   // shape.
-  if (spaces.empty()) return {{nearestSite(dataset_, choice_.spaces, *place), 1.0}};
+  if (spaces.empty()) return {{nearestSite(dataset_.spaces(), choice_.spaces, *place), 1.0}};
   for (auto& [space, weight] : spaces) weight /= sum;
   return spaces;
-}
-
-std::size_t nearestSite(const Dataset& dataset, const std::vector<std::size_t>& spaces,
-                        const Eigen::Vector3d& place) {
-  return *std::ranges::min_element(spaces, {}, [&](std::size_t space) {
-    return (dataset.spaces()[space].patch.finger.value().center - place).squaredNorm();
-  });
 }
 
 }  // namespace palpate

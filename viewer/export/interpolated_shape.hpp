@@ -40,9 +40,4 @@ class InterpolatedShape {
   std::map<Key, NodalFields> read_;
 };
 
-/// Returns the element of `spaces`, which are indices of spaces, with the finger nearest to a
-/// place, metres.
-std::size_t nearestSite(const Dataset& dataset, const std::vector<std::size_t>& spaces,
-                        const Eigen::Vector3d& place);
-
 }  // namespace palpate

@@ -32,11 +32,9 @@ std::string describeGravity(const Dataset& dataset) {
   return g.isZero() ? "none" : fmt::format("({}) m/s²", vectorText(g, 4));
 }
 
-std::string largestForce(const Dataset& dataset) {
+std::string describeForce(const Dataset& dataset) {
   double force = 0;
-  for (const SpaceTable& space : dataset.spaces())
-    for (const PointRecord& point : space.points)
-      if (isSolved(point.tag)) force = std::max(force, point.equilibrium.force.norm());
+  for (const SpaceTable& space : dataset.spaces()) force = std::max(force, largestForce(space));
   return formatNumber(force, 3) + " N";
 }
 
@@ -74,7 +72,7 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
   });
   properties.push_back({"solved configurations", std::to_string(facts[0].configurations),
                         std::to_string(facts[1].configurations)});
-  add("largest solved force", [](const Dataset& dataset) { return largestForce(dataset); });
+  add("largest solved force", describeForce);
   properties.push_back({"file", formatBytes(facts[0].bytes), formatBytes(facts[1].bytes)});
   add("kernel family", [](const Dataset& dataset) { return dataset.kernelFamily(); });
   return properties;

@@ -179,11 +179,8 @@ std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) 
     node.name = space.patch.name;
     node.held_out = held_out;
     node.jumps = space.inconsistent_edges.size();
-    for (const PointRecord& point : space.points) {
-      ++node.tags[static_cast<std::size_t>(point.tag)];
-      if (isSolved(point.tag))
-        node.largest_force = std::max(node.largest_force, point.equilibrium.force.norm());
-    }
+    node.largest_force = largestForce(space);
+    for (const PointRecord& point : space.points) ++node.tags[static_cast<std::size_t>(point.tag)];
     node.methods.resize(study.methods.size());
   }
   for (std::size_t n = 0; n < study.compared.size(); ++n) {

@@ -74,7 +74,7 @@ TEST_F(InterpolatedShapeTest, FollowsAFingerBetweenItsSites) {
     EXPECT_GT(moved(nearest).dot(p), 0.3 * p.squaredNorm());
     EXPECT_LT(moved(farthest).norm(), 0.5 * moved(nearest).norm());
   }
-  const std::size_t site = nearestSite(dataset, choice.spaces, {0, 0, 0.1});
+  const std::size_t site = nearestSite(dataset.spaces(), choice.spaces, {0, 0, 0.1});
   const Vector3d center = dataset.spaces()[site].patch.finger.value().center;
   for (const std::size_t other : choice.spaces)
     EXPECT_LE((center - Vector3d(0, 0, 0.1)).norm(),
