@@ -106,9 +106,7 @@ ModelsReload::~ModelsReload() {
 }
 
 std::vector<const HapticModel*> LoadedModels::pointers() const {
-  std::vector<const HapticModel*> all;
-  for (const auto& model : models_) all.push_back(model.get());
-  return all;
+  return mapped(models_, [](const auto& model) -> const HapticModel* { return model.get(); });
 }
 
 std::optional<std::filesystem::path> LoadedModels::replaced() const {

@@ -3,7 +3,10 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <iterator>
 #include <numeric>
+#include <type_traits>
 #include <vector>
 
 namespace palpate {
@@ -22,6 +25,15 @@ std::vector<Number> countUp(std::size_t count) {
   std::vector<Number> numbers(count);
   std::iota(numbers.begin(), numbers.end(), Number{0});
   return numbers;
+}
+
+/// Returns the values that `function` has for the elements of `range`.
+template <class Range, class Function>
+auto mapped(const Range& range, Function function) {
+  using Value = std::invoke_result_t<Function&, decltype(*std::begin(range))>;
+  std::vector<std::decay_t<Value>> values;
+  for (const auto& element : range) values.push_back(std::invoke(function, element));
+  return values;
 }
 
 }  // namespace palpate

@@ -258,10 +258,9 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
 
 std::vector<EnergyJet> slotJets(const CellTree& tree,
                                 const std::vector<LocalPolynomial>& polynomials) {
-  std::vector<EnergyJet> jets;
-  for (const LocalPolynomial& polynomial : polynomials)
-    jets.push_back(jetOf(polynomial, tree.spacing()));
-  return jets;
+  return mapped(polynomials, [&](const LocalPolynomial& polynomial) {
+    return jetOf(polynomial, tree.spacing());
+  });
 }
 
 std::vector<EnergyJet> energyJets(const CellTree& tree,

@@ -299,9 +299,8 @@ void checkProblem(const Problem& problem) {
 }
 
 PressureSlots pressureSlots(const Problem& problem) {
-  std::vector<Material> materials;
-  for (const Region& region : problem.scene.regions) materials.push_back(region.material);
-  return {problem.scene.discretization.pressure, problem.mesh, materials, problem.region_of};
+  return {problem.scene.discretization.pressure, problem.mesh,
+          mapped(problem.scene.regions, &Region::material), problem.region_of};
 }
 
 std::size_t fieldsBytes(const Problem& problem) {

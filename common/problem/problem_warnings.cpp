@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "common/mesh/mesh_text.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/problem/finger.hpp"
@@ -165,10 +166,9 @@ class Warnings {
     double softest = std::numeric_limits<double>::infinity();
     for (const Region& region : scene_.regions)
       softest = std::min(softest, shearModulus(region.material));
-    std::vector<bool> rigid;
-    for (const Region& region : scene_.regions)
-      rigid.push_back(youngModulus(region.material) > rigid_contrast * softest);
-    return rigid;
+    return mapped(scene_.regions, [&](const Region& region) {
+      return youngModulus(region.material) > rigid_contrast * softest;
+    });
   }
 
   /// Warns about single layers of linear elements between the tool and nodes that are fixed or
@@ -233,8 +233,7 @@ class Warnings {
   /// Returns the median, over the active nodes, of the distance to the nearest fixed node, m. The
   /// minimum would be misleading, because among many active nodes some lie beside fixed nodes.
   double usualDistanceToFixed() const {
-    std::vector<double> distances;
-    for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
+    auto distances = mapped(problem_.active, [&](const auto& p) { return distanceToFixed(p); });
     PALPATE_ASSERT(!distances.empty(), "a scene must have an active node");
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());

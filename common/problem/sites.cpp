@@ -78,9 +78,7 @@ std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
                                   const std::vector<Piece>& pieces, double radius,
                                   double distance) {
   if (pieces.empty()) return {};
-  std::vector<Eigen::Vector3d> middles;
-  for (const Piece& piece : pieces) middles.push_back(piece.middle);
-  const NearPoints near(std::move(middles), radius);
+  const NearPoints near(mapped(pieces, &Piece::middle), radius);
   std::vector<double> distances(places.size());
   inParallel(places.size(), [&](std::size_t number) {
     double whole = 0;

@@ -177,12 +177,12 @@ double dispersionOf(const TomlSection& section) {
 std::string fibersToml(const Material& m) {
   if (!m.fiber_field.empty()) return quotedToml(m.fiber_field);
   const auto direction = [](const Eigen::Vector3d& fiber) { return decimalToml(fiber); };
-  return fmt::format("[{}]", fmt::join(textsOf(m.fibers, direction), ", "));
+  return fmt::format("[{}]", fmt::join(mapped(m.fibers, direction), ", "));
 }
 
 std::string listToml(const std::vector<OgdenTerm>& terms, double OgdenTerm::*member) {
   const auto value = [member](const OgdenTerm& term) { return decimalToml(term.*member); };
-  return fmt::format("[{}]", fmt::join(textsOf(terms, value), ", "));
+  return fmt::format("[{}]", fmt::join(mapped(terms, value), ", "));
 }
 
 /// A key, its value as TOML, and the unit of the value ("" for a pure number).

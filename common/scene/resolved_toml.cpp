@@ -32,8 +32,8 @@ std::string regionToml(const Region& region) {
   if (region.isRest()) return "\n[material]\n" + materialToml(region.material);
   std::string text = "\n[[region]]\n";
   if (!region.group.empty()) text += fmt::format("group = {}\n", quotedToml(region.group));
-  return text + listOf("box", textsOf(region.boxes, boxToml)) +
-         listOf("sphere", textsOf(region.spheres, sphereToml)) + materialToml(region.material);
+  return text + listOf("box", mapped(region.boxes, boxToml)) +
+         listOf("sphere", mapped(region.spheres, sphereToml)) + materialToml(region.material);
 }
 
 std::string fixedToml(const FixedSelection& fixed) {
@@ -44,9 +44,9 @@ std::string fixedToml(const FixedSelection& fixed) {
                                half.at ? "at" : "fraction",
                                decimalToml(half.at ? *half.at : *half.fraction)));
   std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) +
-                     listOf("box", textsOf(fixed.boxes, boxToml)) +
-                     listOf("sphere", textsOf(fixed.spheres, sphereToml)) +
-                     listOf("group", textsOf(fixed.groups, quotedToml));
+                     listOf("box", mapped(fixed.boxes, boxToml)) +
+                     listOf("sphere", mapped(fixed.spheres, sphereToml)) +
+                     listOf("group", mapped(fixed.groups, quotedToml));
   if (!fixed.nodes.empty()) text += fmt::format("nodes = [{}]\n", fmt::join(fixed.nodes, ", "));
   return text;
 }
@@ -57,9 +57,9 @@ std::string surfaceToml(const SurfaceSelection& surface) {
   const auto add = [&](const char* key, const std::vector<std::string>& items) {
     if (!items.empty()) keys.push_back(fmt::format("{} = [{}]", key, fmt::join(items, ", ")));
   };
-  add("box", textsOf(surface.boxes, boxToml));
-  add("sphere", textsOf(surface.spheres, sphereToml));
-  add("group", textsOf(surface.groups, quotedToml));
+  add("box", mapped(surface.boxes, boxToml));
+  add("sphere", mapped(surface.spheres, sphereToml));
+  add("group", mapped(surface.groups, quotedToml));
   return fmt::format("{{ {} }}", fmt::join(keys, ", "));
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "common/base/text.hpp"
 #include "common/base/units.hpp"
 
@@ -93,9 +94,7 @@ Eigen::Vector3d TomlSection::point(std::string_view key, const toml::node& node)
 std::vector<double> TomlSection::numbers(std::string_view key, const toml::node& node) const {
   const toml::array* array = node.as_array();
   if (array == nullptr) throw wrong(key, "a list of numbers is expected, not {}", kindOf(node));
-  std::vector<double> values;
-  for (const toml::node& element : *array) values.push_back(number(key, element));
-  return values;
+  return mapped(*array, [&](const toml::node& element) { return number(key, element); });
 }
 
 std::int32_t TomlSection::nodeNumber(std::string_view key, const toml::node& node) const {

@@ -4,7 +4,8 @@
 
 #include <Eigen/Core>
 #include <string>
-#include <vector>
+
+#include "common/base/index.hpp"
 
 namespace palpate {
 
@@ -33,14 +34,6 @@ inline std::string quotedToml(const std::string& text) {
       out += c;
   }
   return out + "\"";
-}
-
-/// Returns `text(item)` for each item.
-template <class Item, class Text>
-std::vector<std::string> textsOf(const std::vector<Item>& items, Text text) {
-  std::vector<std::string> texts;
-  for (const Item& item : items) texts.push_back(text(item));
-  return texts;
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "common/base/text.hpp"
 
 namespace palpate {
@@ -27,9 +28,7 @@ int unproven(const SlurmJobs& jobs) {
 }
 
 std::vector<std::string> idsOf(const std::vector<SlurmJobs::Queued>& jobs) {
-  std::vector<std::string> ids;
-  for (const SlurmJobs::Queued& job : jobs) ids.push_back(job.id);
-  return ids;
+  return mapped(jobs, &SlurmJobs::Queued::id);
 }
 
 std::string reasonsOf(const SlurmJobs& jobs) {
@@ -198,12 +197,10 @@ void SlurmFleet::tellLaunches(const Launches::Change& change) {
                                               wroteOf(engine_.logOf(last->id))));
   }
   if (!change.held || failures.empty()) return;
-  std::vector<std::string> names;
-  for (const Launches::Ended& end : failures) names.push_back(nameOf(end));
   spdlog::warn(
       "jobs fail within {} s of their start, the last ones: {}. The next job is submitted alone, "
       "in {} s; the intervals grow until a job survives. {}",
-      Launches::early.count(), fmt::join(names, ", "), launches_.pause().count(),
+      Launches::early.count(), fmt::join(mapped(failures, nameOf), ", "), launches_.pause().count(),
       wroteOf(engine_.logOf(failures.back().id)));
 }
 

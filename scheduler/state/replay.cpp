@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
@@ -192,9 +193,7 @@ void refuseUnclaimed(const UnclaimedResults& unclaimed) {
 }
 
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans) {
-  std::vector<SpaceTable> tables;
-  for (const SpacePlan& plan : plans) tables.push_back(plan.table());
-  return tables;
+  return mapped(plans, &SpacePlan::table);
 }
 
 }  // namespace palpate

@@ -96,10 +96,9 @@ Grid ConfigurationGrid::of(const ExportedConfiguration& configuration) const {
 }
 
 std::vector<std::uint8_t> ConfigurationGrid::marked(const std::vector<std::int32_t>& nodes) const {
-  std::vector<std::uint8_t> marks;
-  for (const std::int32_t node : dataset_.storedNodes())
-    marks.push_back(std::ranges::binary_search(nodes, node) ? 1 : 0);
-  return marks;
+  return mapped(dataset_.storedNodes(), [&](std::int32_t node) {
+    return static_cast<std::uint8_t>(std::ranges::binary_search(nodes, node));
+  });
 }
 
 std::vector<float> ConfigurationGrid::pressuresOf(const NodalFields& fields) const {

@@ -82,9 +82,8 @@ class Interpolation {
   Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
                 std::size_t count, std::size_t except, double width)
       : from(nearestOf(sites, place, count, except)) {
-    std::vector<Eigen::Vector3d> centers;
-    for (const std::size_t site : from) centers.push_back(sites[site]);
-    weights_ = hermiteWeights(place, centers, width);
+    const auto center = [&](std::size_t site) { return sites[site]; };
+    weights_ = hermiteWeights(place, mapped(from, center), width);
   }
 
   /// Interpolates the first `quantities` of the ten quantities at a lattice point.
@@ -166,15 +165,11 @@ struct AreaField::LevelSum {
 
 std::vector<const SpaceTable*> chosenOf(const std::vector<SpaceTable>& spaces,
                                         const std::vector<std::size_t>& chosen) {
-  std::vector<const SpaceTable*> sites;
-  for (const std::size_t space : chosen) sites.push_back(&spaces.at(space));
-  return sites;
+  return mapped(chosen, [&](std::size_t space) { return &spaces.at(space); });
 }
 
 std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sites) {
-  std::vector<Eigen::Vector3d> centers;
-  for (const SpaceTable* site : sites) centers.push_back(site->patch.finger.value().center);
-  return centers;
+  return mapped(sites, [](const SpaceTable* site) { return site->patch.finger.value().center; });
 }
 
 AreaField::AreaField(std::vector<const SpaceTable*> sites, CollocationPoints collocation_points)

@@ -5,8 +5,7 @@
 namespace palpate {
 
 TrilinearField::TrilinearField(const CellData& data) : CellField("trilinear", data, Limit::bound) {
-  std::vector<Eigen::Matrix3d> stiffness;
-  for (const Equilibrium& equilibrium : data.equilibria) stiffness.push_back(equilibrium.stiffness);
+  std::vector<Eigen::Matrix3d> stiffness = mapped(data.equilibria, &Equilibrium::stiffness);
   // Hanging slots have no equilibrium of their own.
   fillHangingTrilinearly(tree(), stiffness);
   for (std::int32_t leaf = 0; leaf < std::ssize(tree().leaves()); ++leaf) {

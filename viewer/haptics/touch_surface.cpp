@@ -90,8 +90,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     throw badInput("invalid reach of {} m around active nodes; it must be finite and at least 0",
                    reach);
   setShares(patches, reach);
-  std::vector<std::int32_t> fixed;
-  for (const std::int32_t node : dataset.fixedNodes()) fixed.push_back(vertexOf(node));
+  std::vector<std::int32_t> fixed = mapped(dataset.fixedNodes(), vertexOf);
   std::ranges::sort(fixed);
   setAreas(dataset.spaces(), fixed);
   setTouchable();

@@ -99,9 +99,8 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
 }
 
 void measureDepths(AreaMeasures& measures) {
-  std::vector<double> all;
-  for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);
-  measures.probes.error = spreadOf(std::move(all));
+  measures.probes.error =
+      spreadOf(mapped(measures.probes.comparisons, &AreaProbes::Comparison::error));
   double before = 0;
   for (DepthMeasures& depth : measures.depths) {
     std::vector<double> errors;
@@ -192,8 +191,7 @@ std::vector<ForceWay> waysOf(const AreaField& area, NearestSite& nearest, const 
     sampleWay(area, nearest, place, site.lattice.radius(), way);
     ways.push_back(std::move(way));
   }
-  std::vector<double> errors;
-  for (const AreaProbes::Comparison& probe : probes.comparisons) errors.push_back(probe.error);
+  const auto errors = mapped(probes.comparisons, &AreaProbes::Comparison::error);
   for (const auto& [n, name] : tellingOnes(errors)) {
     const AreaProbes::Comparison& probe = probes.comparisons[n];
     if (!(probe.displacement.norm() > 0)) continue;
@@ -235,10 +233,8 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
 }  // namespace
 
 std::vector<AreaMeasures> measureAreas(const Dataset& dataset, const AccuracyTarget& target) {
-  std::vector<AreaMeasures> measures;
-  for (const ActiveChoice& area : areasOf(dataset.scene()))
-    measures.push_back(measureArea(dataset, area, target));
-  return measures;
+  return mapped(areasOf(dataset.scene()),
+                [&](const ActiveChoice& area) { return measureArea(dataset, area, target); });
 }
 
 }  // namespace palpate

@@ -213,8 +213,7 @@ class SurfaceRepair {
       length += (points_[side.high] - points_[side.low]).norm();
     }
     sortUnique(corners);
-    std::vector<Eigen::Vector3d> places;
-    for (const std::int32_t corner : corners) places.push_back(points_[corner]);
+    const auto places = mapped(corners, [&](std::int32_t corner) { return points_[corner]; });
     JoinedCorners joined;
     joined.same_as = countUp(points_.size());
     for (const auto& [place, lowest] :

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/text.hpp"
 #include "common/problem/problem.hpp"
 
@@ -68,9 +69,7 @@ std::string whyNotIn(double extent, const LengthUnit& unit) {
 LengthUnit unitNamed(const std::string& word) {
   const auto* const found = std::ranges::find(length_units, word, &LengthUnit::word);
   if (found != length_units.end()) return *found;
-  std::vector<std::string_view> words;
-  for (const LengthUnit& unit : length_units) words.push_back(unit.word);
-  throw badInput("--unit {}: write {}", word, listed(words));
+  throw badInput("--unit {}: write {}", word, listed(mapped(length_units, &LengthUnit::word)));
 }
 
 }  // namespace palpate
