@@ -90,10 +90,7 @@ void forEachTouch(const std::vector<std::string>& at, const std::vector<std::str
     }
     visit({place, p});
   };
-  if (words != from_input) {
-    answer(vectorIn(words, "--displacement"));
-    return;
-  }
+  if (words != from_input) return answer(vectorIn(words, "--displacement"));
   std::string line;
   for (int number = 1; std::getline(input, line); ++number) {
     const std::vector<std::string> in_line = wordsIn(line);

@@ -57,21 +57,6 @@ std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) 
   return points;
 }
 
-struct Step {
-  int i, j, k;
-};
-
-/// The steps from a point to its 26 neighbours, in lexicographic order.
-constexpr std::array<Step, 26> steps = [] {
-  std::array<Step, 26> all = {};
-  std::size_t n = 0;
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k)
-        if (i != 0 || j != 0 || k != 0) all[n++] = {i, j, k};
-  return all;
-}();
-
 }  // namespace
 
 Eigen::Vector3d evenlySpread(std::int64_t n) {
@@ -192,8 +177,8 @@ Neighbours Lattice::neighbours(std::int32_t index) const {
   // coordinates.
   std::array<std::pair<std::int64_t, std::int32_t>, 26> found;
   std::size_t count = 0;
-  for (std::size_t s = 0; s < steps.size(); ++s) {
-    const auto [i, j, k] = steps[s];
+  for (std::size_t s = 0; s < neighbor_steps.size(); ++s) {
+    const auto [i, j, k] = neighbor_steps[s];
     if (!isInside(center[0] + i) || !isInside(center[1] + j) || !isInside(center[2] + k)) continue;
     const std::int32_t number =
         index_of_[static_cast<std::size_t>(place + (i * side + j) * side + k)];

@@ -32,6 +32,17 @@ inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std:
   return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
 }
 
+/// The steps from a lattice point to its 26 neighbours, in lexicographic order.
+inline constexpr std::array<LatticePoint, 26> neighbor_steps = [] {
+  std::array<LatticePoint, 26> all = {};
+  std::size_t n = 0;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k)
+        if (i != 0 || j != 0 || k != 0) all[n++] = {i, j, k};
+  return all;
+}();
+
 /// Returns point n of the sequence of Roberts (2018), which fills the unit cube evenly at any
 /// length: the fractional parts of 0.5 + n / g^k for k = 1, 2, 3, with g^4 = g + 1.
 Eigen::Vector3d evenlySpread(std::int64_t n);

@@ -63,15 +63,13 @@ std::string_view name(Stage stage) {
 
 PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
                         double max_force) {
-  PointRecord point;
   const Configuration& found = outcome.configuration();
-  point.tag = tagOf(found.equilibrium.force.norm(), max_force);
-  point.parent = parent;
-  point.equilibrium = found.equilibrium;
-  point.residual = found.residual;
-  point.cost = outcome.cost;
-  point.fields = fields;
-  return point;
+  return {.tag = tagOf(found.equilibrium.force.norm(), max_force),
+          .parent = parent,
+          .equilibrium = found.equilibrium,
+          .residual = found.residual,
+          .cost = outcome.cost,
+          .fields = fields};
 }
 
 SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)

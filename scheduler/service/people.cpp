@@ -181,10 +181,7 @@ double People::timeLeft(double share, Time now) const {
 }
 
 void People::addTimeLeft(wire::Status& status, Time now) const {
-  if (state_.complete) {
-    status.set_eta_seconds(0);
-    return;
-  }
+  if (state_.complete) return status.set_eta_seconds(0);
   const double left = timeLeft(1, now);
   if (left <= 0 || state_.paused) return;
   const double factor = hindsight_.factor(worked_, left);

@@ -1,9 +1,9 @@
 #include "viewer/haptics/contact.hpp"
 
-#include <limits>
 #include <utility>
 
 #include "viewer/haptics/anchor_slide.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 namespace {
@@ -11,9 +11,6 @@ namespace {
 /// A tool inside the body that is at most this far from its surface, m, can still enter. At this
 /// depth, rounding decides whether the tool is inside or outside.
 constexpr double graze = 1e-6;
-Eigen::Vector3d nowhere() noexcept {
-  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-}
 
 }  // namespace
 

@@ -38,10 +38,14 @@ struct DeviceReading {
   HeldForces held = {};
 };
 
+/// The position of a tool that is absent: NaN.
+inline Eigen::Vector3d nowhere() noexcept {
+  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
 /// Position of the tool, as the mouse sets it in the picture.
 struct MouseTarget {
-  /// m, scene frame; not finite: no tool
-  Eigen::Vector3d position = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  Eigen::Vector3d position = nowhere();  ///< m, scene frame; not finite: no tool
   /// Number of times that the tool appeared. If the number changed, the tool was absent in between,
   /// and it jumps to the position.
   std::uint32_t appearance = 0;

@@ -1,7 +1,6 @@
 #include "viewer/haptics/haptic_tick.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "viewer/haptics/haptic_model.hpp"
@@ -78,9 +77,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   const bool away = state_.reading.status == DeviceStatus::away;
   // A lost device has no position, whatever its reading contains, and contact ends.
   const Eigen::Vector3d tool =
-      lost || away
-          ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
-          : options_.map.toScene(state_.reading.position);
+      lost || away ? nowhere() : options_.map.toScene(state_.reading.position);
   if (tool.allFinite()) state_.tool = tool;
 
   if (options_.live != nullptr) options_.live->begin(options_.period);

@@ -96,11 +96,8 @@ Eigen::Vector3d BodyView::bestView() const {
   double area = 0;
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
     if (!surface.touchable(static_cast<std::int32_t>(t))) continue;
-    const Triangle& corners = surface.triangles()[t];
-    const auto vertex = [&](std::size_t n) -> const Eigen::Vector3d& {
-      return surface.vertices()[at(corners[n])];
-    };
-    const Eigen::Vector3d doubled = (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0));
+    const auto [a, b, c] = cornersOf(surface.vertices(), surface.triangles()[t]);
+    const Eigen::Vector3d doubled = (b - a).cross(c - a);
     normal += doubled;
     area += doubled.norm();
   }
@@ -144,10 +141,7 @@ void BodyView::shade(SurfaceColour colour, std::int32_t method) {
 
 void BodyView::colourPressures() {
   const SurfacePressures& known = model_.pressures();
-  if (!known.isPrepared()) {
-    shape_.colourTissue();
-    return;
-  }
+  if (!known.isPrepared()) return shape_.colourTissue();
   pressures_.resize(model_.surface().vertices().size());
   known.evaluate(blend_, touch_displacement_, pressures_);
   // Limit the scale: a crushed body has many times the usual pressure, and all later colours would

@@ -19,7 +19,7 @@ void HeldTool::update(const HapticModel& model, const HapticState& state, bool t
                       const OrbitCamera& camera, double extent) {
   extent_ = extent;
   touching_ = state.touch.touching;
-  pose_.tip = there ? state.shownTool() : Eigen::Vector3d::Constant(NAN).eval();
+  pose_.tip = there ? state.shownTool() : nowhere();
   if (!pose_.tip.allFinite()) return;
   const NearestPoint nearest = model.surface().tree().nearest(
       pose_.tip, near_triangle_ < std::ssize(model.surface().triangles()) ? near_triangle_ : -1);

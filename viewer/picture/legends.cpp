@@ -157,10 +157,7 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
 }
 
 void latticeLegend(Legend& legend, bool errors, float bar_height) {
-  if (errors) {
-    errorBar(legend, bar_height, "error bound, % of the force");
-    return;
-  }
+  if (errors) return errorBar(legend, bar_height, "error bound, % of the force");
   for (const Tag tag : {Tag::unknown, Tag::failed, Tag::terminating, Tag::expandable})
     legend.swatch(colourOf(tag), std::string(name(tag)));
 }

@@ -145,7 +145,7 @@ void MouseHand::goTo(const Eigen::Vector3d& position) {
 
 void MouseHand::moveTool(double seconds) {
   if (!place_ || (glued_ && !held_)) {
-    target_.position.setConstant(std::numeric_limits<double>::quiet_NaN());
+    target_.position = nowhere();
     return;
   }
   const double goal = held_ ? *wanted_ : -gap();

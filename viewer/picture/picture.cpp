@@ -235,7 +235,7 @@ struct Picture::Impl {
     if (beside->touch)
       showForce(other.tool, beside->touch->force, isUncertain(*beside->touch));
     else
-      other.tool.pose.tip.setConstant(NAN);
+      other.tool.pose.tip = nowhere();
     return other;
   }
 

@@ -52,9 +52,7 @@ Samples samplesOf(const AreaField& area, const Dataset& dataset, double radius,
   const double largest_force = dataset.scene().workspace.max_force;
   Samples found(mesh.surface.size());
   for (std::size_t t = 0; t < found.size(); ++t) {
-    const Triangle& corners = mesh.surface[t];
-    const Eigen::Vector3d &a = mesh.nodes[at(corners[0])], &b = mesh.nodes[at(corners[1])],
-                          &c = mesh.nodes[at(corners[2])];
+    const auto [a, b, c] = cornersOf(mesh.nodes, mesh.surface[t]);
     const Eigen::Vector3d middle = (a + b + c) / 3, normal = (b - a).cross(c - a).normalized();
     for (std::size_t d = 0; d < depths.size(); ++d)
       for (const Eigen::Vector3d& direction : directionsInto(normal)) {

@@ -116,18 +116,10 @@ void compareOverBall(const Comparison& comparison, const BothFields& fields, dou
     place.relative = place.difference.mean / place.sides[0].mean_force;
 }
 
-/// Returns the directions to the 26 neighbours of a lattice point.
-std::vector<Eigen::Vector3d> allDirections() {
-  std::vector<Eigen::Vector3d> directions;
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k)
-        if (i != 0 || j != 0 || k != 0) directions.push_back(Eigen::Vector3d(i, j, k).normalized());
-  return directions;
-}
-
 void compareOverDistance(const BothFields& fields, double radius, ComparedPlace& place) {
-  const std::vector<Eigen::Vector3d> directions = allDirections();
+  const auto directions = mapped(neighbor_steps, [](const LatticePoint& step) {
+    return Eigen::Vector3d(step[0], step[1], step[2]).normalized();
+  });
   for (int n = 0; n <= distance_samples; ++n) {
     // Use slightly less than the radius, because rounding may put a point outside the sphere.
     const double distance = radius * (1 - 1e-9) * n / distance_samples;

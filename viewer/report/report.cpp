@@ -16,18 +16,6 @@
 namespace palpate {
 namespace {
 
-std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
-  const std::vector<std::string>& known = forceFieldMethods();
-  if (asked.empty()) return known;
-  std::vector<std::string> chosen;
-  for (const std::string& method : asked) {
-    if (std::ranges::find(known, method) == known.end())
-      throw badInput("--methods: unknown method \"{}\"; known: {}", method, fmt::join(known, ", "));
-    if (std::ranges::find(chosen, method) == chosen.end()) chosen.push_back(method);
-  }
-  return chosen;
-}
-
 /// Returns at most `count` indices below `size`, evenly spread.
 std::vector<std::size_t> evenly(std::size_t size, std::size_t count) {
   std::vector<std::size_t> chosen(std::min(size, count));
@@ -225,6 +213,18 @@ std::vector<NodePictures> picturesOf(const Study& study, const LatticeMeasures& 
 }
 
 }  // namespace
+
+std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
+  const std::vector<std::string>& known = forceFieldMethods();
+  if (asked.empty()) return known;
+  std::vector<std::string> chosen;
+  for (const std::string& method : asked) {
+    if (std::ranges::find(known, method) == known.end())
+      throw badInput("--methods: unknown method \"{}\"; known: {}", method, fmt::join(known, ", "));
+    if (std::ranges::find(chosen, method) == chosen.end()) chosen.push_back(method);
+  }
+  return chosen;
+}
 
 std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files) {
   if (files.empty()) throw badInput("a report needs at least one dataset");

@@ -99,6 +99,10 @@ struct Report {
 /// different scenes and for unknown methods.
 Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
 
+/// Returns the methods `asked` for, each once; all methods if `asked` is empty. Throws Error (bad
+/// input) for an unknown method.
+std::vector<std::string> chosenMethods(const std::vector<std::string>& asked);
+
 /// Opens datasets. Throws Error (bad input) if one cannot be opened or `files` is empty.
 std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 

@@ -19,14 +19,9 @@ constexpr std::size_t pictured_nodes = 6;
 
 /// Returns the method that draws the curves of a comparison: the requested one, or the default.
 std::string methodOf(const std::vector<std::string>& asked) {
-  const std::vector<std::string>& known = forceFieldMethods();
-  if (asked.empty()) return known.front();
   if (asked.size() > 1)
     throw badInput("--methods: give one method to compare two datasets, not {}", asked.size());
-  if (std::ranges::find(known, asked.front()) == known.end())
-    throw badInput("--methods: unknown method \"{}\"; known: {}", asked.front(),
-                   fmt::join(known, ", "));
-  return asked.front();
+  return chosenMethods(asked).front();
 }
 
 ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,

@@ -14,26 +14,26 @@ extern const char* const report_script;
 
 namespace {
 
-std::string filledPage(const std::string& title, const nlohmann::ordered_json& report) {
+/// Returns the page of a report or comparison.
+template <class Shown>
+std::string filledPage(const std::string& title, const Shown& shown) {
+  nlohmann::ordered_json json = toJson(shown);
+  json["drawings"] = drawingsOf(shown);
   return filledMarkup(report_markup, {{"title", escaped(title)},
-                                      {"report", scriptJson(jsonText(report))},
+                                      {"report", scriptJson(jsonText(json))},
                                       {"script", report_script}});
 }
 
 }  // namespace
 
 std::string reportPage(const Report& report) {
-  nlohmann::ordered_json json = toJson(report);
-  json["drawings"] = drawingsOf(report);
-  return filledPage(report.open.front().scene().name + ": accuracy and speed", json);
+  return filledPage(report.open.front().scene().name + ": accuracy and speed", report);
 }
 
 std::string comparisonPage(const Comparison& comparison) {
-  nlohmann::ordered_json json = toJson(comparison);
-  json["drawings"] = drawingsOf(comparison);
   return filledPage(
       fmt::format("{} and {}", comparison.open[0].scene().name, comparison.open[1].scene().name),
-      json);
+      comparison);
 }
 
 }  // namespace palpate
