@@ -284,10 +284,8 @@ class ViewSession {
     if (now - looked_ < look_every) return;
     looked_ = now;
     status_.trouble = device_->trouble();
-    if (loop_ && !loop_->trouble().empty())
-      status_.trouble += (status_.trouble.empty() ? "" : "\n") + loop_->trouble();
-    if (const std::string behind = link_ ? link_->trouble() : ""; !behind.empty())
-      status_.trouble += (status_.trouble.empty() ? "" : "\n") + behind;
+    for (const std::string& more : {loop_ ? loop_->trouble() : "", link_ ? link_->trouble() : ""})
+      if (!more.empty()) status_.trouble += (status_.trouble.empty() ? "" : "\n") + more;
     if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
     said_ = status_.trouble;
     if (loop_) status_.loop = loop_->statistics();

@@ -185,10 +185,7 @@ std::vector<ResultKey> Leases::openOf(const std::string& worker, std::uint64_t j
 void Leases::putBack(const ResultKey& key, Entry& entry) {
   entry.worker.clear();
   if (isAside(entry)) return;
-  if (entry.is_check) {
-    waiting_checks_.insert(key);
-    return;
-  }
+  if (entry.is_check) return void(waiting_checks_.insert(key));
   waiting_[startOf(key.space, key.parent)].insert(key.target);
   ++waiting_count_;
 }

@@ -26,10 +26,6 @@ bool isOfOneMachine(const wire::Provenance& a, const wire::Provenance& b) {
   return a.host() == b.host() && a.key() == b.key();
 }
 
-bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenance>& others) {
-  return std::ranges::any_of(others, [&](const auto& other) { return other.key() == who.key(); });
-}
-
 /// Returns a pseudo-random number in [0, 1) that depends only on the secret and the transition.
 double lotOf(const ResultKey& key, const std::string& secret) {
   std::uint64_t number = 0;
@@ -52,7 +48,8 @@ KeptOut::Kind kindKeptOut(const wire::Provenance& liar, const SpotChecks::Verdic
       before, [&](const KeptOut& other) { return other.who.key() == liar.key(); });
   const bool is_trusted = trusted_key && PublicKey::fromBytes(liar.key()) == trusted_key;
   const bool has_key = !liar.key().empty() && !is_trusted;
-  const bool nobody_is_right = !hasKeyOfOneOf(liar, verdict.right);
+  const bool nobody_is_right = std::ranges::none_of(
+      verdict.right, [&](const wire::Provenance& r) { return r.key() == liar.key(); });
   if (has_key &&
       (of_key >= any_of_a_key || (machines.size() >= machines_of_a_key && nobody_is_right)))
     return Kind::key;

@@ -90,10 +90,7 @@ class Inspector {
   }
 
   void takeGap(JournalGap& gap) {
-    if (gap.kind == JournalGap::Kind::dropped) {
-      found_.dropped.push_back(std::move(gap.text));
-      return;
-    }
+    if (gap.kind == JournalGap::Kind::dropped) return found_.dropped.push_back(std::move(gap.text));
     JournalDamage damage{gap.where, std::move(gap.text), std::nullopt};
     try {
       wire::Result result;

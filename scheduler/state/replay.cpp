@@ -158,10 +158,8 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
   ReplayedJournal found(problem);
   const auto take = [&](const ResultKey& key, const wire::Result& result, const Outcome& outcome) {
     const wire::Provenance& giver = result.given_by();
-    if (std::ranges::any_of(liars, [&](const KeptOut& liar) { return liar.covers(giver); })) {
-      found.of_liars.push_back(key);
-      return;
-    }
+    if (std::ranges::any_of(liars, [&](const KeptOut& liar) { return liar.covers(giver); }))
+      return found.of_liars.push_back(key);
     if (found.results++ == 0) found.kernel_family = result.kernel_family();
     found.longest_solve = std::max(found.longest_solve, outcome.cost.seconds);
     found.machines.emplace(giver.key(), giver.host());

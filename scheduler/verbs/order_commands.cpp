@@ -1,5 +1,6 @@
 
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/required_option.hpp"
 #include "common/base/text.hpp"
@@ -66,9 +67,7 @@ struct PriorityOptions {
 
 /// Sets the priority in a state directory in which no scheduler runs.
 void setStoredPriority(const PriorityOptions& options) {
-  std::vector<std::string> names;
-  const wire::Status status = progressIn(options.asked.where);
-  for (const wire::SpaceStatus& row : status.spaces()) names.push_back(row.name());
+  const auto names = mapped(progressIn(options.asked.where).spaces(), &wire::SpaceStatus::name);
   if (std::ranges::find(names, options.space) == names.end())
     throw badInput("{}: no space named {}; spaces: {}", options.asked.where, options.space,
                    fmt::join(names, ", "));

@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
+#include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/required_option.hpp"
 #include "common/base/terminal.hpp"
@@ -113,9 +114,7 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
 constexpr std::chrono::milliseconds longest_turn{50};
 
 std::vector<std::string> namesOfFamilies() {
-  std::vector<std::string> names;
-  for (const CpuFamily family : all_cpu_families) names.emplace_back(name(family));
-  return names;
+  return mapped(all_cpu_families, [](CpuFamily family) { return std::string(name(family)); });
 }
 
 /// Returns the name that results give to the family `kernels`, and logs the consequence for

@@ -81,9 +81,7 @@ constexpr std::array<Opener, 5> openers = {
      {"plugin", openPlugin, Rest::needed, "name the library: plugin:LIB.so or plugin:LIB.so:ID"}}};
 
 Error unknown(const std::string& text, std::string_view kind, bool with_body) {
-  std::array<std::string_view, openers.size()> kinds{};
-  for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
-  const std::string_view near = nearestWord(kind, kinds);
+  const std::string_view near = nearestWord(kind, mapped(openers, &Opener::kind));
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
   // A word such as "haply" is also the name of a profile: the user may have wanted its limits.
   if (std::ranges::find(device_words, kind) != device_words.end())

@@ -30,7 +30,6 @@ class DeviceServer {
  public:
   struct State {
     bool held = false;           ///< a client has the device
-    std::uint64_t readings = 0;  ///< number sent
     std::uint64_t forces = 0;    ///< number accepted
     std::uint64_t garbage = 0;   ///< invalid messages, and forces that are not finite
     std::uint64_t outdated = 0;  ///< forces that arrived too late
@@ -41,7 +40,7 @@ class DeviceServer {
   /// `device` must outlive this object, and nothing else may use it. The port * in `endpoint` lets
   /// the system choose a port. `rate` is the number of readings per second, 1 to 100000 Hz. With
   /// `keys`, only a client with an operator's key gets the device; without keys, any client does.
-  /// Throws Error if the server cannot listen, and Error (bad input) if the rate is out of range.
+  /// Throws Error if the server cannot listen.
   DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000,
                const std::optional<KeyFolder>& keys = std::nullopt);
 

@@ -31,10 +31,8 @@ constexpr double ghost_begins = 0.008, ghost_whole = 0.03;
 constexpr double least_scale_share = 0.1, scale_of_nothing = 1000;
 
 std::vector<bool> touchableTriangles(const TouchSurface& surface) {
-  std::vector<bool> touchable(surface.triangles().size());
-  for (std::size_t t = 0; t < touchable.size(); ++t)
-    touchable[t] = surface.touchable(static_cast<std::int32_t>(t));
-  return touchable;
+  return mapped(countUp(surface.triangles().size()),
+                [&](std::int32_t triangle) { return surface.touchable(triangle); });
 }
 
 void drawElements(GLenum kind, std::span<const std::uint32_t> vertices) {
@@ -81,8 +79,7 @@ BodyView::BodyView(const HapticModel& model)
   ghost_shares_.resize(shape_.size());
   ghost_colours_.resize(shape_.size());
   ghost_corners_.reserve(shape_.corners().size());
-  for (std::size_t t = 0; t < model.surface().triangles().size(); ++t)
-    has_untouchable_ |= !model.surface().touchable(static_cast<std::int32_t>(t));
+  has_untouchable_ = std::ranges::count(touchableTriangles(model.surface()), false) > 0;
 }
 
 void BodyView::forgetScale() {

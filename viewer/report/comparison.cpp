@@ -220,16 +220,15 @@ Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& met
         first.file().string(), second.file().string(), namesIn(first), namesIn(second));
   comparison.common = pairs.size();
   for (const Dataset& dataset : comparison.open) comparison.datasets.push_back(factsOf(dataset));
-  comparison.places.resize(std::min(most_places, pairs.size()));
-  inParallel(comparison.places.size(), [&](std::size_t n) {
-    comparison.places[n] =
-        comparePlace(comparison, pairs[n * pairs.size() / comparison.places.size()]);
-  });
-  comparison.everywhere.resize(std::min(most_differences, pairs.size()));
-  inParallel(comparison.everywhere.size(), [&](std::size_t n) {
-    comparison.everywhere[n] =
-        differenceAt(comparison, pairs[n * pairs.size() / comparison.everywhere.size()]);
-  });
+  // Compares at most `most` pairs, evenly spread.
+  const auto fill = [&](auto& results, std::size_t most, auto compare) {
+    results.resize(std::min(most, pairs.size()));
+    inParallel(results.size(), [&](std::size_t n) {
+      results[n] = compare(comparison, pairs[n * pairs.size() / results.size()]);
+    });
+  };
+  fill(comparison.places, most_places, comparePlace);
+  fill(comparison.everywhere, most_differences, differenceAt);
   comparison.properties = comparedProperties(comparison.open, comparison.datasets);
   comparison.limits = limitsOf(comparison);
   return comparison;
