@@ -160,8 +160,10 @@ NodalFields Dataset::surfaceFields(std::size_t space) const {
           rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
 }
 
+const std::vector<hdf5::ArrayInfo>& Dataset::arrays() const { return input_->in.arrays(); }
+
 void Dataset::verifyAll() const {
-  for (const hdf5::ArrayInfo& array : input_->in.arrays()) input_->in.verify(array);
+  for (const hdf5::ArrayInfo& array : arrays()) input_->in.verify(array);
 }
 
 void warnIfPartial(const Dataset& dataset) {

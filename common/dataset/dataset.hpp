@@ -8,6 +8,9 @@
 #include "common/space/space_table.hpp"
 
 namespace palpate {
+namespace hdf5 {
+struct ArrayInfo;
+}
 
 /// Returns the nodal fields of a solved point, for sealDataset(). Throws Error if they cannot be
 /// read.
@@ -79,6 +82,8 @@ class Dataset {
   /// empty if the dataset stores none (storedPressures). Values are NaN at points that are not
   /// solved.
   NodalFields surfaceFields(std::size_t space) const;
+  /// Returns all arrays of the file.
+  const std::vector<hdf5::ArrayInfo>& arrays() const;
   /// Reads and verifies every array, including the nodal fields. Error names the first damaged
   /// array.
   void verifyAll() const;

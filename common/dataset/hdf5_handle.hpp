@@ -123,7 +123,8 @@ struct ArrayInfo {
   std::string path;  ///< "/lattice/ijk"
   Element element = Element::uint8;
   Shape shape;
-  ContentId hash;  ///< BLAKE2b-256 of the values, row-major, little-endian
+  ContentId hash;            ///< BLAKE2b-256 of the values, row-major, little-endian
+  std::uint64_t stored = 0;  ///< bytes in the file, compressed; only Reader sets it
 };
 
 /// Base of Reader and Writer: a file name, and checks of HDF5 results with errors that give this

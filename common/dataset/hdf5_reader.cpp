@@ -214,6 +214,7 @@ ArrayInfo Reader::inspect(const std::string& path) const {
       ContentId::fromHex(text(array.get(), hash_attribute, path + ": " + hash_attribute));
   if (!hash) throw damaged(path, "its blake2b attribute is not 64 hexadecimal digits");
   info.hash = *hash;
+  info.stored = H5Dget_storage_size(array.get());
   return info;
 }
 

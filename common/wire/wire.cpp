@@ -287,6 +287,10 @@ Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Messa
   return sendInFrames(socket, peer, message.SerializeAsString(), payload, nullptr);
 }
 
+Sent sendBytes(zmq::socket_t& socket, std::string_view peer, std::string_view bytes) {
+  return sendInFrames(socket, peer, bytes, {}, nullptr);
+}
+
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
                  const std::shared_ptr<const std::string>& payload,
                  const std::shared_ptr<const void>& until_sent) {

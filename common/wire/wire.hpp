@@ -77,6 +77,9 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
 
+/// Sends a message that is encoded already.
+[[nodiscard]] Sent sendBytes(zmq::socket_t& socket, std::string_view peer, std::string_view bytes);
+
 /// Sends a payload without copying it, so that messages for a peer that does not read take no
 /// further memory. `payload` and `until_sent` are kept alive until the system has taken the last
 /// frame, or the connection ends. Any thread may destroy the last reference.

@@ -42,17 +42,7 @@ zmq::socket_t makeDeviceDealer(zmq::context_t& context) {
 
 bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
                        const wire::DeviceMessage& message) {
-  const std::string bytes = message.SerializeAsString();
-  std::vector<zmq::const_buffer> frames;
-  if (!peer.empty()) frames.push_back(zmq::buffer(peer));
-  frames.push_back(zmq::buffer(bytes));
-  try {
-    return repeatWhenInterrupted(
-        [&] { return zmq::send_multipart(socket, frames, zmq::send_flags::dontwait).has_value(); });
-  } catch (const zmq::error_t& error) {
-    if (error.num() == EHOSTUNREACH) return false;
-    throw failure("ZeroMQ send: {}", error.what());
-  }
+  return sendBytes(socket, peer, message.SerializeAsString()) == Sent::yes;
 }
 
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router) {

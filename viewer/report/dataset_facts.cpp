@@ -23,50 +23,25 @@ std::string kindOf(const std::string& path) {
                                                                     : path.substr(0, end);
 }
 
-/// Callback that HDF5 calls for every object of a file. Adds the size of an array to the sizes of
-/// its kind. A negative result stops the iteration.
-herr_t addSize(hid_t root, const char* name, const H5O_info_t* info, void* kinds) {
-  if (info->type != H5O_TYPE_DATASET) return 0;
-  const hdf5::Handle array(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
-  const hdf5::Handle type(H5Dget_type(array.get()), H5Tclose);
-  const hdf5::Handle space(H5Dget_space(array.get()), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-  if (array.get() < 0 || type.get() < 0 || count < 0) return -1;
-  ArraySize& size = (*static_cast<std::map<std::string, ArraySize>*>(kinds))[kindOf(name)];
-  size.stored += H5Dget_storage_size(array.get());
-  size.unpacked += count * H5Tget_size(type.get());
-  return 0;
-}
-
 /// Returns the sizes of all kinds of arrays, the largest first.
-std::vector<ArraySize> arraySizes(const std::string& file) {
-  hdf5::silenceErrorStack();
-  // The same properties as in hdf5::Reader. HDF5 requires this if the file is already open.
-  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  hdf5::checked(H5Pset_file_locking(access.get(), false, true), file, "file locking");
-  const hdf5::Handle opened(
-      hdf5::checked(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), file, "cannot be opened"),
-      H5Fclose);
+std::vector<ArraySize> arraySizes(const Dataset& dataset) {
   std::map<std::string, ArraySize> kinds;
-  hdf5::checked(
-      H5Ovisit2(opened.get(), H5_INDEX_NAME, H5_ITER_INC, addSize, &kinds, H5O_INFO_BASIC), file,
-      "its arrays cannot be listed");
+  for (const hdf5::ArrayInfo& array : dataset.arrays()) {
+    ArraySize& size = kinds[kindOf(array.path.substr(1))];
+    size.stored += array.stored;
+    size.unpacked += hdf5::countOf(array.shape) * hdf5::typeOf(array.element).size;
+  }
   std::vector<ArraySize> sizes;
   for (auto& [kind, size] : kinds) sizes.push_back({kind, size.stored, size.unpacked});
   std::ranges::stable_sort(sizes, std::greater(), &ArraySize::stored);
   return sizes;
 }
 
-void countProbes(const std::vector<SpaceTable>& spaces, DatasetFacts& facts) {
-  for (const SpaceTable& space : spaces)
-    for (const Probe& probe : space.probes) facts.probes.add(probe.record);
-}
-
-void countFailedProbes(const std::vector<SpaceTable>& spaces,
-                       std::map<Cause, FailureCount>& failures) {
-  for (const SpaceTable& space : spaces)
-    for (const Probe& probe : space.probes)
-      if (probe.record.tag == Tag::failed) ++failures[probe.record.cause].probes;
+template <class Visit>
+void forEachProbe(const Dataset& dataset, Visit visit) {
+  for (const std::vector<SpaceTable>* spaces : {&dataset.spaces(), &dataset.probePlaces()})
+    for (const SpaceTable& space : *spaces)
+      for (const Probe& probe : space.probes) visit(probe.record);
 }
 
 }  // namespace
@@ -74,17 +49,17 @@ void countFailedProbes(const std::vector<SpaceTable>& spaces,
 DatasetFacts factsOf(const Dataset& dataset) {
   DatasetFacts facts;
   facts.file = dataset.file();
-  std::error_code ignored;  // a missing file causes the error below, which names the file
-  facts.bytes = std::filesystem::file_size(dataset.file(), ignored);
+  std::error_code error;
+  facts.bytes = std::filesystem::file_size(dataset.file(), error);
+  if (error) throw failure("{}: {}", dataset.file().string(), error.message());
   for (const SpaceTable& space : dataset.spaces()) {
     facts.lattice_points += space.points.size();
     for (const PointRecord& point : space.points) facts.configurations += isSolved(point.tag);
   }
-  countProbes(dataset.spaces(), facts);
-  countProbes(dataset.probePlaces(), facts);
+  forEachProbe(dataset, [&](const PointRecord& probe) { facts.probes.add(probe); });
   PALPATE_ASSERT(facts.configurations <= facts.lattice_points,
                  "each configuration must be at a lattice point");
-  facts.sizes = arraySizes(dataset.file().string());
+  facts.sizes = arraySizes(dataset);
   return facts;
 }
 
@@ -95,8 +70,9 @@ std::map<Cause, FailureCount> failuresOf(const Dataset& dataset) {
       if (point.tag == Tag::failed) ++failures[point.cause].points;
     for (const FailedAttempt& attempt : space.attempts) ++failures[attempt.failure.cause].attempts;
   }
-  countFailedProbes(dataset.spaces(), failures);
-  countFailedProbes(dataset.probePlaces(), failures);
+  forEachProbe(dataset, [&](const PointRecord& probe) {
+    if (probe.tag == Tag::failed) ++failures[probe.cause].probes;
+  });
   return failures;
 }
 

@@ -23,8 +23,7 @@ struct DatasetFacts {
   std::vector<ArraySize> sizes;  ///< of all arrays, the largest first
 };
 
-/// Returns the facts of an open dataset; only the sizes of arrays are read from the file. Throws
-/// Error if the file can no longer be read. One thread at a time (HDF5 is not thread-safe).
+/// Returns the facts of an open dataset. Throws Error if the file no longer exists.
 DatasetFacts factsOf(const Dataset& dataset);
 
 /// Number of failures with one cause.

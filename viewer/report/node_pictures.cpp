@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/report/field_comparison.hpp"
 
 namespace palpate {
@@ -18,9 +19,7 @@ using Fields = std::vector<std::unique_ptr<ForceField>>;
 
 /// Returns the fields of all methods; null for a method that cannot be made.
 Fields fieldsOf(const SpaceTable& space, const std::vector<std::string>& methods) {
-  Fields fields;
-  for (const std::string& method : methods) fields.push_back(tryToMake(method, space).field);
-  return fields;
+  return mapped(methods, [&](const std::string& method) { return tryToMake(method, space).field; });
 }
 
 void sampleAll(const Fields& fields, double from, double to, ForceWay& way) {
