@@ -137,6 +137,15 @@ TEST_F(PictureTest, ResetsTheColourScaleWhenItShowsEverything) {
   EXPECT_GT(find(picture.grab(), isYellow).count, 300);
 }
 
+TEST_F(PictureTest, BeginsTheColourScaleAgainAfterARelease) {
+  Picture picture({&model}, {.vsync = false, .ghost = false});
+  const HapticState deep = pressed(0.015), rest = pressed(0), press = pressed(0.0048);
+  for (const HapticState* state : {&deep, &press}) picture.draw(*state, {});
+  EXPECT_LT(find(picture.grab(), isYellow).count, 30);
+  for (const HapticState* state : {&rest, &press}) picture.draw(*state, {});
+  EXPECT_GT(find(picture.grab(), isYellow).count, 300) << "the colour of the end of the scale";
+}
+
 TEST_F(PictureTest, ShowsTheGhostOnlyWhereTheBodyIsDeformed) {
   const HapticState rest = pressed(0), press = pressed(0.012);
   EXPECT_EQ(
