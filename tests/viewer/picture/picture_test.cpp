@@ -58,6 +58,14 @@ int differences(const Image& a, const Image& b, int right, int bottom) {
   return count;
 }
 
+/// The topmost row of the side panel, from the top of the window, in which two pictures differ;
+/// their height if there is none.
+int firstChangeInPanel(const Image& a, const Image& b) {
+  for (int y = 0; y < a.height; ++y)
+    if (!std::equal(pixelOf(a, 996, y), pixelOf(a, 0, y + 1), pixelOf(b, 996, y))) return y;
+  return a.height;
+}
+
 class PictureTest : public ::testing::Test {
  protected:
   /// Created once because sealing and preparing take longer than most pictures.
@@ -97,10 +105,11 @@ class PictureTest : public ::testing::Test {
     EXPECT_TRUE(press.touch.touching);
     return press;
   }
-  Image pictureOf(const HapticState& state, PictureOptions options = {}) {
+  Image pictureOf(const HapticState& state, PictureOptions options = {},
+                  const PictureStatus& status = {}) {
     options.vsync = false;
     Picture picture({&model}, options);
-    picture.draw(state, {});
+    picture.draw(state, status);
     return picture.grab();
   }
 
@@ -195,6 +204,36 @@ TEST_F(PictureTest, FillsItsPanelsAndShowsTroubleInRed) {
   const auto ink = [](Pixel p) { return p[0] < 120 && p[1] < 120 && p[2] < 120; };
   EXPECT_GT(find(calm, ink, 1280, 800).count - find(calm, ink, 980, 800).count, 1000)
       << "numbers at the side";
+}
+
+/// A person who presses looks for force, error and depth, and for what changes the force.
+TEST_F(PictureTest, ListsForceErrorDepthAndLimitsAboveEverythingElse) {
+  HapticState usual = pressed(0.004);
+  usual.touch.error_bound = 0.01;
+  const Image before = pictureOf(usual);
+  const auto rowOf = [&](const HapticState& state, const PictureStatus& status = {}) {
+    return firstChangeInPanel(before, pictureOf(state, {}, status));
+  };
+  HapticState stronger = usual, uncertain = usual, limited = usual, by_another_method = usual,
+              active = usual;
+  stronger.force *= 2;
+  uncertain.touch.error_bound = 0.02;
+  HapticState deeper = pressed(0.008);
+  deeper.force = usual.force;
+  deeper.touch.error_bound = usual.touch.error_bound;
+  limited.guards = 1;
+  by_another_method.method = 1;
+  active.passivity = 1;
+  const std::vector<int> rows = {rowOf(stronger),
+                                 rowOf(uncertain),
+                                 rowOf(deeper),
+                                 rowOf(limited),
+                                 rowOf(by_another_method),
+                                 rowOf(active),
+                                 rowOf(usual, {.device = "a device"})};
+  EXPECT_TRUE(std::ranges::adjacent_find(rows, std::ranges::greater_equal()) == rows.end())
+      << testing::PrintToString(rows);
+  EXPECT_LT(rows.back(), before.height);
 }
 
 TEST_F(PictureTest, SwitchesBetweenModelsThatShareTheWindow) {
