@@ -143,6 +143,12 @@ TEST_F(SystemTest, ChildProcessesInheritAWorkersLogLevel) {
   EXPECT_THAT(quiet->output(), testing::Not(HasSubstr(" info ")));
 }
 
+/// Only the child connects. With nobody there, it logs as a detail that messages are not accepted.
+TEST_F(SystemTest, ChildProcessesLogTheDetailsThatAWorkerIsAskedFor) {
+  auto worker = start("palpate-worker", {"work", "--connect", "ipc://nobody.ipc", "-j", "1", "-v"});
+  EXPECT_TRUE(test::says(*worker, " debug ")) << worker->output();
+}
+
 TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
   auto scheduler = serve("served", "served.h5", {}, "ipc://scheduler.ipc");
   endpointIn("served");
