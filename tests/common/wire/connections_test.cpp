@@ -4,10 +4,14 @@
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <functional>
 #include <thread>
 
+#include "common/base/file_descriptor.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
@@ -93,6 +97,27 @@ TEST_F(ConnectionsTest, ASenderOfALongMessageIsClosed) {
   const std::string why = closedWhile([] {});
   EXPECT_EQ(why,
             "a connection from 127.0.0.1 was closed: its message of 2000000 bytes is too large");
+}
+
+/// ZeroMQ closes a descriptor in its own thread, and a new connection may then get it.
+TEST_F(ConnectionsTest, AConnectionWithTheDescriptorOfAClosedOneIsKept) {
+  watch(small);
+  const auto makePair = [] {
+    std::array<int, 2> both = {-1, -1};
+    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, both.data()), 0);
+    return std::pair(FileDescriptor(both[0]), FileDescriptor(both[1]));
+  };
+  const auto [first, peer_of_first] = makePair();
+  const auto [second, peer_of_second] = makePair();
+  char byte = 0;
+  EXPECT_FALSE(connections->received(first.get(), small.message_bytes + 1));
+  EXPECT_EQ(recv(peer_of_first.get(), &byte, 1, MSG_DONTWAIT), 0) << "its end is seen";
+  EXPECT_FALSE(connections->received(first.get(), 1)) << "its late messages are ignored";
+
+  ASSERT_EQ(dup2(second.get(), first.get()), first.get());
+  EXPECT_TRUE(connections->received(first.get(), 1));
+  EXPECT_EQ(::send(first.get(), "x", 1, MSG_NOSIGNAL), 1) << "it is still open";
+  EXPECT_EQ(connections->takeClosed().count, 1);
 }
 
 TEST_F(ConnectionsTest, SendersWhoseMessagesEndAreKept) {
