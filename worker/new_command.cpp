@@ -95,9 +95,9 @@ ExitCode writeScene(const NewOptions& options) {
   const std::filesystem::path copy = scene_file.parent_path() / mesh_file.filename();
   const bool is_there = isThereAlready(copy, msh);
   const GuessedUnit unit = unitOfMesh(options, parseGmsh(msh, options.mesh));
+  const Mesh mesh = parseGmsh(msh, options.mesh, unit.unit.metres);
   const ProposedScene scene =
-      proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(place),
-                    mesh_file.filename().string(), unit.unit, unit.doubt);
+      proposedScene(mesh, sceneNameOf(place), mesh_file.filename().string(), unit.unit, unit.doubt);
   makeFolder(scene_file.parent_path());
   // The scene is written last, so that a folder that has a scene is complete.
   if (!is_there) replaceFile(copy, msh, "mesh");
@@ -111,6 +111,11 @@ ExitCode writeScene(const NewOptions& options) {
                  ? ", guessed from the size; change with --unit"
                  : fmt::format(", guessed from the size ({}); change with --unit", unit.doubt));
   for (const std::string& choice : scene.choices) fmt::print("{}\n", choice);
+  if (!mesh.unused_names.empty())
+    fmt::print(
+        "note       these named groups have no elements and cannot be used: \"{}\" (with "
+        "Mesh.SaveAll = 1, version 2.2 saves elements without their groups)\n",
+        fmt::join(mesh.unused_names, "\", \""));
   for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
   fmt::print("next: palpate check {}\n", shellWord(file));
   return ExitCode::done;

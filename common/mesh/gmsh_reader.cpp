@@ -429,6 +429,9 @@ class GmshText {
       for (const std::int64_t number : physical->second) addToGroup({dimension, number}, key);
     }
     for (auto& [name, elements] : mesh_.element_groups) sortUnique(elements);
+    for (const auto& [key, name] : physical_names_)
+      if (!mesh_.node_groups.contains(name)) mesh_.unused_names.push_back(name);
+    sortUnique(mesh_.unused_names);
   }
 
   /// Adds the nodes and tetrahedra that were read for `from`, an entity or a group, to `group`.

@@ -40,7 +40,8 @@ struct Mesh {
   /// Mid-edge nodes per tetrahedron, in the order of tetrahedron_edges.
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
-  std::int32_t dropped_nodes = 0;  ///< nodes of the file that no tetrahedron used
+  std::vector<std::string> unused_names;  ///< names of the file's groups without elements
+  std::int32_t dropped_nodes = 0;         ///< nodes of the file that no tetrahedron used
   /// Number of tetrahedra that had negative volume in the file; two of their nodes were swapped.
   std::int32_t reoriented_tetrahedra = 0;
 };

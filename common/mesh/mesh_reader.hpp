@@ -18,8 +18,9 @@ namespace palpate {
 /// Physical groups of every dimension become node groups under their name. Groups of dimension 3
 /// also become element groups. Groups without a name are called "point 3", "curve 3", "surface 3"
 /// or "volume 3", since Gmsh numbers each dimension separately. Groups with the same name are
-/// united. $ElementData of three components become element vectors under their first string tag.
-/// Tetrahedra without data get zero vectors. Only the first of several time steps is read.
+/// united; names without elements become Mesh::unused_names. $ElementData of three components
+/// become element vectors under their first string tag. Tetrahedra without data get zero vectors.
+/// Only the first of several time steps is read.
 ///
 /// Error (bad input) with file and line for a missing, truncated, binary, partitioned or
 /// inconsistent file, another version, or a curved edge. Positions in error messages are in the

@@ -150,6 +150,19 @@ TEST_F(MeshCommand, ProposesNoOtherFingerForAReportedPatch) {
               AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));
 }
 
+/// Otherwise a scene would fix another part than the group that the user named "fixed".
+TEST_F(MeshCommand, NamesGroupsWithoutElementsInANewScene) {
+  Mesh box = test::boxMesh({0.12, 0.08, 0.06}, {4, 3, 2});
+  box.node_groups["fixed"] = {};
+  test::writeGmsh22(box, directory / "old.msh");
+  test::writeGmsh41(box, directory / "box.msh");
+  for (const char* name : {"old", "box"}) {
+    const CommandResult made = worker("new " + std::string(name) + " --mesh " + name + ".msh");
+    EXPECT_EQ(made.exit_code, 0) << made.output;
+    EXPECT_THAT(made.output, AllOf(HasSubstr("\"fixed\""), Not(HasSubstr("\"xmin\"")))) << name;
+  }
+}
+
 TEST_F(MeshCommand, DoesNotChangeAMeshInTheFolderOfANewScene) {
   test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "box.msh");
   std::filesystem::create_directory(directory / "organ");
