@@ -157,6 +157,43 @@ TEST_F(MeshConversion, KeepsTenNodesGroupsAndVectorsReadByMeshio) {
   }
 }
 
+/// VTK packs eight bits into a byte of a binary file.
+TEST_F(MeshConversion, ReadsBitArraysAndSkipsNormalsOfVtk) {
+  create("bits.py") << R"(import numpy as np
+def write(name, binary):
+    with open(name, 'wb') as out:
+        def line(words):
+            out.write(words.encode() + b'\n')
+        def array(words, kind, values):
+            line(words)
+            packed = np.packbits(values) if kind == 'bit' else np.array(values, kind)
+            line(' '.join(map(str, values))) if not binary else out.write(packed.tobytes() + b'\n')
+        line('# vtk DataFile Version 5.1\ntwo\n' + ('BINARY' if binary else 'ASCII'))
+        line('DATASET UNSTRUCTURED_GRID')
+        array('POINTS 5 float', '>f4', [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1])
+        array('CELLS 2 10', '>i4', [4, 0, 1, 2, 3, 4, 1, 2, 3, 4])
+        array('CELL_TYPES 2', '>i4', [10, 10])
+        array('CELL_DATA 2\nNORMALS facing float', '>f4', [0, 0, 1, 0, 0.6, 0.8])
+        array('FIELD FieldData 1\nstiff 1 2 bit', 'bit', [0, 1])
+        array('POINT_DATA 5\nSCALARS wall bit 1\nLOOKUP_TABLE default', 'bit', [1, 1, 1, 0, 0])
+        array('NORMALS outward float', '>f4', [0.5] * 15)
+        array('FIELD FieldData 1\nlabel 1 5 int', '>i4', [0, 0, 0, 2, 2])
+write('ascii.vtk', False)
+write('binary.vtk', True)
+)";
+  run("/usr/bin/python3 bits.py");
+  for (const char* name : {"ascii.vtk", "binary.vtk"}) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = convert(name);
+    EXPECT_EQ(mesh.tetrahedra.size(), 2u);
+    EXPECT_THAT(mesh.element_groups.at("stiff"), ElementsAre(1));
+    EXPECT_THAT(mesh.node_groups.at("wall"), ElementsAre(0, 1, 2));
+    EXPECT_THAT(mesh.node_groups.at("label 2"), ElementsAre(3, 4));
+    EXPECT_EQ(mesh.node_groups.size(), 3u);
+    EXPECT_THAT(mesh.element_vectors, IsEmpty());
+  }
+}
+
 TEST_F(MeshConversion, ReadsMedNastranAndMeditWithTheirGroups) {
   writeByMeshio("body.vtu");
   std::ofstream script = create("others.py");
