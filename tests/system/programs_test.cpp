@@ -50,7 +50,8 @@ TEST(Programs, NameAMemoryLimitUnderWhichTheyCannotSolve) {
   // first. The scheduler looks for the workers that it starts, also without `palpate`.
   const std::vector<std::string> commands = {
       "palpate-scheduler build -j 1 -o '" + (directory / "liver.h5").string() + "' " + scene,
-      "palpate work --alone --insecure --give-up 5", "palpate check " + scene};
+      "palpate work --alone --insecure --give-up 5", "palpate check " + scene,
+      "palpate solve --displacement 0 0 -0.001 " + scene};
   for (const std::string& command : commands) {
     const test::CommandResult result =
         test::runCommand("(ulimit -v 300000; timeout 60 " PALPATE_BIN_DIR "/" + command + ")");
