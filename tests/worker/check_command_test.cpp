@@ -202,7 +202,8 @@ TEST_F(CheckCommand, EstimatesAnAdaptiveBuildFromTheErrorOfTrialSolves) {
   scene.workspace.spacing = 0.1;
   const json found = report();
   EXPECT_EQ(found.at("configurations"), 7 + 10);
-  for (const char* count : {"configurations", "likely_configurations"})
+  for (const char* count :
+       {"configurations", "likely_configurations", "dataset_bytes", "likely_dataset_bytes"})
     EXPECT_TRUE(found.at(count).is_number_integer()) << count << ": " << found.at(count);
   EXPECT_GE(found.at("likely_configurations"), found.at("configurations"));
   EXPECT_GE(found.at("likely_core_seconds"), found.at("core_seconds"));

@@ -121,7 +121,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredPaths& measured) {
   const auto estimate = [&](double of_spaces) {
     const double configurations = of_spaces + probes;
     return Estimate{std::llround(configurations), configurations * seconds_each,
-                    of_spaces * bytes_each};
+                    std::llround(of_spaces * bytes_each)};
   };
   cost.least = estimate(points);
   cost.likely = estimate(points + more);

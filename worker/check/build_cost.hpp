@@ -8,7 +8,7 @@ namespace palpate {
 struct Estimate {
   std::int64_t configurations = 0;  ///< including probes
   double seconds = 0;               ///< on one core
-  double bytes = 0;                 ///< size of the nodal fields, before compression
+  std::int64_t bytes = 0;           ///< size of the nodal fields, before compression
 };
 
 /// The estimated cost of a build and its reach, from measured paths (measured_paths.hpp).
