@@ -207,9 +207,21 @@ TEST(Scene, FillsInDefaultsThatFollowTheLaw) {
   EXPECT_EQ(rubber.discretization.pressure, PressureSpace::p1_stabilized);
   EXPECT_EQ(rubber.discretization.constraint, Constraint::ln_det_F);
   EXPECT_EQ(rubber.workspace.spacing, 0.02);
-  const Scene linear =
-      parse("mesh = \"m.msh\"\n[material]\nlaw = \"linear\"\nyoung = 1\npoisson = 0.3" + rest);
-  EXPECT_EQ(linear.discretization.pressure, PressureSpace::none);
+  const auto pressureOf = [&](const std::string& law, double poisson, const char* displacement) {
+    return parse("mesh = \"m.msh\"\ndiscretization.displacement = \"" + std::string(displacement) +
+                 "\"\n[material]\nlaw = \"" + law +
+                 "\"\nyoung = 1\npoisson = " + std::to_string(poisson) + rest)
+        .discretization.pressure;
+  };
+  for (const char* law : {"linear", "st-venant-kirchhoff"})
+    for (const char* displacement : {"P1", "P2"}) {
+      SCOPED_TRACE(law);
+      EXPECT_EQ(pressureOf(law, 0.3, displacement), PressureSpace::none);
+      EXPECT_EQ(pressureOf(law, 0.49, displacement), PressureSpace::none);
+      const bool p1 = std::string(displacement) == "P1";
+      EXPECT_EQ(pressureOf(law, 0.499, displacement),
+                p1 ? PressureSpace::p1_stabilized : PressureSpace::p1);
+    }
   const Scene modified = parse(
       "mesh = \"m.msh\"\n[material]\nlaw = \"modified-st-venant-kirchhoff\"\nyoung = 1" + rest);
   EXPECT_FALSE(modified.regions[0].material.poisson.has_value());
