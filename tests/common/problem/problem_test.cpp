@@ -223,7 +223,8 @@ TEST_F(Problem, AcceptsAComponentAttachedAtThreeNodes) {
 TEST_F(Problem, WarnsOfCoincidentNodes) {
   mesh = test::together(mesh, test::moved(mesh, {0.2, 0, 0}));
   EXPECT_THAT(warningsOf(resolved()),
-              Contains(AllOf(HasSubstr("coincident nodes: 25"), HasSubstr("--weld"))));
+              Contains(AllOf(HasSubstr("coincident nodes: 25"), HasSubstr("node 125"),
+                             HasSubstr("(0.2, 0, 0)"), HasSubstr("--weld"))));
 }
 
 TEST_F(Problem, RefusesAContrastInWhichForcesWouldBeLost) {
