@@ -134,6 +134,22 @@ TEST_F(MeshCommand, RefusesImpossibleOptionsBeforeMeshing) {
   EXPECT_THAT(worker("mesh organ.stl -o organ.msh --straight").output, HasSubstr("is a surface"));
 }
 
+TEST_F(MeshCommand, LeavesNoFileAndKeepsAnOlderMeshIfItRefusesTheInput) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  std::ofstream(directory / "open.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  std::ofstream(directory / "brick.inp") << "*NODE\n1, 0, 0, 0\n"
+                                            "*ELEMENT, TYPE=C3D8\n1, 1, 1, 1, 1, 1, 1, 1, 1\n";
+  std::ofstream(directory / "flat.inp") << "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n"
+                                           "4, 1, 1, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n";
+  std::ofstream(directory / "old.msh") << "mine";
+  for (const std::string input : {"open.off", "brick.inp", "flat.inp"}) {
+    for (const char* output : {"new.msh", "old.msh"})
+      EXPECT_EQ(worker("mesh " + input + " -o " + output).exit_code, 2) << input;
+    EXPECT_FALSE(std::filesystem::exists(directory / "new.msh")) << input;
+    EXPECT_EQ(content("old.msh"), "mine") << input;
+  }
+}
+
 TEST_F(MeshCommand, ProposesNoOtherFingerForABodyThatIsThinEverywhere) {
   test::writeGmsh22(test::boxMesh({0.06, 0.06, 0.004}, {6, 6, 1}), directory / "plate.msh");
   const CommandResult made = worker("new plate --mesh plate.msh");
