@@ -155,22 +155,12 @@ class ViewSession {
     return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
   }
 
-  /// Starts to follow the hand. Throws Error if the scene is not that of the first dataset, or if
-  /// its dataset has no finger.
+  /// Starts to follow the hand. Throws the errors of followedRadius().
   void startLive() {
     const HapticModel& model = loaded_->first();
     if (!guess_) followed_ = loadProblem(options_.live);
     live_build_ = guess_ ? model.buildId() : problemId(*followed_);
-    if (live_build_ != model.buildId())
-      throw badInput("{} is not the scene of {}: give the scene from which it was built",
-                     options_.live.string(), model.file());
-    const std::vector<TouchArea>& areas = model.surface().areas();
-    if (areas.empty())
-      throw badInput("--live needs a finger, but no finger touches {}", model.file());
-    for (const TouchArea& area : areas)
-      if (area.radius != areas.front().radius)
-        throw badInput("--live needs fingers of one radius; {} has several radii", model.file());
-    live_.emplace(areas.front().radius, guess_.has_value());
+    live_.emplace(followedRadius(model, live_build_), guess_.has_value());
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     followed_.reset();
@@ -191,7 +181,7 @@ class ViewSession {
     tick_options.contact.mode = options_.contact.value_or(model.contactMode());
     tick_options.contact.friction = options_.friction;
     if (live_ && model.buildId() == live_build_) {
-      tick_options.live = &*live_;
+      tick_options.contact.live = &*live_;
       tick_options.contact.live_model = &model;
     }
     tick_options.guard = guardFor(limits(), tick_options.period);

@@ -6,12 +6,14 @@ import copy
 import dataclasses
 import inspect
 import json
+import os
 import pickle
 import re
 import shutil
 import subprocess
 import sys
 import threading
+import time
 import unittest
 import unittest.mock
 
@@ -312,6 +314,84 @@ class PythonContacts(WithDatasets):
         self.assertGreater(palpate.device("touch").max_force, 1)
 
 
+class PythonLive(WithDatasets):
+    """A finger on the cube, pressed 5 mm deep in a second and held there."""
+
+    WORKER = BIN / "palpate-worker"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.folder / "finger.toml"
+        cls.dataset = palpate.Dataset(cls.build("finger", FINGER, 0.01, 0.01))
+
+    @staticmethod
+    def press(contact, seconds, begin=0):
+        for n in range(int(1000 * begin), int(1000 * (begin + seconds))):
+            touch = contact.update((0.051, 0.048, max(0.101 - 6e-6 * n, 0.095)))
+            time.sleep(0.001)
+        return touch
+
+    def assertIsExact(self, touch):
+        said = self.run_program("solve", self.scene, "--json", "--at", *touch.anchor, "--displacement", *touch.displacement)
+        exact = np.array(json.loads(said)["force"])
+        error, force = np.linalg.norm(touch.force - exact), np.linalg.norm(exact)
+        self.assertGreater(force, 0.2)
+        self.assertLess(error, 0.005 * force)
+        self.assertLess(error, touch.error_bound)
+        self.assertLess(touch.error_bound, 0.2 * force)
+
+    def testCorrectsADatasetToTheExactForce(self):
+        with palpate.Live(self.scene, self.dataset, worker=self.WORKER) as live:
+            self.assertIs(live.dataset, self.dataset)
+            contact = palpate.Contact(self.dataset, live=live)
+            with self.assertRaisesRegex(palpate.Error, "another contact"):
+                palpate.Contact(self.dataset, live=live)
+            self.assertIsExact(self.press(contact, 2))
+            self.assertEqual((live.info.ready, live.info.trouble, live.info.restarts), (True, "", 0))
+            self.assertGreater(live.info.answers, 10)
+            contact.close()
+            palpate.Contact(self.dataset, live=live)
+
+    def testFollowsASceneWithoutADatasetUntilTheContactIsClosed(self):
+        with palpate.Live(self.scene, worker=self.WORKER) as live:
+            with self.assertRaisesRegex(palpate.Error, "belongs to another dataset"):
+                palpate.Contact(self.dataset, live=live)
+            with self.assertRaisesRegex(TypeError, "no file"):
+                pickle.dumps(live.dataset)
+            contact = palpate.Contact(live.dataset, live=live)
+        touch = self.press(contact, 2)
+        self.assertTrue(touch.inside)
+        self.assertIsExact(touch)
+
+    def testStartsAKilledSolverAgain(self):
+        with palpate.Live(self.scene, worker=self.WORKER) as live, palpate.Contact(live.dataset, live=live) as contact:
+            self.press(contact, 1.5)
+            subprocess.run(["pkill", "-KILL", "-P", str(os.getpid()), "palpate-worker"], check=True)
+            troubles, before, second = set(), live.info.answers, 2
+            while not (live.info.restarts and live.info.ready and live.info.answers > before + 10) and second < 60:
+                self.press(contact, 0.01, second)
+                troubles.add(live.info.trouble)
+                second += 0.01
+            self.assertEqual(live.info.restarts, 1)
+            self.assertGreater(len(troubles), 1)  # a sentence while it is away
+            self.assertIsExact(self.press(contact, 1, second))
+
+    def testNamesWhatIsMissing(self):
+        with self.assertRaisesRegex(palpate.Error, "palpate-worker in PATH"), unittest.mock.patch.dict("os.environ"):
+            os.environ["PATH"] = "/nowhere"
+            palpate.Live(self.scene)
+        with self.assertRaisesRegex(palpate.Error, "/nowhere/palpate-worker"):
+            palpate.Live(self.scene, worker="/nowhere/palpate-worker")
+        with self.assertRaisesRegex(palpate.Error, "missing.toml"):
+            palpate.Live(self.folder / "missing.toml", worker=self.WORKER)
+        (self.folder / "other.toml").write_text(self.scene.read_text().replace("1300", "2600"), encoding="utf-8")
+        with self.assertRaisesRegex(palpate.Error, "give the scene from which it was built"):
+            palpate.Live(self.folder / "other.toml", self.dataset, worker=self.WORKER)
+        with self.assertRaisesRegex(palpate.Error, "options->period"):
+            palpate.Live(self.scene, period=0, worker=self.WORKER)
+
+
 class PythonArrays(WithDatasets):
     def testArraysMatchTheFile(self):
         with palpate.Arrays(self.file) as arrays, h5py.File(self.file) as f:
@@ -440,10 +520,12 @@ class PythonPackage(WithDatasets):
         self.assertGreater(len(programs), 3)
         shutil.copy(self.file, self.folder / "liver.h5")
         shutil.copy(self.build("finger", FINGER, 0.01, 0.005), self.folder / "organ.h5")
+        shutil.copy(self.folder / "finger.toml", self.folder / "organ.toml")
         self.run_program("view", self.file, "--headless", "--fast", "--duration", "1", "--record", self.folder / "run.h5", "-q")
-        done = self.run_python("-c", "\n".join(programs), MPLCONFIGDIR=str(self.folder))
+        done = self.run_python("-c", "\n".join(programs), MPLCONFIGDIR=str(self.folder), PATH=f"{BIN}:{os.environ['PATH']}")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertRegex(done.stdout, r"6\.0 mm True \[")
+        self.assertRegex(done.stdout, r"N, solved: True bound .*trouble=''")
         for figure in re.findall(r"savefig\(\"(.*?)\"\)", manual):
             self.assertGreater((self.folder / figure).stat().st_size, 5000)
 

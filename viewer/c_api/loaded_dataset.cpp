@@ -25,6 +25,11 @@ palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::
 
 }  // namespace
 
+std::mutex& hdf5Mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& options)
     : model(dataset, options), content_id(dataset.contentId().hex()) {
   info.size = sizeof info;

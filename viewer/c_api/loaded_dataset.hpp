@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct LoadedDataset {
   std::vector<palpate_area_info> areas;  ///< same order as HapticModel::surface().areas()
   std::vector<AreaPlaces> places;        ///< same order as areas
 };
+
+/// Hold this mutex while a function reads or writes a dataset file: HDF5 is not thread-safe.
+std::mutex& hdf5Mutex();
 
 }  // namespace palpate
 

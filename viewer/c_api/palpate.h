@@ -323,6 +323,8 @@ PALPATE_API palpate_status palpate_area_query_many(const palpate_dataset* datase
 /* Contact of a point tool with the body. A contact finds the point of contact, blends the forces of
  * the spaces around that point, and lets it slide with friction. */
 typedef struct palpate_contact palpate_contact;
+/* A live solver, see below. */
+typedef struct palpate_live palpate_live;
 
 /* Values are part of the ABI: only append. */
 typedef enum palpate_contact_mode {
@@ -343,6 +345,8 @@ typedef struct palpate_contact_options {
    * by the tool's own motion; default 0.005. This keeps the force continuous while the point of
    * contact runs down from a ridge. A smaller value feels softer and lags more. */
   double most_relaxation;
+  /* live solver that corrects the forces of this contact, of the same dataset; default NULL */
+  palpate_live* live;
 } palpate_contact_options;
 
 #define PALPATE_MOST_SHARES 9
@@ -381,8 +385,8 @@ typedef struct palpate_touch {
 PALPATE_API palpate_status palpate_contact_defaults(const palpate_dataset* dataset,
                                                     palpate_contact_options* options);
 
-/* Creates a contact. options: NULL for the defaults. Pass *contact to palpate_contact_destroy
- * later; it is NULL on failure. */
+/* Creates a contact. options: NULL for the defaults. options->live: of the same dataset, and used
+ * by no other contact. Pass *contact to palpate_contact_destroy later; it is NULL on failure. */
 PALPATE_API palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                                   const palpate_contact_options* options,
                                                   palpate_contact** contact);
@@ -416,6 +420,64 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                                        const palpate_touch* touch,
                                                        float* displacements, size_t capacity);
+
+/* ---- live ---- */
+
+/* A live solver solves for equilibria near the hand while the hand moves, in a process of its own
+ * (palpate-worker). It corrects the forces of one contact, and allows a scene to be touched before
+ * a dataset of it exists. docs/client.md describes its accuracy. */
+
+typedef struct palpate_live_options {
+  size_t size;
+  double period; /* s, > 0: time between two calls of palpate_contact_update; default 0.001 */
+  /* path of the program palpate-worker, which is started; NULL (default): found in PATH */
+  const char* worker;
+  /* address of a running `palpate follow`, "tcp://HOST:PORT"; NULL (default): start a worker here
+   */
+  const char* follower;
+  /* folder of the keys for `follower`; NULL (default): the folder that `palpate key` uses; "":
+   * none, for a follower with --insecure */
+  const char* keys;
+} palpate_live_options;
+
+typedef struct palpate_live_info {
+  size_t size;
+  int32_t ready;          /* 1: the live solver answers; 0: see palpate_live_trouble */
+  int32_t reserved;       /* 0 */
+  uint64_t answers;       /* number of equilibria received */
+  uint64_t failures;      /* number of hand positions without an equilibrium */
+  uint64_t restarts;      /* number of restarts and reconnections of the live solver */
+  double mean_seconds;    /* s, from question to answer; 0 before the first answer */
+  double largest_seconds; /* s, largest time from question to answer */
+} palpate_live_info;
+
+/* Starts a live solver and waits until it has found the state at rest. scene: file of the scene
+ * (.toml). dataset: the dataset of this scene that is corrected; NULL: a guess stands for it, a
+ * spring at every place, whose forces are marked as not inside and have themselves as error bound.
+ * Takes seconds. options: NULL for the defaults. Pass *live to palpate_live_stop later; it is NULL
+ * on failure. Errors: those of palpate_dataset_open for the scene; PALPATE_INVALID_ARGUMENT;
+ * PALPATE_FAILED if the live solver does not start or cannot solve the scene. Threads and HDF5: as
+ * palpate_dataset_open. */
+PALPATE_API palpate_status palpate_live_start(const char* scene, const palpate_dataset* dataset,
+                                              const palpate_live_options* options,
+                                              palpate_live** live);
+
+/* Ends the live solver; NULL is ignored. A contact that uses it keeps it until it is destroyed. */
+PALPATE_API void palpate_live_stop(palpate_live* live);
+
+/* Opens the dataset that the live solver corrects, for palpate_contact_create with options->live.
+ * Pass *dataset to palpate_dataset_close later. Any thread. */
+PALPATE_API palpate_status palpate_live_dataset(const palpate_live* live,
+                                                palpate_dataset** dataset);
+
+/* Describes the live solver in *info. Any thread. */
+PALPATE_API palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info* info);
+
+/* Writes the current problem of the live solver into `text` as a sentence, truncated to `capacity`
+ * bytes with the final zero; "" if there is none. Meanwhile forces continue from the last
+ * equilibria, and the solver is started or asked again. Any thread. */
+PALPATE_API palpate_status palpate_live_trouble(const palpate_live* live, char* text,
+                                                size_t capacity);
 
 /* ---- devices and the guard ---- */
 

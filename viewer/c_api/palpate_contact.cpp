@@ -3,7 +3,7 @@
 
 #include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
-#include "viewer/c_api/loaded_dataset.hpp"
+#include "viewer/c_api/live_scene.hpp"
 #include "viewer/c_api/touch_struct.hpp"
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
@@ -12,13 +12,20 @@ using namespace palpate;
 
 struct palpate_contact {
   palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
-                  std::int32_t method)
-      : loaded(dataset.loaded), contact(loaded->model, options) {
+                  std::int32_t method, std::shared_ptr<LiveScene> scene)
+      : loaded(dataset.loaded), live(std::move(scene)), contact(loaded->model, options) {
     PALPATE_ASSERT(at(method) < loaded->model.methods().size(),
                    "the interpolation method must exist");
     contact.use(loaded->model, at(method));
   }
+  ~palpate_contact() {
+    if (live) live->in_use = false;
+  }
+  palpate_contact(const palpate_contact&) = delete;
+  palpate_contact& operator=(const palpate_contact&) = delete;
+
   std::shared_ptr<const LoadedDataset> loaded;
+  std::shared_ptr<LiveScene> live;  ///< null: no live solver
   Contact contact;
 };
 
@@ -48,6 +55,15 @@ bool translate(const char* function, const Given& options, const palpate_dataset
     return refuse("{}: options->mode is {}; it must be PALPATE_UNILATERAL or PALPATE_GLUED",
                   function, options.mode);
   chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
+  if (options.live != nullptr) {
+    LiveScene& scene = *options.live->scene;
+    if (scene.loaded != dataset.loaded)
+      return refuse("{}: options->live belongs to another dataset; use palpate_live_dataset",
+                    function);
+    chosen.live = &scene.touch;
+    chosen.live_model = &scene.loaded->model;
+    chosen.period = scene.period;
+  }
   return takeOver(function, options, chosen, numbers) &&
          isNumber(function, "method", options.method, dataset.loaded->info.method_count);
 }
@@ -88,8 +104,15 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
   ContactOptions chosen;
   if (!takeOptions(__func__, options, given) || !translate(__func__, given, *dataset, chosen))
     return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__,
-                           [&] { *contact = new palpate_contact(*dataset, chosen, given.method); });
+  const std::shared_ptr<LiveScene> live = given.live != nullptr ? given.live->scene : nullptr;
+  if (live && live->in_use.exchange(true)) {
+    refuse("{}: another contact uses options->live; destroy it first", __func__);
+    return PALPATE_INVALID_ARGUMENT;
+  }
+  const palpate_status status = withoutExceptions(
+      __func__, [&] { *contact = new palpate_contact(*dataset, chosen, given.method, live); });
+  if (live && status != PALPATE_OK) live->in_use = false;
+  return status;
 }
 
 void palpate_contact_destroy(palpate_contact* contact) { delete contact; }

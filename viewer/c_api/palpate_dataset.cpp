@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <functional>
-#include <mutex>
 
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
@@ -9,12 +8,6 @@
 using namespace palpate;
 
 namespace {
-
-/// Serializes reading: HDF5 is not thread-safe.
-std::mutex& readingMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 bool methodsAreKnown(const char* function, const palpate_open_options& options) {
   for (std::size_t m = 0; m < options.method_count; ++m) {
@@ -60,7 +53,7 @@ palpate_status palpate_dataset_open(const char* file, const palpate_open_options
     // Check inside withoutExceptions(), because listing the methods allocates.
     known = methodsAreKnown(function, chosen);
     if (!known) return;
-    const std::lock_guard lock(readingMutex());
+    const std::lock_guard lock(hdf5Mutex());
     *dataset = new palpate_dataset{
         std::make_shared<const LoadedDataset>(Dataset(file), modelOptions(chosen))};
   });

@@ -4,6 +4,7 @@
 
 #include "viewer/haptics/anchor_slide.hpp"
 #include "viewer/haptics/haptic_device.hpp"
+#include "viewer/haptics/live_touch.hpp"
 
 namespace palpate {
 namespace {
@@ -22,12 +23,24 @@ Contact::Contact(const HapticModel& model, const ContactOptions& options)
       state_(options.mode == ContactMode::glued ? State::ready : State::shut) {}
 
 const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
+  LiveTouch* const live = options_.live;
+  if (live != nullptr) live->begin(options_.period);
+  follow(tool, hold);
+  ++updates_;
+  if (live != nullptr)
+    live->publish({static_cast<double>(updates_) * options_.period,
+                   touch_.touching && model_ == options_.live_model, touch_.anchor_position,
+                   touch_.displacement, touch_.force});
+  return touch_;
+}
+
+void Contact::follow(const Eigen::Vector3d& tool, bool hold) noexcept {
   touch_.stepped = std::exchange(step_follows_, false);
   if (!tool.allFinite()) {
     end(touch_.stepped || !touch_.force.isZero(0),
         options_.mode == ContactMode::glued ? State::ready : State::shut);
     last_tool_ = nowhere();
-    return touch_;
+    return;
   }
   if (!last_tool_.allFinite()) last_tool_ = tool;
 
@@ -37,13 +50,12 @@ const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
     const double force = touch_.force.norm(), stiffness = touch_.stiffness.norm();
     if (press(tool)) {
       last_tool_ = tool;
-      return touch_;
+      return;
     }
     // The force has made a step unless the tool's own motion explains its loss.
     end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
-  return touch_;
 }
 
 void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {

@@ -105,6 +105,7 @@ class Contact {
   /// | any      | tool position not finite                                | shut, glued: ready |
   enum class State : std::uint8_t { shut, ready, touching };
 
+  void follow(const Eigen::Vector3d& tool, bool hold) noexcept;
   void seek(const Eigen::Vector3d& tool, bool hold) noexcept;
   void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
   void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
@@ -125,6 +126,7 @@ class Contact {
   Eigen::Vector3d last_tool_;
   State state_;
   bool step_follows_ = false;        ///< value that Touch::stepped gets in the next update
+  std::uint64_t updates_ = 0;
   std::int32_t near_triangle_ = -1;  ///< triangle of the last nearest point, where the next search
                                      ///< begins
 };

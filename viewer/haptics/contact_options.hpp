@@ -17,9 +17,10 @@ struct ContactOptions {
   /// from a ridge between two triangles. Smaller values feel softer and lag more.
   double most_relaxation = 0.005;
   /// Equilibria around the hand that correct the areas of `live_model`; null: none. Both must
-  /// outlive the contact.
-  const LiveTouch* live = nullptr;
+  /// outlive the contact. One contact at a time may use a LiveTouch.
+  LiveTouch* live = nullptr;
   const HapticModel* live_model = nullptr;
+  double period = 1e-3;  ///< s, between two updates; only `live` needs it
 };
 
 }  // namespace palpate

@@ -4,7 +4,6 @@
 
 #include "common/base/assertion.hpp"
 #include "viewer/haptics/haptic_model.hpp"
-#include "viewer/haptics/live_touch.hpp"
 
 namespace palpate {
 namespace {
@@ -15,11 +14,10 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Returns the options with the tick's period in those of the guard, and its LiveTouch in those of
-/// the contact. The force limit is never above the device's, whatever the options say.
+/// Returns the options with the tick's period in those of guard and contact. The force limit is never above the device's, whatever the options say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
-  options.contact.live = options.live;
+  options.contact.period = options.period;
   const double most = device.profile().max_force;
   if (most > 0) options.guard.max_force = std::min(options.guard.max_force, most);
   options.guard.max_slew = slewOf(options.guard);
@@ -80,7 +78,6 @@ const HapticState& HapticTick::run(bool late) noexcept {
       lost || away ? nowhere() : options_.map.toScene(state_.reading.position);
   if (tool.allFinite()) state_.tool = tool;
 
-  if (options_.live != nullptr) options_.live->begin(options_.period);
   const GuardInput input = {.tool = tool,
                             .touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0),
                             .held = state_.reading.held,
@@ -89,10 +86,6 @@ const HapticState& HapticTick::run(bool late) noexcept {
                             .away = away,
                             // A lost device is halted. The tick in which it returns is late.
                             .late = late && !lost};
-  if (options_.live != nullptr)
-    options_.live->publish({state_.time, input.touch.touching && touchesLive(),
-                            input.touch.anchor_position, input.touch.displacement,
-                            input.touch.force});
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;

@@ -64,9 +64,6 @@ struct TickOptions {
   ContactOptions contact;
   GuardOptions guard;
   WorkspaceMap map;
-  /// Equilibria around the hand, for contact.live_model; null: none. Must outlive the tick, which
-  /// sets contact.live.
-  LiveTouch* live = nullptr;
 };
 
 /// One tick of the haptic loop: reads the device, finds the contact, evaluates the force, guards it
@@ -89,11 +86,6 @@ class HapticTick {
   const TickOptions& options() const noexcept { return options_; }
 
  private:
-  /// Returns whether the live solver corrects the model in use.
-  bool touchesLive() const noexcept {
-    return models_[static_cast<std::size_t>(state_.model)] == options_.contact.live_model;
-  }
-
   std::vector<const HapticModel*> models_;
   HapticDevice& device_;
   TickOptions options_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -11,6 +13,20 @@ constexpr double largest_fade_step = 0.005, largest_fade_share = 0.01;
 constexpr double longest_fade = 0.3;
 
 }  // namespace
+
+double followedRadius(const HapticModel& model, ContentId build) {
+  if (build != model.buildId())
+    throw badInput("the scene is not that of {}: give the scene from which it was built",
+                   model.file());
+  const std::vector<TouchArea>& areas = model.surface().areas();
+  if (areas.empty())
+    throw badInput("live solving needs a finger, but no finger touches {}", model.file());
+  for (const TouchArea& area : areas)
+    if (area.radius != areas.front().radius)
+      throw badInput("live solving needs fingers of one radius; {} has several radii",
+                     model.file());
+  return areas.front().radius;
+}
 
 void LiveTouch::begin(double period) noexcept {
   if (const Answer& answer = answers_.read(); answer.number != taken_) {

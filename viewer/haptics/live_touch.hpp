@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/fields/live_correction.hpp"
+#include "viewer/haptics/haptic_model.hpp"
 #include "viewer/haptics/triple_buffer.hpp"
 
 namespace palpate {
@@ -12,6 +13,19 @@ struct LiveHand {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m, the anchor at rest
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, of the tissue
+};
+
+/// Returns the radius of the fingers that touch a model, m. Error (bad input) if the model is not
+/// that of the scene `build` (problemId), or has no finger or fingers of several radii.
+double followedRadius(const HapticModel& model, ContentId build);
+
+/// Statistics of a live solver: how well it keeps up with the hand.
+struct LiveStatistics {
+  std::uint64_t answers = 0;   ///< number of equilibria received
+  std::uint64_t failures = 0;  ///< number of hand positions without an equilibrium
+  std::uint64_t restarts = 0;  ///< number of restarts and reconnections of the live solver
+  double seconds = 0;  ///< s, time from question to answer, summed over answers and failures
+  double largest_seconds = 0;  ///< s, largest time from question to answer
 };
 
 /// Passes the state of the hand from the haptic thread to the thread that asks the live solver

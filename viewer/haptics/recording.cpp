@@ -93,7 +93,7 @@ void writeRun(Writer& out, const RecordedRun& run) {
     files.push_back(model.file);
     ids.push_back(model.dataset.hex());
   }
-  const auto& [period, contact, guard, map, live] = run.options;
+  const auto& [period, contact, guard, map] = run.options;
   out.setText("/", "format", format_word);
   out.setText("/", "datasets", jsonOf(files));
   out.setText("/", "content_ids", jsonOf(ids));

@@ -31,9 +31,9 @@ constexpr double speed_time = 0.004;
 
 /// A live solver with its socket in a directory that only this user can open.
 struct LiveLink::Follower {
-  Follower() {
-    pid = startChild({programBeside("palpate-worker").string(), "follow", "--quiet", "--insecure",
-                      "--listen", endpoint()});
+  explicit Follower(const std::string& worker) {
+    pid = startChild({worker.empty() ? programBeside("palpate-worker").string() : worker, "follow",
+                      "--quiet", "--insecure", "--listen", endpoint()});
   }
   ~Follower() {
     if (!ended()) {
@@ -125,7 +125,7 @@ std::string LiveLink::connect() {
   socket_ = makeDealer(context_);
   if (options_.endpoint.empty()) {
     follower_.reset();
-    follower_ = std::make_unique<Follower>();
+    follower_ = std::make_unique<Follower>(options_.worker);
     return connectDealer(socket_, follower_->endpoint());
   }
   if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);

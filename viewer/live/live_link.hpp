@@ -17,15 +17,7 @@ struct LiveLinkOptions {
   std::string problem;                 ///< encodeProblem()
   std::string endpoint;                ///< of a live solver; empty: start one on this machine
   std::optional<KeyFolder> keys = {};  ///< nullopt if the live solver needs no key
-};
-
-/// Statistics of a live solver: how well it keeps up with the hand.
-struct LiveStatistics {
-  std::uint64_t answers = 0;   ///< number of equilibria received
-  std::uint64_t failures = 0;  ///< number of hand positions without an equilibrium
-  std::uint64_t restarts = 0;  ///< number of restarts and reconnections of the live solver
-  double seconds = 0;  ///< s, time from question to answer, summed over answers and failures
-  double largest_seconds = 0;  ///< s, largest time from question to answer
+  std::string worker = {};  ///< path of palpate-worker; empty: the one beside this program
 };
 
 /// Asks a live solver (`palpate follow`) for the equilibria near the hand, in a thread of its own.

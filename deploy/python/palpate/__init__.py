@@ -10,6 +10,7 @@ Contents:
 
 ``Dataset``    a dataset in memory; ``query`` answers any number of displacements in one call
 ``Contact``    a tool that touches the body, slides and lets go, one position at a time
+``Live``       a solver that follows the hand: exact forces near it, also without a dataset
 ``Guard``      limits a force to a safe one for a haptic device
 ``Arrays``     the contents of a dataset file, as NumPy arrays (needs h5py)
 ``Recording``  the run that ``palpate view --record`` wrote, as NumPy arrays (needs h5py)
@@ -25,10 +26,11 @@ from ._library import Error, version
 from .arrays import Arrays, Space
 from .contact import Contact, ContactMode, ContactOptions, DeviceProfile, Guard, GuardedForce, GuardOptions, Touch, device
 from .dataset import Answers, AreaInfo, Dataset, SpaceInfo
+from .live import Live, LiveInfo
 from .recording import Recording
 
 __all__ = [
     "Answers", "AreaInfo", "Arrays", "Contact", "ContactMode", "ContactOptions", "Dataset", "DeviceProfile", "Error", "Guard",
-    "GuardOptions", "GuardedForce", "Recording", "Space", "SpaceInfo", "Touch", "device", "version",
+    "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Space", "SpaceInfo", "Touch", "device", "version",
 ]
 __version__ = version()

@@ -6,7 +6,7 @@ import ctypes
 import ctypes.util
 import os
 from collections.abc import Callable, Iterator
-from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8, c_uint32, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +77,16 @@ class Answers(_Sized):
 
 class ContactOptions(_Sized):
     _fields_ = [("size", c_size_t), ("mode", c_int32), ("method", c_int32), ("friction", c_double),
-                ("grab_distance", c_double), ("most_slide", c_double), ("most_relaxation", c_double)]
+                ("grab_distance", c_double), ("most_slide", c_double), ("most_relaxation", c_double), ("live", c_void_p)]
+
+
+class LiveOptions(_Sized):
+    _fields_ = [("size", c_size_t), ("period", c_double), ("worker", c_char_p), ("follower", c_char_p), ("keys", c_char_p)]
+
+
+class LiveInfo(_Sized):
+    _fields_ = [("size", c_size_t), ("ready", c_int32), ("reserved", c_int32), ("answers", c_uint64), ("failures", c_uint64),
+                ("restarts", c_uint64), ("mean_seconds", c_double), ("largest_seconds", c_double)]
 
 
 class Touch(_Sized):
@@ -130,6 +139,11 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
     "contact_release": (_status, [_handle]),
     "contact_use": (_status, [_handle, _handle, c_int32]),
     "touch_displacements": (_status, [_handle, POINTER(Touch), POINTER(c_float), c_size_t]),
+    "live_start": (_status, [c_char_p, _handle, POINTER(LiveOptions), POINTER(_handle)]),
+    "live_stop": (None, [_handle]),
+    "live_dataset": (_status, [_handle, POINTER(_handle)]),
+    "live_describe": (_status, [_handle, POINTER(LiveInfo)]),
+    "live_trouble": (_status, [_handle, c_char_p, c_size_t]),
     "device_profile": (_status, [c_char_p, POINTER(Profile)]),
     "guard_defaults": (_status, [c_char_p, c_double, POINTER(GuardOptions)]),
     "guard_create": (_status, [POINTER(GuardOptions), POINTER(_handle)]),

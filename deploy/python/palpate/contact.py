@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _library
 from ._library import ByValue, Numbers
 from .dataset import Dataset
+from .live import Live
 
 _guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond")
 
@@ -82,14 +83,18 @@ class Contact(_library.Handle):
 
     _destroy = "contact_destroy"
 
-    def __init__(self, dataset: Dataset, options: ContactOptions | None = None, method: str | int = 0) -> None:
-        """options: default ``Contact.defaults(dataset)``. method: name or index of a prepared method."""
+    def __init__(self, dataset: Dataset, options: ContactOptions | None = None, method: str | int = 0,
+                 live: Live | None = None) -> None:
+        """options: default ``Contact.defaults(dataset)``. method: name or index of a prepared method. live: a live solver of
+        ``dataset`` (``Live.dataset``) that corrects the forces; one contact at a time."""
         given = _library.ContactOptions()
         _library.call("contact_defaults", dataset.handle, byref(given))
         if options is not None:
             for field in fields(options):
                 setattr(given, field.name, getattr(options, field.name))
         given.method = dataset._method(method)
+        if live is not None:
+            given.live = live.handle._as_parameter_
         handle = c_void_p()
         _library.call("contact_create", dataset.handle, byref(given), byref(handle))
         self._own(handle)

@@ -79,7 +79,7 @@ def _doubles(array: Numbers) -> Any:
 
 
 @contextlib.contextmanager
-def _hdf5_alone() -> Iterator[None]:
+def hdf5_alone() -> Iterator[None]:
     """Locks h5py, if it is loaded, while libpalpate reads a file: HDF5 is not thread-safe."""
     # Copy the list, because another thread may import meanwhile.
     objects = (module for name, module in list(sys.modules.items()) if name.startswith("h5py.") and name.endswith("._objects"))
@@ -120,10 +120,13 @@ class Dataset(_library.Handle):
             names = (c_char_p * len(methods))(*(name.encode() for name in methods))
             options.methods, options.method_count = ctypes.cast(names, POINTER(c_char_p)), len(names)
         handle = c_void_p()
-        with _hdf5_alone():
+        with hdf5_alone():
             _library.call("dataset_open", os.fsencode(file), byref(options), byref(handle))
-        self._own(handle)
         self._path, self._reach = os.path.abspath(os.fsdecode(file)), reach
+        self._take(handle)
+
+    def _take(self, handle: c_void_p) -> None:
+        self._own(handle)
         self._info = _library.DatasetInfo()
         _library.call("dataset_describe", self.handle, byref(self._info))
         self.name: str = self._info.name.decode()  #: name of the scene
@@ -134,7 +137,17 @@ class Dataset(_library.Handle):
         self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
                                               for m in range(self._info.method_count))
 
+    @classmethod
+    def _of(cls, handle: c_void_p) -> Dataset:
+        """Returns the dataset of a handle, which has no file."""
+        dataset = cls.__new__(cls)
+        dataset._path, dataset._reach = "", 0.0
+        dataset._take(handle)
+        return dataset
+
     def __reduce__(self) -> Any:
+        if not self._path:
+            raise TypeError("the dataset of a live scene stays in its process: it has no file")
         return _opened_again, (self._path, self.methods, self._reach, self.content_id)
 
     def __repr__(self) -> str:

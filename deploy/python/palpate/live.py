@@ -1,0 +1,67 @@
+"""A live solver: exact forces near the hand, also of a scene without a dataset."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from ctypes import byref, c_void_p
+from dataclasses import dataclass
+
+from . import _library
+from .dataset import Dataset, hdf5_alone
+
+
+@dataclass(frozen=True)
+class LiveInfo:
+    """How well a live solver keeps up with the hand."""
+
+    ready: bool  #: the live solver answers
+    trouble: str  #: current problem as a sentence; "" if there is none
+    answers: int  #: number of equilibria received
+    failures: int  #: number of hand positions without an equilibrium
+    restarts: int  #: number of restarts and reconnections of the live solver
+    mean_seconds: float  #: s, from question to answer; 0 before the first answer
+    largest_seconds: float  #: s
+
+
+class Live(_library.Handle):
+    """A process that solves for equilibria near the hand while it moves, and corrects the forces of one contact.
+
+    Use it as ``Contact(live.dataset, live=live)``. Its forces follow the hand in real time, so update the contact every
+    ``period`` seconds. A contact keeps its live solver until the contact is closed.
+    """
+
+    _destroy = "live_stop"
+
+    def __init__(self, scene: str | os.PathLike[str], dataset: Dataset | None = None, *, period: float = 0.001,
+                 worker: str | os.PathLike[str] | None = None, follower: str | None = None, keys: str | None = None) -> None:
+        """Starts the live solver and waits until it is ready, which takes seconds.
+
+        scene: file of the scene. dataset: the dataset of this scene that is corrected. None: a guess stands for it, whose forces
+        are marked as not inside.
+        period: s, between two updates of the contact.
+        worker: path of the program palpate-worker; None: found in PATH. follower: address of ``palpate follow`` on another
+        machine; None: a worker is started here. keys: folder of the keys for ``follower``; "": none.
+        """
+        options = _library.LiveOptions(period=period, worker=None if worker is None else os.fsencode(worker),
+                                       follower=None if follower is None else follower.encode(),
+                                       keys=None if keys is None else os.fsencode(keys))
+        handle = c_void_p()
+        with hdf5_alone():
+            _library.call("live_start", os.fsencode(scene), None if dataset is None else dataset.handle, byref(options),
+                          byref(handle))
+        self._own(handle)
+        if dataset is None:
+            corrected = c_void_p()
+            _library.call("live_dataset", self.handle, byref(corrected))
+            dataset = Dataset._of(corrected)
+        self.dataset: Dataset = dataset  #: for the contact
+
+    @property
+    def info(self) -> LiveInfo:
+        """The state of the live solver now."""
+        given, text = _library.LiveInfo(), ctypes.create_string_buffer(1024)
+        _library.call("live_describe", self.handle, byref(given))
+        _library.call("live_trouble", self.handle, text, len(text))
+        return LiveInfo(bool(given.ready), text.value.decode(errors="replace"), given.answers, given.failures, given.restarts,
+                        given.mean_seconds, given.largest_seconds)

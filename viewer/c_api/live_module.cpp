@@ -1,0 +1,75 @@
+#include "viewer/c_api/live_module.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/keys/key_options.hpp"
+#include "viewer/live/guessed_dataset.hpp"
+#include "viewer/live/live_link.hpp"
+
+namespace palpate {
+namespace {
+
+/// Longest wait for the state at rest.
+constexpr std::chrono::seconds start_patience{60};
+
+std::string workerInPath() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (std::string file = folder + "/palpate-worker"; access(file.c_str(), X_OK) == 0) return file;
+  throw std::runtime_error(
+      "there is no program palpate-worker in PATH; install Palpate, or set options->worker");
+}
+
+LiveLinkOptions linkOptions(const Problem& problem, const LiveRequest& request) {
+  LiveLinkOptions options;
+  options.problem = encodeProblem(problem);
+  if (request.follower == nullptr) {
+    options.worker = request.worker != nullptr ? request.worker : workerInPath();
+    if (access(options.worker.c_str(), X_OK) != 0)
+      throw std::runtime_error(fmt::format("options->worker {}: {}", options.worker, errnoText()));
+    return options;
+  }
+  options.endpoint = request.follower;
+  const std::string keys = request.keys != nullptr ? request.keys : "";
+  options.keys = KeyOptions{keys, request.keys != nullptr && keys.empty()}.keys();
+  return options;
+}
+
+class LinkedService final : public LiveService {
+ public:
+  explicit LinkedService(const LiveRequest& request)
+      : LinkedService(request, loadProblem(request.scene)) {}
+  std::string guess() const override { return guess_ ? guess_->file().string() : ""; }
+  ContentId build() const override { return build_; }
+  void start(LiveTouch& touch) override {
+    link_.emplace(touch, std::move(options_));
+    if (link_->waitUntilReady(start_patience)) return;
+    const std::string trouble = link_->trouble();
+    throw std::runtime_error(trouble.empty() ? "the live solver has not started" : trouble);
+  }
+  std::string trouble() const override { return link_->trouble(); }
+  LiveStatistics statistics() const override { return link_->statistics(); }
+
+ private:
+  LinkedService(const LiveRequest& request, const Problem& problem)
+      : build_(problemId(problem)), options_(linkOptions(problem, request)) {
+    if (request.guess) guess_.emplace(problem);
+  }
+  ContentId build_;
+  LiveLinkOptions options_;
+  std::optional<GuessedDataset> guess_;
+  std::optional<LiveLink> link_;
+};
+
+}  // namespace
+}  // namespace palpate
+
+extern "C" palpate::LiveService* palpate_open_live_service(const palpate::LiveRequest& request) {
+  return new palpate::LinkedService(request);
+}

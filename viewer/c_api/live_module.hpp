@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "viewer/haptics/live_touch.hpp"
+
+namespace palpate {
+
+/// What palpate_live_start asks for. Pointers are NULL as in palpate_live_options.
+struct LiveRequest {
+  const char* scene;
+  bool guess;  ///< no dataset is given
+  const char *worker, *follower, *keys;
+};
+
+/// A live solver for libpalpate. Its code is in a module that libpalpate loads when it is needed,
+/// so that simulators that do not follow a hand load neither ZeroMQ nor Protobuf, of which they may
+/// have other versions. Any thread.
+class LiveService {
+ public:
+  virtual ~LiveService() = default;  ///< ends the live solver
+  /// Returns the file of the guessed dataset, which exists as long as this object; "" without
+  /// guess.
+  virtual std::string guess() const = 0;
+  virtual ContentId build() const = 0;  ///< problemId of the scene
+  /// Starts to follow `touch`, which must outlive this object, and waits until the live solver is
+  /// ready. Call once. Throws std::runtime_error if the live solver has trouble.
+  virtual void start(LiveTouch& touch) = 0;
+  virtual std::string trouble() const = 0;  ///< as LiveLink::trouble(); after start()
+  virtual LiveStatistics statistics() const = 0;
+};
+
+/// Entry of the module. Reads the scene, and makes the guess. Throws the errors of loadProblem()
+/// and GuessedDataset, and std::runtime_error if there is no worker. The caller owns the result.
+using OpenLiveService = LiveService*(const LiveRequest& request);
+constexpr const char* live_service_entry = "palpate_open_live_service";
+
+}  // namespace palpate

@@ -1,0 +1,92 @@
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "viewer/c_api/arguments.hpp"
+#include "viewer/c_api/live_scene.hpp"
+
+using namespace palpate;
+
+namespace {
+
+/// Loads the module, which lies in the folder palpate beside this library.
+OpenLiveService* liveModule() {
+  Dl_info here;
+  if (dladdr(reinterpret_cast<const void*>(&palpate_live_start), &here) == 0)
+    throw std::runtime_error("the file of libpalpate is unknown");
+  const std::filesystem::path module =
+      std::filesystem::path(here.dli_fname).parent_path() / "palpate" / PALPATE_LIVE_MODULE;
+  void* const loaded = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (loaded == nullptr)
+    throw std::runtime_error(fmt::format("{}; install the package palpate", dlerror()));
+  return reinterpret_cast<OpenLiveService*>(dlsym(loaded, live_service_entry));
+}
+
+std::shared_ptr<LiveScene> startedFor(const char* file, const palpate_dataset* dataset,
+                                      const palpate_live_options& given) {
+  static OpenLiveService* const open = liveModule();
+  const bool guess = dataset == nullptr;
+  std::unique_ptr<LiveService> service;
+  std::shared_ptr<const LoadedDataset> loaded;
+  {
+    const std::lock_guard lock(hdf5Mutex());
+    service.reset(open({file, guess, given.worker, given.follower, given.keys}));
+    loaded = guess ? std::make_shared<const LoadedDataset>(
+                         Dataset(service->guess()), HapticModelOptions{.methods = {"potential"}})
+                   : dataset->loaded;
+  }
+  return std::make_shared<LiveScene>(loaded, std::move(service), guess, given.period);
+}
+
+}  // namespace
+
+palpate_status palpate_live_start(const char* scene, const palpate_dataset* dataset,
+                                  const palpate_live_options* options, palpate_live** live) {
+  if (!isThere(__func__, "live", live)) return PALPATE_INVALID_ARGUMENT;
+  // The caller gets no handle if anything below fails.
+  *live = nullptr;
+  palpate_live_options chosen{};
+  chosen.period = 1e-3;
+  if (!isThere(__func__, "scene", scene) || !takeOptions(__func__, options, chosen) ||
+      !isFinite(__func__, "options->period", chosen.period, Least::above_zero))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__,
+                           [&] { *live = new palpate_live{startedFor(scene, dataset, chosen)}; });
+}
+
+void palpate_live_stop(palpate_live* live) { delete live; }
+
+palpate_status palpate_live_dataset(const palpate_live* live, palpate_dataset** dataset) {
+  if (!isThere(__func__, "live", live) || !isThere(__func__, "dataset", dataset))
+    return PALPATE_INVALID_ARGUMENT;
+  *dataset = nullptr;
+  return withoutExceptions(__func__, [&] { *dataset = new palpate_dataset{live->scene->loaded}; });
+}
+
+palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info* info) {
+  if (!isThere(__func__, "live", live) || !sizeIsKnown(__func__, "info", info))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__, [&] {
+    const LiveStatistics statistics = live->scene->service->statistics();
+    palpate_live_info now{};
+    now.ready = live->scene->service->trouble().empty() ? 1 : 0;
+    now.answers = statistics.answers;
+    now.failures = statistics.failures;
+    now.restarts = statistics.restarts;
+    const std::uint64_t count = statistics.answers + statistics.failures;
+    if (count > 0) now.mean_seconds = statistics.seconds / static_cast<double>(count);
+    now.largest_seconds = statistics.largest_seconds;
+    give(info, now);
+  });
+}
+
+palpate_status palpate_live_trouble(const palpate_live* live, char* text, std::size_t capacity) {
+  if (!isThere(__func__, "live", live) || !isThere(__func__, "text", text) ||
+      !isEnough(__func__, capacity, 1))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__, [&] {
+    const std::string trouble = live->scene->service->trouble();
+    text[trouble.copy(text, capacity - 1)] = '\0';
+  });
+}
